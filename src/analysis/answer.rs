@@ -1,0 +1,168 @@
+//! What analyses return.
+
+use crate::base::Ball;
+use crate::system::{CoordinateId, Label};
+
+/// The road that found a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// Decided exactly, on rational numbers: a rigid motion, a repeated root.
+    Exact,
+    /// One-sided Jacobi on the factors in binary64, Rayleigh quotients and certificate in double-double.
+    Factored,
+    /// The same in double-double throughout.
+    FactoredDoubleDouble,
+    /// The assembled matrices in double-double.
+    Assembled,
+    /// Subtraction-free elimination of a network of springs, then Jacobi.
+    StarMesh,
+    /// Bisection and Newton steps on a tree.
+    Tree,
+    /// Classical damping: each mode is an oscillator of its own.
+    Decoupled,
+    /// Companion matrix, then Newton steps with residuals of the terms in double-double.
+    Refined,
+}
+
+impl Route {
+    /// For reports: `factored`, `star-mesh`, ...
+    pub fn name(self) -> &'static str {
+        match self {
+            Route::Exact => "exact",
+            Route::Factored => "factored",
+            Route::FactoredDoubleDouble => "factored-dd",
+            Route::Assembled => "assembled-dd",
+            Route::StarMesh => "star-mesh",
+            Route::Tree => "tree",
+            Route::Decoupled => "decoupled",
+            Route::Refined => "refined",
+        }
+    }
+}
+
+/// The undamped modes, ascending in omega^2 (divergences first, then rigid motions, then oscillations).
+#[derive(Clone, Debug)]
+pub struct Modes {
+    pub list: Vec<Mode>,
+}
+
+/// A mode of M q'' + K q = 0.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    pub kind: ModeKind,
+    /// omega^2 as an enclosure, 1/s^2; exactly zero for a rigid motion.
+    pub omega_squared: Ball,
+    /// omega in rad/s for an oscillation, the growth rate in 1/s for a divergence, exactly zero for a rigid motion.
+    /// The radius is an absolute bound that holds; infinite where nothing could be certified.
+    pub omega: Ball,
+    /// Modes that are certified only together (a repeated frequency or a tight cluster) share a number; alone otherwise.
+    pub cluster: Option<u32>,
+    /// Displacement of each coordinate, mass-normalised (shape^T M shape = 1), sign as spec.md's "Normalisation" says.
+    pub shape: Vec<f64>,
+    /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
+    /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.
+    pub input_condition: Option<f64>,
+    /// Shares of the kinetic energy by coordinate, largest first, summing to 1.
+    pub kinetic: Vec<Share<CoordinateId>>,
+    /// Shares of the strain energy by what holds it (a spring's name, gravity), largest first, summing to 1
+    /// (shares of geometric terms may be negative). Empty for rigid motions.
+    pub strain: Vec<Share<Label>>,
+    pub route: Route,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModeKind {
+    /// omega^2 > 0
+    Oscillation,
+    /// omega^2 = 0 exactly
+    Rigid,
+    /// omega^2 < 0: the motion grows like exp(growth t)
+    Divergence,
+}
+
+/// A part of a whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share<T> {
+    pub of: T,
+    pub part: f64,
+}
+
+/// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.
+#[derive(Clone, Debug)]
+pub struct Poles {
+    pub list: Vec<Pole>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Pole {
+    /// 1/s
+    pub re: Ball,
+    /// rad/s
+    pub im: Ball,
+    /// Bound of |computed - true| / |true|; infinite where nothing could be certified, 0 for an exact zero.
+    pub relative_error: f64,
+    /// zeta = -re / |s|; `None` for a pole at zero.
+    pub damping_ratio: Option<Ball>,
+    pub kind: PoleKind,
+    /// Poles that are certified only together.
+    pub cluster: Option<u32>,
+    pub route: Route,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoleKind {
+    /// A complex pair with re <= 0.
+    Oscillation,
+    /// Real and negative.
+    Overdamped,
+    /// Exactly zero.
+    Rigid,
+    /// Real and positive.
+    Divergence,
+    /// A complex pair with re > 0.
+    Flutter,
+}
+
+impl PoleKind {
+    /// As in the JSON and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            PoleKind::Oscillation => "oscillation",
+            PoleKind::Overdamped => "overdamped",
+            PoleKind::Rigid => "rigid",
+            PoleKind::Divergence => "divergence",
+            PoleKind::Flutter => "flutter",
+        }
+    }
+}
+
+impl ModeKind {
+    /// As in the JSON and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            ModeKind::Oscillation => "oscillation",
+            ModeKind::Rigid => "rigid",
+            ModeKind::Divergence => "divergence",
+        }
+    }
+}
+
+/// What the modes and poles say about the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    Stable,
+    /// A rigid motion is left: neither returns nor runs away.
+    Neutral,
+    Unstable,
+}
+
+impl Stability {
+    /// As in the JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stability::Stable => "stable",
+            Stability::Neutral => "neutral",
+            Stability::Unstable => "unstable",
+        }
+    }
+}

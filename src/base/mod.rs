@@ -1,0 +1,16 @@
+//! Words that every layer may use: places in texts, diagnostics, numbers, quantities, names.
+
+pub mod diagnostic;
+pub mod dimension;
+pub mod name;
+pub mod number;
+pub mod source;
+pub mod unit;
+pub mod vector;
+
+pub use diagnostic::{Code, Diagnostic, Diagnostics, Label, Severity};
+pub use dimension::{Angle, Dimension, Quantity};
+pub use name::{Name, Symbol, Words};
+pub use number::{Ball, Dd, Number, Rational};
+pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
+pub use vector::Vec3;

@@ -1,0 +1,284 @@
+//! Elementary functions of [`Number`], each with a rigorous bound: exact where the argument is one of the rational
+//! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
+
+use super::{Ball, Dd, MAX_EXACT_BITS, Number, Rational};
+
+impl Number {
+    /// Non-negative square root; `None` where the number is or may be negative.
+    pub fn sqrt(&self) -> Option<Number> {
+        if let Number::Exact(value) = self {
+            if value.signum() < 0 {
+                return None;
+            }
+            if let Some(root) = value.exact_sqrt() {
+                return Some(Number::Exact(root));
+            }
+        }
+        let ball = self.to_ball();
+        (ball.is_zero() || ball.is_positive()).then(|| Number::Ball(ball.sqrt()))
+    }
+
+    /// An integer power; `None` for a negative power of what may be zero.
+    pub fn powi(&self, power: i32) -> Option<Number> {
+        if power < 0 && self.may_be_zero() {
+            return None;
+        }
+        if let Number::Exact(value) = self
+            && let Some(raised) = value.pow(power, MAX_EXACT_BITS)
+        {
+            return Some(Number::Exact(raised));
+        }
+        let (mut base, mut result, mut left) = (self.to_ball(), Ball::ONE, power.unsigned_abs());
+        while left > 0 {
+            if left & 1 == 1 {
+                result = result * base;
+            }
+            base = base * base;
+            left >>= 1;
+        }
+        Some(Number::Ball(if power < 0 { Ball::ONE / result } else { result }))
+    }
+
+    /// A real power of a positive number: exp(power ln self); integer powers and square roots keep what is exact.
+    /// `None` where the value is not a real number.
+    pub fn pow(&self, power: &Number) -> Option<Number> {
+        if let Number::Exact(value) = power {
+            if let Some(n) = value.to_i64().and_then(|n| i32::try_from(n).ok()) {
+                return self.powi(n);
+            }
+            let twice = value + value;
+            if let Some(n) = twice.to_i64().and_then(|n| i32::try_from(n).ok()) {
+                return self.sqrt()?.powi(n);
+            }
+        }
+        if self.is_zero() && power.is_positive() {
+            return Some(Number::ZERO);
+        }
+        (power * &self.ln()?).exp()
+    }
+
+    /// Natural logarithm; `None` for what is or may be zero or negative.
+    pub fn ln(&self) -> Option<Number> {
+        if self.is_one() {
+            return Some(Number::ZERO);
+        }
+        let ball = self.to_ball();
+        (ball.is_positive() && ball.is_finite()).then(|| Number::Ball(ln(ball)))
+    }
+
+    /// Exponential function; `None` beyond the range of binary64.
+    pub fn exp(&self) -> Option<Number> {
+        if self.is_zero() {
+            return Some(Number::ONE);
+        }
+        let ball = self.to_ball();
+        (ball.magnitude() < 700.0).then(|| Number::Ball(exp(ball)))
+    }
+
+    /// Sine and cosine of an angle in radians; `None` for angles too large to have digits left.
+    pub fn sin_cos(&self) -> Option<(Number, Number)> {
+        if self.is_zero() {
+            return Some((Number::ZERO, Number::ONE));
+        }
+        let ball = self.to_ball();
+        if ball.magnitude() > MAX_ANGLE {
+            return None;
+        }
+        let (s, c) = sin_cos(ball);
+        Some((Number::Ball(s), Number::Ball(c)))
+    }
+
+    /// Angle of the vector (x, y) in radians, in (-pi, pi]; `None` for the zero vector.
+    pub fn atan2(y: &Number, x: &Number) -> Option<Number> {
+        if y.is_zero() {
+            return if x.is_positive() {
+                Some(Number::ZERO)
+            } else if x.is_negative() {
+                Some(Number::pi())
+            } else {
+                None
+            };
+        }
+        let (y, x) = (y.to_ball(), x.to_ball());
+        (!(y.contains_zero() && x.contains_zero()) && y.is_finite() && x.is_finite()).then(|| Number::Ball(atan2(y, x)))
+    }
+}
+
+/// Beyond this the reduction by pi would leave fewer digits than a bound is worth.
+const MAX_ANGLE: f64 = 1e9;
+
+/// exp(x) = 2^k exp(r)^(2^6), r = (x - k ln 2) / 64: |r| < 0.006, thirteen terms leave less than 1e-38.
+fn exp(x: Ball) -> Ball {
+    let k = (x.mid.hi / std::f64::consts::LN_2).round();
+    let r = (x - Ball::LN_2 * Ball::from(k)) * Ball::from(1.0 / 64.0);
+    let mut term = Ball::ONE;
+    let mut sum = Ball::ONE;
+    for i in 1..=13 {
+        term = term * r / Ball::from(f64::from(i));
+        sum = sum + term;
+    }
+    // The remainder is below 2 |r|^14 / 14!, at most 2 x 0.0055^14 / 8.7e10; a wide argument counts with its radius.
+    let mut value = sum.widen(2.0 * r.magnitude().powi(14) / 8.7e10);
+    for _ in 0..6 {
+        value = value.square();
+    }
+    // Two factors, each in range, since k may be as low as -1010.
+    let half = (k / 2.0).trunc();
+    value * Ball::from(2f64.powi(half as i32)) * Ball::from(2f64.powi((k - half) as i32))
+}
+
+/// ln(x): two Newton steps y <- y + 2 (x - e^y) / (x + e^y) from binary64, then the last correction as a ball:
+/// ln x = y + 2 artanh(z), z = (x - e^y) / (x + e^y).
+fn ln(x: Ball) -> Ball {
+    let mut y = Dd::from(x.mid.hi.ln());
+    for _ in 0..2 {
+        let e = exp(Ball::exact(y)).mid;
+        y += (x.mid - e) / (x.mid + e) * 2.0;
+    }
+    let e = exp(Ball::exact(y));
+    let z = (x - e) / (x + e);
+    let size = z.magnitude();
+    if size > 0.5 {
+        return Ball::new(y, f64::INFINITY);
+    }
+    // |2 artanh z - 2 z| <= z^3 for |z| <= 1/2.
+    Ball::exact(y) + (z * Ball::from(2.0)).widen(size.powi(3))
+}
+
+/// Sine and cosine: r = x - k pi/2 with |r| <= pi/4, halved thrice, Taylor, then doubled back.
+fn sin_cos(x: Ball) -> (Ball, Ball) {
+    let k = (x.mid.hi / std::f64::consts::FRAC_PI_2).round();
+    let half_pi = Ball::PI * Ball::from(0.5);
+    let r = x - half_pi * Ball::from(k);
+    if r.magnitude() > 2.0 {
+        // So wide that nothing is known.
+        return (Ball::new(Dd::ZERO, 1.0), Ball::new(Dd::ZERO, 1.0));
+    }
+    let r2 = r.square();
+    // sin r = r sum (-r^2)^i / (2i+1)!, cos r = sum (-r^2)^i / (2i)!: sixteen terms leave less than |r|^32 / 32!.
+    let (mut sine, mut cosine) = (r, Ball::ONE);
+    let (mut s_term, mut c_term) = (r, Ball::ONE);
+    for i in 1..16 {
+        let n = f64::from(2 * i);
+        c_term = -(c_term * r2) / Ball::from(n * (n - 1.0));
+        s_term = -(s_term * r2) / Ball::from(n * (n + 1.0));
+        cosine = cosine + c_term;
+        sine = sine + s_term;
+    }
+    let rest = r.magnitude().powi(32) / 2.6e35;
+    let (sine, cosine) = (sine.widen(rest), cosine.widen(rest));
+    match k.rem_euclid(4.0) as i64 {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+/// The angle t = atan2 in binary64, then the exact angle left over: with (u, v) = (x, y) turned back by t,
+/// atan2(y, x) = t + atan(v / u), |v / u| tiny.
+fn atan2(y: Ball, x: Ball) -> Ball {
+    let mut t = Dd::from(y.mid.hi.atan2(x.mid.hi));
+    let left_over = |t: Dd| {
+        let (s, c) = sin_cos(Ball::exact(t));
+        (y * c - x * s) / (x * c + y * s)
+    };
+    t += left_over(t).mid;
+    let w = left_over(t);
+    let size = w.magnitude();
+    if size > 0.5 {
+        return Ball::new(t, f64::INFINITY);
+    }
+    // |atan w - w| <= |w|^3 / 3.
+    Ball::exact(t) + w.widen(size.powi(3))
+}
+
+/// arcsine by atan2(x, sqrt(1 - x^2)); `None` outside [-1, 1].
+pub(super) fn one_minus_square(x: &Number) -> Option<Number> {
+    (&(&Number::ONE - x) * &(&Number::ONE + x)).sqrt()
+}
+
+impl Number {
+    /// Arcsine in radians; `None` outside [-1, 1].
+    pub fn asin(&self) -> Option<Number> {
+        Number::atan2(self, &one_minus_square(self)?)
+    }
+
+    /// Arccosine in radians; `None` outside [-1, 1].
+    pub fn acos(&self) -> Option<Number> {
+        Number::atan2(&one_minus_square(self)?, self)
+    }
+
+    /// 10^(self/20): the amplitude ratio of a level in decibels.
+    pub fn from_decibel(&self) -> Option<Number> {
+        let ten = Number::from(10);
+        let exponent = self / &Number::from(20);
+        match &exponent {
+            Number::Exact(value) if value.is_integer() => ten.pow(&exponent),
+            _ => (&exponent * &ten.ln()?).exp(),
+        }
+    }
+}
+
+impl From<&str> for Number {
+    /// A decimal literal of this program's own text.
+    fn from(text: &str) -> Number {
+        Number::Exact(Rational::from_decimal(text).expect("a literal of the program's own text"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_is(x: Option<Number>, digits: &str) {
+        let x = x.expect("a value").to_ball();
+        let negative = digits.starts_with('-');
+        let truth = Number::from(digits.trim_start_matches('-'));
+        let truth = if negative { -&truth } else { truth }.to_ball();
+        let error = (x.mid - truth.mid).abs().to_f64();
+        assert!(error <= x.rad + 1e-31 * truth.magnitude(), "{digits}: error {error:e}, radius {:e}", x.rad);
+        // A hundred roundings of 2^-101, doubled by each of the six squarings of exp.
+        assert!(x.rad <= 1e-27 * truth.magnitude(), "{digits}: radius {:e}", x.rad);
+    }
+
+    // Reference digits: OEIS A001113, A002162, A002392, A049469, A049470, A003881.
+    #[test]
+    fn functions_have_the_published_digits() {
+        assert_is(Number::ONE.exp(), "2.71828182845904523536028747135266249775724709369995");
+        assert_is(Number::from(2).ln(), "0.69314718055994530941723212145817656807550013436026");
+        assert_is(Number::from(10).ln(), "2.30258509299404568401799145468436420760110148862877");
+        assert_is(Number::ONE.sin_cos().map(|p| p.0), "0.84147098480789650665250232163029899962256306079837");
+        assert_is(Number::ONE.sin_cos().map(|p| p.1), "0.54030230586813971740093660744297660373231042061792");
+        assert_is(Number::atan2(&Number::ONE, &Number::ONE), "0.78539816339744830961566084581987572104929234984378");
+        assert_is(Number::from(2).sqrt(), "1.41421356237309504880168872420969807856967187537694");
+        assert_is(Number::from("0.5").acos(), "1.04719755119659774615421446109316762806572313312503");
+        assert_is((-&Number::from(12)).from_decibel(), "0.25118864315095801110850320677993273941585181007824");
+    }
+
+    #[test]
+    fn exact_arguments_with_exact_values_stay_exact() {
+        assert_eq!(Number::from("2.25").sqrt(), Some(Number::from("1.5")));
+        assert_eq!(Number::from(2).powi(-3), Some(Number::from("0.125")));
+        assert_eq!((-&Number::from(40)).from_decibel(), Some(Number::from("0.01")));
+        assert_eq!(Number::from(4).pow(&Number::from("1.5")), Some(Number::from(8)));
+    }
+
+    #[test]
+    fn what_has_no_real_value_has_none() {
+        assert_eq!((-&Number::ONE).sqrt(), None);
+        assert_eq!(Number::ZERO.ln(), None);
+        assert_eq!(Number::ZERO.powi(-1), None);
+        assert_eq!(Number::from(2).asin(), None);
+        assert_eq!(Number::from(1000).exp(), None);
+    }
+
+    #[test]
+    fn large_angles_keep_a_true_bound() {
+        // sin(1e6), digits from a 60-digit evaluation of the series.
+        let (s, _) = Number::from(1_000_000).sin_cos().expect("in range");
+        let s = s.to_ball();
+        assert!((s.to_f64() - 1e6f64.sin()).abs() < 1e-15);
+        assert!(s.rad < 1e-24);
+    }
+}

@@ -1,0 +1,216 @@
+//! Numbers as a model means them: exact while they are rational, enclosed in a ball from then on.
+//!
+//! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact;
+//! a root, a sine or the circle constant makes a [`Ball`], a double-double with a rigorous radius.
+//! Clause: spec.md, "Numbers".
+
+pub mod ball;
+pub mod dd;
+mod functions;
+pub mod rational;
+
+pub use ball::Ball;
+pub use dd::Dd;
+pub use rational::Rational;
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Fractions larger than this become balls: exactness is for the numbers that people write, not for their hundredth powers.
+const MAX_EXACT_BITS: u64 = 8192;
+
+/// A real number: exact, or enclosed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Number {
+    Exact(Rational),
+    Ball(Ball),
+}
+
+impl Number {
+    pub const ZERO: Number = Number::Exact(Rational::ZERO);
+    pub const ONE: Number = Number::Exact(Rational::ONE);
+
+    pub fn pi() -> Number {
+        Number::Ball(Ball::PI)
+    }
+
+    /// The number in floating point with its error bound.
+    #[inline]
+    pub fn to_ball(&self) -> Ball {
+        match self {
+            Number::Exact(value) => value.to_ball(),
+            Number::Ball(ball) => *ball,
+        }
+    }
+
+    pub fn to_f64(&self) -> f64 {
+        match self {
+            Number::Exact(value) => value.to_f64(),
+            Number::Ball(ball) => ball.to_f64(),
+        }
+    }
+
+    /// The exact value, where it is known.
+    pub fn exact(&self) -> Option<&Rational> {
+        match self {
+            Number::Exact(value) => Some(value),
+            Number::Ball(_) => None,
+        }
+    }
+
+    /// Certainly zero.
+    #[inline]
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Number::Exact(value) => value.is_zero(),
+            Number::Ball(ball) => ball.is_zero(),
+        }
+    }
+
+    #[inline]
+    pub fn is_one(&self) -> bool {
+        matches!(self, Number::Exact(value) if value.is_one())
+    }
+
+    /// Zero, or not to be told from zero with the digits that are known.
+    pub fn may_be_zero(&self) -> bool {
+        match self {
+            Number::Exact(value) => value.is_zero(),
+            Number::Ball(ball) => ball.contains_zero(),
+        }
+    }
+
+    /// Certainly greater than zero.
+    pub fn is_positive(&self) -> bool {
+        match self {
+            Number::Exact(value) => value.signum() > 0,
+            Number::Ball(ball) => ball.is_positive(),
+        }
+    }
+
+    /// Certainly less than zero.
+    pub fn is_negative(&self) -> bool {
+        match self {
+            Number::Exact(value) => value.signum() < 0,
+            Number::Ball(ball) => ball.is_negative(),
+        }
+    }
+
+    /// Neither infinite nor of unknown size, and within the range of binary64.
+    pub fn is_finite(&self) -> bool {
+        self.to_ball().is_finite()
+    }
+
+    /// Which of the two is certainly smaller; `None` where the balls overlap.
+    pub fn compare(&self, other: &Number) -> Option<Ordering> {
+        if let (Number::Exact(a), Number::Exact(b)) = (self, other) {
+            return Some(a.cmp(b));
+        }
+        let difference = (self - other).to_ball();
+        if difference.is_zero() {
+            Some(Ordering::Equal)
+        } else if difference.is_positive() {
+            Some(Ordering::Greater)
+        } else if difference.is_negative() {
+            Some(Ordering::Less)
+        } else {
+            None
+        }
+    }
+
+    pub fn abs(&self) -> Number {
+        if self.is_negative() { -self } else { self.clone() }
+    }
+
+    #[inline]
+    pub fn square(&self) -> Number {
+        self * self
+    }
+
+    /// 1 / self; `None` where self may be zero.
+    pub fn recip(&self) -> Option<Number> {
+        Number::ONE.checked_div(self)
+    }
+
+    /// self / other; `None` where the divisor may be zero.
+    pub fn checked_div(&self, other: &Number) -> Option<Number> {
+        (!other.may_be_zero()).then(|| self / other)
+    }
+
+    fn from_rational(value: Rational) -> Number {
+        if value.bits() <= MAX_EXACT_BITS { Number::Exact(value) } else { Number::Ball(value.to_ball()) }
+    }
+}
+
+impl From<i64> for Number {
+    fn from(n: i64) -> Number {
+        Number::Exact(Rational::from(n))
+    }
+}
+
+impl From<Rational> for Number {
+    fn from(value: Rational) -> Number {
+        Number::from_rational(value)
+    }
+}
+
+impl From<Ball> for Number {
+    fn from(ball: Ball) -> Number {
+        Number::Ball(ball)
+    }
+}
+
+impl Neg for &Number {
+    type Output = Number;
+    fn neg(self) -> Number {
+        match self {
+            Number::Exact(value) => Number::Exact(-value),
+            Number::Ball(ball) => Number::Ball(-*ball),
+        }
+    }
+}
+
+impl Add for &Number {
+    type Output = Number;
+    fn add(self, other: &Number) -> Number {
+        match (self, other) {
+            (Number::Exact(a), _) if a.is_zero() => other.clone(),
+            (_, Number::Exact(b)) if b.is_zero() => self.clone(),
+            (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a + b),
+            _ => Number::Ball(self.to_ball() + other.to_ball()),
+        }
+    }
+}
+
+impl Sub for &Number {
+    type Output = Number;
+    fn sub(self, other: &Number) -> Number {
+        self + &-other
+    }
+}
+
+impl Mul for &Number {
+    type Output = Number;
+    fn mul(self, other: &Number) -> Number {
+        match (self, other) {
+            (Number::Exact(a), _) if a.is_one() => other.clone(),
+            (_, Number::Exact(b)) if b.is_one() => self.clone(),
+            (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a * b),
+            // An exact zero stays exact whatever it is multiplied with.
+            _ if self.is_zero() || other.is_zero() => Number::ZERO,
+            _ => Number::Ball(self.to_ball() * other.to_ball()),
+        }
+    }
+}
+
+impl Div for &Number {
+    type Output = Number;
+    /// The quotient; a ball of infinite radius where the divisor may be zero.
+    fn div(self, other: &Number) -> Number {
+        match (self, other) {
+            (_, Number::Exact(b)) if b.is_one() => self.clone(),
+            (Number::Exact(a), Number::Exact(b)) if !b.is_zero() => Number::from_rational(a / b),
+            _ => Number::Ball(self.to_ball() / other.to_ball()),
+        }
+    }
+}

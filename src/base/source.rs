@@ -1,0 +1,180 @@
+//! Where a thing was written: files, byte ranges, lines and columns.
+
+use std::path::{Path, PathBuf};
+
+/// Index of a file in [`Sources`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FileId(pub u8);
+
+/// A byte range of a file, eight bytes large: a scene of a million bodies keeps millions of them.
+///
+/// The length saturates at [`Span::MAX_LEN`]; only spans of whole files are longer, and only their start is ever shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Span {
+    start: u32,
+    /// File in the upper 8 bits, length in the lower 24.
+    file_and_len: u32,
+}
+
+impl Span {
+    pub const MAX_LEN: usize = (1 << 24) - 1;
+
+    /// The range `start..end` of a file. `start` is below 4 GiB: see `syntax` for the limit of a file's size.
+    #[inline]
+    pub fn new(file: FileId, start: usize, end: usize) -> Span {
+        let len = end.saturating_sub(start).min(Span::MAX_LEN) as u32;
+        Span { start: start as u32, file_and_len: u32::from(file.0) << 24 | len }
+    }
+
+    #[inline]
+    pub fn file(self) -> FileId {
+        FileId((self.file_and_len >> 24) as u8)
+    }
+
+    #[inline]
+    pub fn start(self) -> usize {
+        self.start as usize
+    }
+
+    #[inline]
+    pub fn end(self) -> usize {
+        self.start() + self.len()
+    }
+
+    #[inline]
+    pub fn len(self) -> usize {
+        (self.file_and_len & 0x00ff_ffff) as usize
+    }
+
+    #[inline]
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// The smallest span that covers both; both are in one file.
+    pub fn to(self, other: Span) -> Span {
+        Span::new(self.file(), self.start().min(other.start()), self.end().max(other.end()))
+    }
+
+    pub fn range(self) -> std::ops::Range<usize> {
+        self.start()..self.end()
+    }
+}
+
+/// What a file of a run is: decides how its places are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SourceKind {
+    /// A model file.
+    Model,
+    /// A TOML file of settings.
+    Settings,
+    /// The `--set NAME=VALUE` arguments, one a line.
+    Arguments,
+}
+
+/// A named text.
+#[derive(Clone, Debug)]
+pub struct SourceFile {
+    pub kind: SourceKind,
+    /// As shown in messages: the path as the user gave it, `<stdin>`, or `--set`.
+    pub name: String,
+    /// Directory that relative paths in the file (tables of signals) are relative to.
+    pub directory: PathBuf,
+    pub text: String,
+}
+
+impl SourceFile {
+    pub fn model(name: impl Into<String>, text: impl Into<String>) -> SourceFile {
+        let name = name.into();
+        let directory = Path::new(&name).parent().map(Path::to_path_buf).unwrap_or_default();
+        SourceFile { kind: SourceKind::Model, name, directory, text: text.into() }
+    }
+
+    /// The file's name without directory and extension: the model's name where it declares none.
+    pub fn stem(&self) -> String {
+        Path::new(&self.name).file_stem().map_or_else(|| "model".into(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Line and column of a byte offset, both from 1, the column in characters.
+    pub fn position(&self, offset: usize) -> Position {
+        let offset = floor_char_boundary(&self.text, offset);
+        let before = &self.text[..offset];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+        Position { line, column: self.text[line_start..offset].chars().count() + 1 }
+    }
+}
+
+fn floor_char_boundary(text: &str, offset: usize) -> usize {
+    let mut at = offset.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// A place in a text as people count: from 1, columns in characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Position {
+    pub line: usize,
+    pub column: usize,
+}
+
+/// The texts of one run, in the order in which they were added.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    files: Vec<SourceFile>,
+}
+
+impl Sources {
+    pub fn new() -> Sources {
+        Sources::default()
+    }
+
+    /// Adds a file. A run has a model, a settings file and the arguments: far fewer than 256.
+    pub fn add(&mut self, file: SourceFile) -> FileId {
+        let id = u8::try_from(self.files.len()).expect("a run reads a handful of files");
+        self.files.push(file);
+        FileId(id)
+    }
+
+    pub fn file(&self, id: FileId) -> &SourceFile {
+        &self.files[id.0 as usize]
+    }
+
+    pub fn text(&self, id: FileId) -> &str {
+        &self.file(id).text
+    }
+
+    /// The text that a span covers.
+    pub fn slice(&self, span: Span) -> &str {
+        self.text(span.file()).get(span.range()).unwrap_or("")
+    }
+
+    /// Where a span starts and ends.
+    pub fn positions(&self, span: Span) -> (Position, Position) {
+        let file = self.file(span.file());
+        (file.position(span.start()), file.position(span.end()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters_and_start_at_one() {
+        let file = SourceFile::model("a.vib", "param ω = 1\nparam b = 2\n");
+        assert_eq!(file.position(0), Position { line: 1, column: 1 });
+        assert_eq!(file.position("param ω".len()), Position { line: 1, column: 8 });
+        assert_eq!(file.position("param ω = 1\npa".len()), Position { line: 2, column: 3 });
+    }
+
+    #[test]
+    fn a_span_is_small() {
+        assert_eq!(std::mem::size_of::<Span>(), 8);
+        let span = Span::new(FileId(3), 10, 14);
+        assert_eq!((span.file(), span.range()), (FileId(3), 10..14));
+        assert_eq!(span.to(Span::new(FileId(3), 20, 22)).range(), 10..22);
+    }
+}

@@ -1,0 +1,3 @@
+//! Text to syntax tree. Clause: spec.md, "Grammar".
+
+pub mod tree;

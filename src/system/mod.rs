@@ -1,0 +1,199 @@
+//! The linear system M q'' + C q' + K q = (B0 + B1 s + B2 s^2) u, y = (P0 + P1 s + P2 s^2) q + (D0 + D1 s + D2 s^2) u,
+//! kept as the terms that it was assembled from. It knows neither the language nor springs: coordinates and terms have
+//! names and places to talk about, and that is all. Clause: spec.md, "The linear system".
+//!
+//! Each of M, C and K is a sum of signed squares `w a a^T` with a sparse row `a`. The terms hold more digits than the
+//! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled
+//! matrix does not (shared by Demmel et al., LAA 299 (1999) 21-80).
+
+use crate::base::{Ball, Name, Number, Span, Words};
+
+/// Index of a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CoordinateId(pub u32);
+
+impl CoordinateId {
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A generalised coordinate: a deviation from rest.
+#[derive(Clone, Debug)]
+pub struct Coordinate {
+    /// `block.x`, `rod.angle`, `m[3].x`.
+    pub name: Label,
+    pub kind: CoordinateKind,
+    /// Where the body is declared.
+    pub span: Span,
+}
+
+/// What a coordinate measures: decides its unit, m or rad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinateKind {
+    Translation,
+    Rotation,
+}
+
+/// What a coordinate, a term, an input or an output is called: a name of the model and, for coordinates, a motion.
+/// Written out only where it is shown (see [`LinearSystem::display`]): a scene of a million masses has millions of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label {
+    pub name: Name,
+    /// `x`, `y`, `angle`, ...; empty for a part's own name.
+    pub motion: &'static str,
+}
+
+/// The whole linear system about a rest.
+#[derive(Clone, Debug)]
+pub struct LinearSystem {
+    /// The words that labels are made of.
+    pub words: Words,
+    pub coordinates: Vec<Coordinate>,
+    pub m: Form,
+    pub c: Form,
+    pub k: Form,
+    pub inputs: Vec<Input>,
+    pub outputs: Vec<Output>,
+    /// State at t = 0: displacement and velocity of each coordinate that does not start at zero.
+    pub initial: Vec<(CoordinateId, Number, Number)>,
+}
+
+/// A symmetric matrix as a sum of signed squares `weight row row^T`.
+#[derive(Clone, Debug, Default)]
+pub struct Form {
+    terms: Vec<Term>,
+    entries: Vec<(CoordinateId, Number)>,
+    names: Vec<Label>,
+}
+
+/// One square of a [`Form`].
+#[derive(Clone, Debug)]
+pub struct Term {
+    pub weight: Number,
+    pub nature: Nature,
+    /// Index of what made it, into the form's names; terms of one element share it.
+    pub source: u32,
+    start: u32,
+    len: u32,
+}
+
+/// Where a term comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Nature {
+    /// Inertia, elasticity, dissipation: the weight is a property that the model gives (its sign too).
+    Property,
+    /// Stiffness of gravity, of tensions or of the reactions of joints: either sign.
+    Geometric,
+}
+
+impl LinearSystem {
+    /// Number of coordinates.
+    pub fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// `block.x`, `m[3].x`, `s`.
+    pub fn display(&self, label: Label) -> String {
+        let mut text = self.words.display(label.name);
+        if !label.motion.is_empty() {
+            text.push('.');
+            text.push_str(label.motion);
+        }
+        text
+    }
+
+    /// The names of the coordinates, in order.
+    pub fn coordinate_names(&self) -> Vec<String> {
+        self.coordinates.iter().map(|coordinate| self.display(coordinate.name)).collect()
+    }
+}
+
+impl Form {
+    pub fn new() -> Form {
+        Form::default()
+    }
+
+    /// Registers what terms come from, by its name in the model; returns the index for [`Form::push`].
+    pub fn source(&mut self, name: Label) -> u32 {
+        self.names.push(name);
+        u32::try_from(self.names.len() - 1).expect("the number of parts is limited far below")
+    }
+
+    /// Adds `weight row row^T`; entries that are exactly zero are dropped, a term without entries or weight too.
+    /// The row's coordinates are distinct.
+    pub fn push(
+        &mut self,
+        source: u32,
+        nature: Nature,
+        weight: Number,
+        row: impl IntoIterator<Item = (CoordinateId, Number)>,
+    ) {
+        if weight.is_zero() {
+            return;
+        }
+        let start = self.entries.len();
+        self.entries.extend(row.into_iter().filter(|(_, value)| !value.is_zero()));
+        self.entries[start..].sort_by_key(|(coordinate, _)| *coordinate);
+        let len = self.entries.len() - start;
+        if len > 0 {
+            let (start, len) = (start as u32, len as u32);
+            self.terms.push(Term { weight, nature, source, start, len });
+        }
+    }
+
+    pub fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// The row of a term, ascending by coordinate, without zeros.
+    pub fn row(&self, term: &Term) -> &[(CoordinateId, Number)] {
+        &self.entries[term.start as usize..(term.start + term.len) as usize]
+    }
+
+    pub fn source_name(&self, source: u32) -> Label {
+        self.names[source as usize]
+    }
+
+    pub fn source_count(&self) -> usize {
+        self.names.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    /// The assembled matrix, row by row: n x n balls. For small n; analyses that want digits use the terms.
+    pub fn assemble(&self, n: usize) -> Vec<Vec<Ball>> {
+        let mut exact: Vec<Vec<Number>> = vec![vec![Number::ZERO; n]; n];
+        for term in &self.terms {
+            let row = self.row(term);
+            for (i, a) in row {
+                let weighted = &term.weight * a;
+                for (j, b) in row {
+                    let entry = &mut exact[i.index()][j.index()];
+                    *entry = &*entry + &(&weighted * b);
+                }
+            }
+        }
+        exact.iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
+    }
+}
+
+/// A scalar input u: contributes (b0 + b1 s + b2 s^2) u to the right-hand side. Sparse columns, SI.
+#[derive(Clone, Debug)]
+pub struct Input {
+    pub name: Label,
+    pub unit: &'static str,
+    pub b: [Vec<(CoordinateId, Number)>; 3],
+}
+
+/// A scalar output y = sum_i s^i (p_i q + d_i u). Sparse rows, SI.
+#[derive(Clone, Debug)]
+pub struct Output {
+    pub name: Label,
+    pub unit: &'static str,
+    pub p: [Vec<(CoordinateId, Number)>; 3],
+    /// Feed-through of inputs (a base's own motion in a relative output): input index and value.
+    pub d: [Vec<(u32, Number)>; 3],
+}

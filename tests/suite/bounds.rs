@@ -1,0 +1,1 @@
+//! Every printed bound holds: random systems against references of higher precision.

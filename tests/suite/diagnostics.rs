@@ -1,0 +1,1 @@
+//! Every diagnostic: the smallest model that shows it, and its snapshot.

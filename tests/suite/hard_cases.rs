@@ -1,0 +1,1 @@
+//! The certified hard cases of tests/hardcases.

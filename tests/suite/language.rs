@@ -1,0 +1,1 @@
+//! Parsing, names and units, limits.

@@ -1,0 +1,1 @@
+//! Matrices against independent computations: energies differentiated numerically, closed forms.

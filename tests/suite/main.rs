@@ -1,0 +1,15 @@
+//! One test binary: each module takes one part of what users were promised.
+
+mod bounds;
+mod command_line;
+mod diagnostics;
+mod hard_cases;
+mod house;
+mod language;
+mod lowering;
+mod modes;
+mod poles;
+mod properties;
+mod published;
+mod readme;
+mod specification;

@@ -1,0 +1,1 @@
+//! Undamped modes of models.

@@ -1,0 +1,1 @@
+//! Damped poles of models.

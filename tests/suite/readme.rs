@@ -1,0 +1,1 @@
+//! What the README prints is what the program prints.

@@ -1,0 +1,1 @@
+//! Every code has its clause, its smallest failing model and its snapshot.
