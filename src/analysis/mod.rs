@@ -2,5 +2,7 @@
 //! route that found it. Nothing here knows the language or the scene. Clause: spec.md, "Modes" and "Poles".
 
 pub mod answer;
+pub mod dense;
+pub mod squares;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};

@@ -1,0 +1,148 @@
+//! Dense matrices by columns, and the few double-double kernels that everything dense is made of.
+//!
+//! Columns are what the algorithms here work on (rotations of pairs, Gram products, modes), so a column is a slice.
+
+use crate::base::Dd;
+use std::ops::{Index, IndexMut};
+
+/// A matrix whose columns are contiguous; `m[(row, column)]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrix<T> {
+    rows: usize,
+    columns: usize,
+    data: Vec<T>,
+}
+
+impl<T: Copy> Matrix<T> {
+    pub fn filled(rows: usize, columns: usize, value: T) -> Matrix<T> {
+        Matrix { rows, columns, data: vec![value; rows * columns] }
+    }
+
+    /// The matrix of `entry(row, column)`.
+    pub fn from_fn(rows: usize, columns: usize, mut entry: impl FnMut(usize, usize) -> T) -> Matrix<T> {
+        let mut data = Vec::with_capacity(rows * columns);
+        for j in 0..columns {
+            data.extend((0..rows).map(|i| entry(i, j)));
+        }
+        Matrix { rows, columns, data }
+    }
+
+    #[inline]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    #[inline]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    #[inline]
+    pub fn column(&self, j: usize) -> &[T] {
+        &self.data[j * self.rows..(j + 1) * self.rows]
+    }
+
+    #[inline]
+    pub fn column_mut(&mut self, j: usize) -> &mut [T] {
+        &mut self.data[j * self.rows..(j + 1) * self.rows]
+    }
+
+    /// Two different columns at once, p < q.
+    #[inline]
+    pub fn column_pair(&mut self, p: usize, q: usize) -> (&mut [T], &mut [T]) {
+        let (head, tail) = self.data.split_at_mut(q * self.rows);
+        (&mut head[p * self.rows..(p + 1) * self.rows], &mut tail[..self.rows])
+    }
+
+    pub fn swap_columns(&mut self, p: usize, q: usize) {
+        if p != q {
+            let (a, b) = self.column_pair(p.min(q), p.max(q));
+            a.swap_with_slice(b);
+        }
+    }
+
+    /// The columns in the order given.
+    pub fn select_columns(&self, order: &[usize]) -> Matrix<T> {
+        let mut data = Vec::with_capacity(self.rows * order.len());
+        for &j in order {
+            data.extend_from_slice(self.column(j));
+        }
+        Matrix { rows: self.rows, columns: order.len(), data }
+    }
+
+    /// Each entry through `f`.
+    pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Matrix<U> {
+        Matrix { rows: self.rows, columns: self.columns, data: self.data.iter().copied().map(f).collect() }
+    }
+}
+
+impl<T: Copy> Index<(usize, usize)> for Matrix<T> {
+    type Output = T;
+    #[inline]
+    fn index(&self, (i, j): (usize, usize)) -> &T {
+        &self.data[j * self.rows + i]
+    }
+}
+
+impl<T: Copy> IndexMut<(usize, usize)> for Matrix<T> {
+    #[inline]
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut T {
+        &mut self.data[j * self.rows + i]
+    }
+}
+
+impl Matrix<Dd> {
+    pub fn zeros(rows: usize, columns: usize) -> Matrix<Dd> {
+        Matrix::filled(rows, columns, Dd::ZERO)
+    }
+
+    pub fn identity(n: usize) -> Matrix<Dd> {
+        Matrix::from_fn(n, n, |i, j| if i == j { Dd::ONE } else { Dd::ZERO })
+    }
+}
+
+/// a . b
+#[inline]
+pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
+    a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
+}
+
+/// y <- y + factor x
+#[inline]
+pub fn add_scaled(y: &mut [Dd], factor: Dd, x: &[Dd]) {
+    for (y, &x) in y.iter_mut().zip(x) {
+        *y += factor * x;
+    }
+}
+
+/// (x, y) <- (c x - s y, s x + c y)
+#[inline]
+pub fn rotate(x: &mut [Dd], y: &mut [Dd], c: Dd, s: Dd) {
+    for (x, y) in x.iter_mut().zip(y) {
+        let (a, b) = (*x, *y);
+        *x = c * a - s * b;
+        *y = s * a + c * b;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_where_the_indices_say() {
+        let mut m = Matrix::from_fn(2, 3, |i, j| (10 * i + j) as f64);
+        assert_eq!(m.column(2), &[2.0, 12.0]);
+        m.swap_columns(2, 0);
+        assert_eq!((m[(1, 0)], m[(1, 2)]), (12.0, 10.0));
+        assert_eq!(m.select_columns(&[1]).column(0), &[1.0, 11.0]);
+    }
+
+    #[test]
+    fn a_rotation_keeps_lengths() {
+        let (mut x, mut y) = ([Dd::from(3.0)], [Dd::from(4.0)]);
+        let (c, s) = (Dd::from(3.0) / Dd::from(5.0), Dd::from(4.0) / Dd::from(5.0));
+        rotate(&mut x, &mut y, c, s);
+        assert!((dot(&x, &x) + dot(&y, &y) - Dd::from(25.0)).abs().to_f64() < 1e-29);
+    }
+}
