@@ -1,9 +1,11 @@
 //! The scene that was meant: plain data, SI, every name resolved to an index, every item with the place that made it.
 //!
 //! All positions are scene coordinates in the one drawn configuration. Vectors hold items in order of declaration
-//! (a `repeat` unrolled), and ids are indices into them.
+//! (a `repeat` unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a
+//! million bodies has many more ends than places.
 
 use crate::base::{Name, Number, Span, Vec3, Words};
+use std::sync::Arc;
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -67,7 +69,7 @@ pub struct Body {
     /// Moment of inertia about the centre, kg m^2; `None` where neither given nor following from a shape.
     pub inertia: Option<Number>,
     /// Centre of mass as drawn, m; `None` for a body without a position.
-    pub centre: Option<Vec3>,
+    pub centre: Option<Arc<Vec3>>,
     pub freedom: Freedom,
 }
 
@@ -79,7 +81,7 @@ pub enum Freedom {
     /// On the ground with these motions.
     OnGround {
         /// Directions of translation, unit vectors where rational: `x`, `y`, `x y`, or one oblique one (not normalised).
-        translations: Vec<Translation>,
+        translations: Arc<[Translation]>,
         turns: bool,
     },
 }
@@ -99,8 +101,8 @@ pub struct Base {
     pub name: Name,
     pub span: Span,
     /// Drawn position, m; the turning point of a turning base.
-    pub at: Option<Vec3>,
-    pub translations: Vec<Translation>,
+    pub at: Option<Arc<Vec3>>,
+    pub translations: Arc<[Translation]>,
     pub turns: bool,
 }
 
@@ -117,7 +119,7 @@ pub enum Part {
 pub struct Attachment {
     pub part: Part,
     /// Drawn position, m: the point after `@`, else the part's own; `None` where it has no position.
-    pub at: Option<Vec3>,
+    pub at: Option<Arc<Vec3>>,
     /// The end as written.
     pub span: Span,
 }
@@ -212,7 +214,7 @@ pub enum Geometry {
     /// The distance of the two points, large displacements included.
     Line,
     /// The relative displacement along a fixed direction (normalised by whoever uses it), second end minus first.
-    Along(Vec3),
+    Along(Arc<Vec3>),
     /// The relative rotation, second end minus first.
     Torsion,
 }
