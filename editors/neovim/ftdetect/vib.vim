@@ -1,0 +1,2 @@
+" Model files of the vibc compiler.
+autocmd BufNewFile,BufRead *.vib setfiletype vib
