@@ -1,1 +1,91 @@
-//! The certified hard cases of tests/hardcases.
+//! The certified hard cases of tests/hardcases: each value within its tolerance, each bound holding, each fact reported.
+
+use super::systems::{HardCase, error, number};
+use vibc::analysis::{self, ModeKind, Modes};
+use vibc::base::Number;
+
+/// Checks all references omega_k of a case: digits wanted, bound kept. Returns the modes for more.
+fn check_frequencies(name: &str, digits: f64) -> Modes {
+    let case = HardCase::load(name);
+    let modes = analysis::modes(&case.system).expect("the case has modes");
+    for (i, mode) in modes.list.iter().enumerate() {
+        let id = format!("omega_{}", i + 1);
+        let truth = case.reference(&id).unwrap_or_else(|| panic!("{name} has {id}"));
+        check(name, &id, mode.omega, &truth, digits);
+    }
+    modes
+}
+
+fn check(name: &str, id: &str, computed: vibc::base::Ball, truth: &Number, digits: f64) {
+    if truth.is_zero() {
+        assert!(computed.is_zero(), "{name} {id}: {computed:?}");
+        return;
+    }
+    // The references are correct to 36 digits.
+    let size = truth.abs().to_f64();
+    let (error, holds) = error(computed, truth, 1e-35 * size);
+    assert!(holds, "{name} {id}: error {error:e}, bound {:e}", computed.rad);
+    assert!(error <= 10f64.powf(-digits) * size, "{name} {id}: {} digits", -(error / size).log10());
+    assert!(computed.rad <= 1e-12 * size, "{name} {id}: bound {:e}", computed.rad / size);
+}
+
+#[test]
+fn graded_chains_and_nets_keep_all_digits() {
+    for name in [
+        "o01_chain_soft_ground",
+        "o02_chain_zigzag",
+        "o03_stiff_link_soft_mount",
+        "o05_star_tree",
+        "o06_mesh_graph",
+        "o21_hanging_chain_graded",
+    ] {
+        check_frequencies(name, 28.0);
+    }
+}
+
+#[test]
+fn plain_cases_keep_all_digits() {
+    for name in ["o26_pole_zero_cancel", "o27_long_phase", "o29_seed_cart", "o30_resonant_forcing"] {
+        check_frequencies(name, 28.0);
+    }
+}
+
+#[test]
+fn rigid_motions_are_counted_exactly() {
+    for (name, count) in [("o07_free_free_chain", 1), ("o08_free_planar_levers", 2)] {
+        let modes = check_frequencies(name, 28.0);
+        let rigid = modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
+        assert_eq!(rigid, count, "{name}");
+    }
+}
+
+#[test]
+fn close_frequencies_keep_the_digits_of_their_differences() {
+    for name in ["o04_tuned_tiny_absorber", "o10_two_pendulums_weak", "o11_wilkinson21"] {
+        let modes = check_frequencies(name, 28.0);
+        let case = HardCase::load(name);
+        for reference in case.json["reference"].as_array().expect("a list") {
+            let id = reference["id"].as_str().expect("an id");
+            let Some(pair) = id.strip_prefix("split_") else { continue };
+            let (b, a) = pair.split_once('_').expect("two numbers");
+            let omega = |k: &str| modes.list[k.parse::<usize>().expect("a number") - 1].omega;
+            let truth = number(reference["value"].as_str().expect("a decimal"));
+            check(name, id, omega(b) - omega(a), &truth, 16.0);
+        }
+    }
+}
+
+#[test]
+fn a_repeated_frequency_is_certified_as_a_group() {
+    let modes = check_frequencies("o09_c3_ring", 28.0);
+    let clusters: Vec<_> = modes.list.iter().map(|mode| mode.cluster).collect();
+    assert_eq!(clusters, [None, Some(0), Some(0)]);
+}
+
+#[test]
+fn near_buckling_the_digits_and_the_sign_are_certain() {
+    for name in ["o19_inverted_pendulum", "o20_double_inverted", "o31_qzs_isolator"] {
+        let modes = check_frequencies(name, 15.0);
+        assert!(modes.list.iter().all(|mode| mode.kind == ModeKind::Oscillation), "{name}");
+    }
+}

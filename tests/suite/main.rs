@@ -13,3 +13,4 @@ mod properties;
 mod published;
 mod readme;
 mod specification;
+mod systems;

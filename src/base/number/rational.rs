@@ -147,6 +147,17 @@ impl Rational {
         }
     }
 
+    /// Numerator and denominator modulo a prime below 2^62.
+    pub fn residues(&self, prime: u64) -> (u64, u64) {
+        match &self.0 {
+            Repr::Small(n, d) => (n.rem_euclid(prime as i64) as u64, *d as u64 % prime),
+            Repr::Big(value) => {
+                let modulo = |x: &BigInt| x.mod_floor(&prime.into()).to_u64().unwrap_or(0);
+                (modulo(value.numer()), modulo(value.denom()))
+            }
+        }
+    }
+
     /// 1 / self; `None` for zero.
     pub fn recip(&self) -> Option<Rational> {
         match &self.0 {
@@ -246,6 +257,13 @@ fn big_to_ball(value: &BigRational) -> Ball {
 
 fn pow2(exponent: i64) -> f64 {
     2f64.powi(exponent.clamp(-1074, 1024) as i32)
+}
+
+impl From<BigRational> for Rational {
+    /// A fraction in lowest terms with positive denominator, as all of `BigRational`'s own operations make them.
+    fn from(value: BigRational) -> Rational {
+        Rational::from_big(value)
+    }
 }
 
 impl From<i64> for Rational {

@@ -1,0 +1,80 @@
+//! Why an analysis gives no answer: facts, and the diagnostic that they turn into.
+
+use crate::base::{Code, Diagnostic, Span};
+use crate::system::{CoordinateId, LinearSystem};
+
+/// What stops an analysis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnalysisError {
+    /// More coordinates than the methods for general matrices take.
+    TooManyCoordinates { count: usize, limit: usize, at: Span },
+    /// Motions without inertia: the coordinates concerned, by name, and where the first is declared.
+    SingularMass { coordinates: Vec<String>, at: Span },
+    /// A mass or an inertia that is negative in some motion of this coordinate.
+    IndefiniteMass { coordinate: String, at: Span },
+    /// A number too large or too small for binary64 met on the way.
+    OutOfRange { at: Span },
+}
+
+impl AnalysisError {
+    pub(super) fn singular_mass(system: &LinearSystem, coordinates: &[usize]) -> AnalysisError {
+        let at = coordinates.first().map_or_else(|| place(system, 0), |&i| place(system, i));
+        let coordinates = coordinates.iter().map(|&i| system.display(system.coordinates[i].name)).collect();
+        AnalysisError::SingularMass { coordinates, at }
+    }
+
+    pub(super) fn indefinite_mass(system: &LinearSystem, coordinate: CoordinateId) -> AnalysisError {
+        let coordinate = coordinate.index();
+        let name = system.display(system.coordinates[coordinate].name);
+        AnalysisError::IndefiniteMass { coordinate: name, at: place(system, coordinate) }
+    }
+
+    pub fn code(&self) -> Code {
+        Code(match self {
+            AnalysisError::TooManyCoordinates { .. } => "vib::limit::modes",
+            AnalysisError::SingularMass { .. } => "vib::mass::singular",
+            AnalysisError::IndefiniteMass { .. } => "vib::mass::indefinite",
+            AnalysisError::OutOfRange { .. } => "vib::limit::range",
+        })
+    }
+
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        let (message, help) = self.text();
+        Diagnostic::error(self.code(), self.place(), message).help(help)
+    }
+
+    fn place(&self) -> Span {
+        match self {
+            AnalysisError::TooManyCoordinates { at, .. }
+            | AnalysisError::SingularMass { at, .. }
+            | AnalysisError::IndefiniteMass { at, .. }
+            | AnalysisError::OutOfRange { at } => *at,
+        }
+    }
+
+    fn text(&self) -> (String, &'static str) {
+        match self {
+            AnalysisError::TooManyCoordinates { count, limit, .. } => (
+                format!("the model has {count} coordinates; modes of coupled parts are computed up to {limit}"),
+                "make the model smaller, or take parts apart that do not act on each other",
+            ),
+            AnalysisError::SingularMass { coordinates, .. } => (
+                format!("motions of {} have no inertia, so they have no frequency", coordinates.join(", ")),
+                "give each moving body a mass and, where it turns, an inertia greater than zero",
+            ),
+            AnalysisError::IndefiniteMass { coordinate, .. } => (
+                format!("the kinetic energy is negative for some motions of {coordinate}"),
+                "make each mass and each inertia greater than zero",
+            ),
+            AnalysisError::OutOfRange { .. } => (
+                "the stiffnesses and masses lie too far apart: a number beyond the range of binary64 came up"
+                    .to_string(),
+                "choose values nearer to each other",
+            ),
+        }
+    }
+}
+
+pub(super) fn place(system: &LinearSystem, coordinate: usize) -> Span {
+    system.coordinates[coordinate].span
+}

@@ -1,0 +1,104 @@
+//! Arithmetic modulo primes just below 2^61.
+
+/// The integers modulo 2^61 - c, a prime.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    c: u64,
+}
+
+/// The largest primes below 2^61, in descending order.
+pub const PRIMES: [Field; 12] = [
+    Field { c: 1 },
+    Field { c: 31 },
+    Field { c: 45 },
+    Field { c: 229 },
+    Field { c: 259 },
+    Field { c: 283 },
+    Field { c: 339 },
+    Field { c: 391 },
+    Field { c: 403 },
+    Field { c: 465 },
+    Field { c: 531 },
+    Field { c: 579 },
+];
+
+const MASK: u64 = (1 << 61) - 1;
+
+impl Field {
+    #[inline]
+    pub fn prime(self) -> u64 {
+        (1 << 61) - self.c
+    }
+
+    #[inline]
+    pub fn add(self, a: u64, b: u64) -> u64 {
+        let sum = a + b;
+        if sum >= self.prime() { sum - self.prime() } else { sum }
+    }
+
+    #[inline]
+    pub fn negate(self, a: u64) -> u64 {
+        if a == 0 { 0 } else { self.prime() - a }
+    }
+
+    /// a b, reduced by 2^61 = c twice: the high part shrinks from 61 bits to at most 71 - 61 of them.
+    #[inline]
+    pub fn multiply(self, a: u64, b: u64) -> u64 {
+        let product = u128::from(a) * u128::from(b);
+        let once = u128::from(product as u64 & MASK) + (product >> 61) * u128::from(self.c);
+        let twice = (once as u64 & MASK) + (once >> 61) as u64 * self.c;
+        self.add(twice, 0)
+    }
+
+    /// a^(p-2), by Fermat; zero for zero.
+    pub fn inverse(self, a: u64) -> u64 {
+        let (mut base, mut result, mut power) = (a, 1, self.prime() - 2);
+        while power > 0 {
+            if power & 1 == 1 {
+                result = self.multiply(result, base);
+            }
+            base = self.multiply(base, base);
+            power >>= 1;
+        }
+        result
+    }
+
+    /// A fixed pseudo-random residue from 1 to p - 1 for each seed.
+    pub fn random(self, seed: u64) -> u64 {
+        scramble(seed) % (self.prime() - 1) + 1
+    }
+}
+
+/// Scatters bits (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
+pub fn scramble(x: u64) -> u64 {
+    let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_those_of_long_arithmetic() {
+        for field in PRIMES {
+            let p = u128::from(field.prime());
+            for (i, j) in [(0, 1), (2, 3), (4, 5)] {
+                let (a, b) = (field.random(i), field.random(j));
+                assert_eq!(u128::from(field.multiply(a, b)), u128::from(a) * u128::from(b) % p);
+            }
+            let top = field.prime() - 1;
+            assert_eq!(field.multiply(top, top), 1);
+        }
+    }
+
+    #[test]
+    fn an_inverse_undoes_a_product() {
+        for field in PRIMES {
+            let a = field.random(7);
+            assert_eq!(field.multiply(a, field.inverse(a)), 1);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! How a mode's shape is scaled and signed, and where its energy is. Clauses: spec.md 12.4 to 12.7.
+
+use super::answer::{Mode, Share};
+use super::squares::Squares;
+use crate::system::{CoordinateId, CoordinateKind, Form, Label, LinearSystem};
+
+/// What is made 1 in a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Normalise {
+    /// The largest translation; the largest rotation in a mode that only turns.
+    #[default]
+    Translation,
+    /// The largest entry, metres and radians alike.
+    Max,
+    /// The first coordinate that moves.
+    First,
+    /// shape^T M shape.
+    Mass,
+}
+
+/// Entries this close to the largest count as equally large, and ones this far below it as not moving: many times the
+/// error of a shape, far less than anyone tells apart. So the choice does not hang on a last bit.
+const TIE: f64 = 1e-9;
+/// Translations with less than this share of the kinetic energy are rounding errors of a mode that turns.
+const LEAST_SHARE: f64 = 1e-12;
+
+/// The shape of a mode, scaled as asked; the entry that was made 1 is exactly 1.
+pub fn normalise(mode: &Mode, system: &LinearSystem, how: Normalise) -> Vec<f64> {
+    let shape = &mode.shape;
+    let unit = match how {
+        Normalise::Mass => None,
+        Normalise::Translation => leading(shape, &mode.kinetic, system),
+        Normalise::Max => first_largest(shape, |_| true),
+        Normalise::First => first_moving(shape),
+    };
+    let Some(unit) = unit.map(|i| shape[i]) else { return shape.clone() };
+    shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
+}
+
+/// Whether the shape has to be turned round so that its leading entry is positive.
+pub(super) fn is_reversed(shape: &[f64], kinetic: &[Share<CoordinateId>], system: &LinearSystem) -> bool {
+    leading(shape, kinetic, system).is_some_and(|i| shape[i] < 0.0)
+}
+
+/// The leading entry: the first that is as large as the largest translation, or rotation where the translations carry
+/// nothing.
+fn leading(shape: &[f64], kinetic: &[Share<CoordinateId>], system: &LinearSystem) -> Option<usize> {
+    let translates = |i: usize| system.coordinates[i].kind == CoordinateKind::Translation;
+    let carried: f64 = kinetic.iter().filter(|share| translates(share.of.index())).map(|share| share.part.abs()).sum();
+    first_largest(shape, |i| translates(i) == (carried >= LEAST_SHARE))
+}
+
+fn first_largest(shape: &[f64], admitted: impl Fn(usize) -> bool) -> Option<usize> {
+    let size = |i: usize| if admitted(i) { shape[i].abs() } else { 0.0 };
+    let largest = (0..shape.len()).map(size).fold(0.0, f64::max);
+    (0..shape.len()).find(|&i| largest > 0.0 && size(i) >= largest * (1.0 - TIE))
+}
+
+fn first_moving(shape: &[f64]) -> Option<usize> {
+    let largest = shape.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    shape.iter().position(|x| x.abs() > TIE * largest)
+}
+
+/// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
+pub(super) fn kinetic_shares(inertia: &Squares, shape: &[f64]) -> Vec<Share<CoordinateId>> {
+    let mut energy = vec![0.0; shape.len()];
+    for t in 0..inertia.len() {
+        let (indices, values) = inertia.row(t);
+        let momentum = inertia.weights[t].mid.hi * stretch(indices, values, shape);
+        for (&i, a) in indices.iter().zip(values) {
+            energy[i as usize] += shape[i as usize] * a.mid.hi * momentum;
+        }
+    }
+    let shares = energy.into_iter().enumerate().map(|(i, part)| Share { of: CoordinateId(i as u32), part });
+    sorted_parts(shares.collect())
+}
+
+/// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from the energies of the terms.
+pub(super) fn strain_shares(form: &Form, energies: impl Iterator<Item = f64>) -> Vec<Share<Label>> {
+    let mut by_source = vec![0.0; form.source_count()];
+    for (term, energy) in form.terms().iter().zip(energies) {
+        by_source[term.source as usize] += energy;
+    }
+    let shares = by_source.into_iter().enumerate().filter(|(_, part)| *part != 0.0);
+    sorted_parts(shares.map(|(source, part)| Share { of: form.source_name(source as u32), part }).collect())
+}
+
+fn stretch(indices: &[u32], values: &[crate::base::Ball], shape: &[f64]) -> f64 {
+    indices.iter().zip(values).map(|(&i, a)| a.mid.hi * shape[i as usize]).sum()
+}
+
+/// Divided by their sum and sorted, largest first; equal ones keep their order.
+fn sorted_parts<T: Copy>(mut shares: Vec<Share<T>>) -> Vec<Share<T>> {
+    let whole: f64 = shares.iter().map(|share| share.part).sum();
+    for share in &mut shares {
+        share.part /= whole;
+    }
+    shares.sort_by(|a, b| b.part.total_cmp(&a.part));
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_ties_go_to_the_first() {
+        assert_eq!(first_largest(&[0.5, -0.7, 0.7 + 1e-14], |_| true), Some(1));
+        assert_eq!(first_largest(&[0.0, 3.0], |i| i == 0), None);
+        assert_eq!(first_moving(&[1e-17, -0.2, 0.4]), Some(1));
+    }
+
+    #[test]
+    fn shares_sum_to_one() {
+        let shares = sorted_parts(vec![Share { of: 0, part: 3.0 }, Share { of: 1, part: 5.0 }]);
+        assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
+    }
+}

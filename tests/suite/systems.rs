@@ -1,0 +1,158 @@
+//! Linear systems built by hand, and the hard cases read from their terms.
+
+use num_rational::BigRational;
+use std::cmp::Ordering;
+use vibc::base::{Ball, FileId, Name, Number, Rational, Span, Words};
+use vibc::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
+
+/// A linear system in the making: coordinates by name, terms by their rows.
+pub struct Builder {
+    words: Words,
+    coordinates: Vec<Coordinate>,
+    pub m: Form,
+    pub c: Form,
+    pub k: Form,
+}
+
+impl Builder {
+    pub fn new(names: &[impl AsRef<str>]) -> Builder {
+        let mut words = Words::new();
+        let coordinates = (names.iter().enumerate())
+            .map(|(i, name)| Coordinate {
+                name: Label { name: Name::plain(words.intern(name.as_ref())), motion: "" },
+                kind: CoordinateKind::Translation,
+                span: Span::new(FileId(0), i, i + 1),
+            })
+            .collect();
+        Builder { words, coordinates, m: Form::new(), c: Form::new(), k: Form::new() }
+    }
+
+    /// Coordinates x1 ... xn.
+    pub fn numbered(n: usize) -> Builder {
+        Builder::new(&(1..=n).map(|i| format!("x{i}")).collect::<Vec<_>>())
+    }
+
+    pub fn label(&mut self, name: &str) -> Label {
+        Label { name: Name::plain(self.words.intern(name)), motion: "" }
+    }
+
+    pub fn kind(&mut self, at: usize, kind: CoordinateKind) {
+        self.coordinates[at].kind = kind;
+    }
+
+    pub fn mass(&mut self, at: usize, mass: &Number) {
+        let source = self.m.source(Label { name: self.coordinates[at].name.name, motion: "" });
+        self.m.push(source, Nature::Property, mass.clone(), [(CoordinateId(at as u32), Number::ONE)]);
+    }
+
+    /// A term w a a^T of K.
+    pub fn stiffness(&mut self, name: &str, nature: Nature, weight: &Number, row: &[(usize, Number)]) {
+        let label = self.label(name);
+        let source = self.k.source(label);
+        let row = row.iter().map(|(i, a)| (CoordinateId(*i as u32), a.clone()));
+        self.k.push(source, nature, weight.clone(), row);
+    }
+
+    /// A spring between two coordinates, or to the ground.
+    pub fn spring(&mut self, from: Option<usize>, to: usize, k: &Number) {
+        let name = format!("s{}", self.k.source_count() + 1);
+        let mut row = vec![(to, Number::ONE)];
+        row.extend(from.map(|i| (i, Number::from(-1))));
+        self.stiffness(&name, Nature::Property, k, &row);
+    }
+
+    pub fn finish(self) -> LinearSystem {
+        LinearSystem {
+            words: self.words,
+            coordinates: self.coordinates,
+            m: self.m,
+            c: self.c,
+            k: self.k,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            initial: Vec::new(),
+        }
+    }
+}
+
+/// A signed decimal.
+pub fn number(text: &str) -> Number {
+    match text.strip_prefix('-') {
+        Some(digits) => -&Number::from(digits),
+        None => Number::from(text),
+    }
+}
+
+/// The number of which a case gives 40 digits: sums of binary64 numbers have few bits, so one of 75 bits that agrees in
+/// all the digits given is the number itself. (Cut off at 40 digits, rows of o08 would not be exactly dependent any more.)
+fn binary(text: &str) -> Number {
+    let cut = number(text);
+    let size = cut.abs().to_f64();
+    let unit = Number::from(2).powi(size.log2().floor() as i32 - 75).expect("not zero");
+    let Some(steps) = (&cut / &unit).exact().map(Rational::to_big) else { return cut };
+    let near = &Number::from(Rational::from(BigRational::from_integer(steps.round().to_integer()))) * &unit;
+    if (&near - &cut).abs().to_f64() <= 1e-38 * size { near } else { cut }
+}
+
+/// |midpoint - truth|, computed exactly, and whether it is within the radius and `room` (the error of the truth itself).
+pub fn error(ball: Ball, truth: &Number, room: f64) -> (f64, bool) {
+    let part = |x: f64| Number::from(Rational::from_f64(x).expect("a finite midpoint"));
+    let error = (&(&part(ball.mid.hi) + &part(ball.mid.lo)) - truth).abs();
+    let bound = &part(ball.rad.min(f64::MAX)) + &part(room);
+    (error.to_f64(), error.compare(&bound) != Some(Ordering::Greater))
+}
+
+/// A case of tests/hardcases.
+pub struct HardCase {
+    pub json: serde_json::Value,
+    pub system: LinearSystem,
+}
+
+impl HardCase {
+    /// The case with the literals as rounded to binary64, for which the references' `value` is given.
+    pub fn load(name: &str) -> HardCase {
+        let path = format!("{}/tests/hardcases/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let json: serde_json::Value = serde_json::from_str(&text).expect("a case is JSON");
+        let names: Vec<&str> = texts(&json["dofs"]).collect();
+        let mut builder = Builder::new(&names);
+        let terms = &json["factored"];
+        push(&mut builder, &names, &terms["masses"], "m", |b| &mut b.m, Nature::Property);
+        push(&mut builder, &names, &terms["dampers"], "c", |b| &mut b.c, Nature::Property);
+        push(&mut builder, &names, &terms["springs"], "k", |b| &mut b.k, Nature::Property);
+        push(&mut builder, &names, &terms["geometric"], "g", |b| &mut b.k, Nature::Geometric);
+        HardCase { json, system: builder.finish() }
+    }
+
+    /// The reference `id`, in the binary64 reading of the literals.
+    pub fn reference(&self, id: &str) -> Option<Number> {
+        let list = self.json["reference"].as_array().expect("references are a list");
+        list.iter().find(|entry| entry["id"] == id).map(|entry| number(entry["value"].as_str().expect("a decimal")))
+    }
+}
+
+fn texts(list: &serde_json::Value) -> impl Iterator<Item = &str> {
+    list.as_array().expect("a list").iter().map(|text| text.as_str().expect("a text"))
+}
+
+fn push(
+    builder: &mut Builder,
+    names: &[&str],
+    list: &serde_json::Value,
+    weight: &str,
+    form: impl Fn(&mut Builder) -> &mut Form,
+    nature: Nature,
+) {
+    for (i, term) in list.as_array().expect("terms are a list").iter().enumerate() {
+        let label = builder.label(&format!("{weight}{}", i + 1));
+        let row: Vec<(CoordinateId, Number)> = (term["row"].as_object().expect("a row").iter())
+            .map(|(name, value)| {
+                let index = names.iter().position(|n| n == name).expect("a coordinate of the case");
+                (CoordinateId(index as u32), binary(value.as_str().expect("a decimal")))
+            })
+            .collect();
+        let form = form(builder);
+        let source = form.source(label);
+        form.push(source, nature, binary(term[weight].as_str().expect("a decimal")), row);
+    }
+}
