@@ -171,12 +171,12 @@ impl<'a> Pencil<'a> {
         for i in start..end {
             residual = residual.max(self.residual[i]);
             mass = mass.min(self.mass[i]);
-            for j in 0..n {
+            for (j, scale) in inverse_root_gap.iter().enumerate() {
                 let t = if i == j { 0.0 } else { self.coupling(i, j, span) };
                 if (start..end).contains(&j) {
                     inner += t * t;
                 } else {
-                    outer += (t * inverse_root_gap[j]).powi(2);
+                    outer += (t * scale).powi(2);
                 }
             }
         }
