@@ -2,6 +2,7 @@
 
 pub mod diagnostic;
 pub mod dimension;
+pub mod line_index;
 pub mod name;
 pub mod number;
 pub mod source;
@@ -10,6 +11,7 @@ pub mod vector;
 
 pub use diagnostic::{Code, Diagnostic, Diagnostics, Label, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
+pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
 pub use number::{Ball, Dd, Number, Rational};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};

@@ -81,13 +81,31 @@ pub struct SourceFile {
     /// Directory that relative paths in the file (tables of signals) are relative to.
     pub directory: PathBuf,
     pub text: String,
+    /// Offset and value of the first byte that is not UTF-8; the text is good up to there.
+    pub first_bad_byte: Option<(usize, u8)>,
 }
 
 impl SourceFile {
     pub fn model(name: impl Into<String>, text: impl Into<String>) -> SourceFile {
         let name = name.into();
         let directory = Path::new(&name).parent().map(Path::to_path_buf).unwrap_or_default();
-        SourceFile { kind: SourceKind::Model, name, directory, text: text.into() }
+        SourceFile { kind: SourceKind::Model, name, directory, text: text.into(), first_bad_byte: None }
+    }
+
+    /// A file from its bytes. A byte that is not UTF-8 is read as U+FFFD; [`SourceFile::first_bad_byte`] remembers the first.
+    pub fn decode(kind: SourceKind, name: impl Into<String>, bytes: Vec<u8>) -> SourceFile {
+        match String::from_utf8(bytes) {
+            Ok(text) => SourceFile { kind, ..SourceFile::model(name, text) },
+            Err(error) => {
+                let first_bad_byte =
+                    Some((error.utf8_error().valid_up_to(), error.as_bytes()[error.utf8_error().valid_up_to()]));
+                SourceFile {
+                    kind,
+                    first_bad_byte,
+                    ..SourceFile::model(name, String::from_utf8_lossy(error.as_bytes()))
+                }
+            }
+        }
     }
 
     /// The file's name without directory and extension: the model's name where it declares none.
@@ -136,6 +154,14 @@ impl Sources {
         let id = u8::try_from(self.files.len()).expect("a run reads a handful of files");
         self.files.push(file);
         FileId(id)
+    }
+
+    pub fn len(&self) -> usize {
+        self.files.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
     }
 
     pub fn file(&self, id: FileId) -> &SourceFile {

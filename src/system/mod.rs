@@ -163,20 +163,26 @@ impl Form {
         self.terms.is_empty()
     }
 
-    /// The assembled matrix, row by row: n x n balls. For small n; analyses that want digits use the terms.
-    pub fn assemble(&self, n: usize) -> Vec<Vec<Ball>> {
-        let mut exact: Vec<Vec<Number>> = vec![vec![Number::ZERO; n]; n];
+    /// The assembled matrix, row by row: n x n numbers, exact where the terms are. For small n; analyses that want
+    /// digits use the terms.
+    pub fn entries(&self, n: usize) -> Vec<Vec<Number>> {
+        let mut entries: Vec<Vec<Number>> = vec![vec![Number::ZERO; n]; n];
         for term in &self.terms {
             let row = self.row(term);
             for (i, a) in row {
                 let weighted = &term.weight * a;
                 for (j, b) in row {
-                    let entry = &mut exact[i.index()][j.index()];
+                    let entry = &mut entries[i.index()][j.index()];
                     *entry = &*entry + &(&weighted * b);
                 }
             }
         }
-        exact.iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
+        entries
+    }
+
+    /// [`Form::entries`] as balls.
+    pub fn assemble(&self, n: usize) -> Vec<Vec<Ball>> {
+        self.entries(n).iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
     }
 }
 

@@ -1,0 +1,241 @@
+//! The modal report for programs: one JSON object. SI units, angles in radians, numbers in full double precision in the
+//! shortest form that reads back the same; `null` for what is infinite or unknown. Fields may be added, never renamed.
+//! Clause: spec.md, "Report".
+
+use super::{ModalAnswer, ReportOptions};
+use crate::analysis::{Mode, ModeKind, Normalise, Pole, Share, Stability, normalise};
+use crate::base::{Ball, Dd};
+use crate::system::{Form, LinearSystem};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// Matrices of more coordinates are shown on demand only.
+const MATRICES_UP_TO: usize = 200;
+
+/// One object and a line feed.
+pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
+    let names = answer.system.coordinate_names();
+    let report = report(answer, options, &names);
+    serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
+}
+
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    vibc: &'static str,
+    model: &'a str,
+    coordinates: &'a [String],
+    rest: Rest<'a>,
+    matrices: Option<Matrices>,
+    normalisation: &'static str,
+    modes: Vec<JsonMode<'a>>,
+    poles: Vec<JsonPole>,
+    solved: [(); 0],
+    requirements: [(); 0],
+}
+
+#[derive(serde::Serialize)]
+struct Rest<'a> {
+    stable: bool,
+    kind: &'static str,
+    displacement: ByName<'a>,
+    residual: f64,
+    proven: bool,
+    steps: u32,
+}
+
+#[derive(serde::Serialize)]
+struct Matrices {
+    m: Vec<Vec<f64>>,
+    c: Vec<Vec<f64>>,
+    k: Vec<Vec<f64>>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonMode<'a> {
+    mode: usize,
+    kind: &'static str,
+    omega: Option<f64>,
+    frequency_hz: Option<f64>,
+    growth_rate: Option<f64>,
+    omega_error_bound: f64,
+    shape: ByName<'a>,
+    kinetic: Vec<JsonShare>,
+    strain: Vec<JsonShare>,
+    cluster: Option<u32>,
+    input_condition: Option<f64>,
+    route: &'static str,
+}
+
+#[derive(serde::Serialize)]
+struct JsonShare {
+    of: String,
+    share: f64,
+}
+
+#[derive(serde::Serialize)]
+struct JsonPole {
+    re: f64,
+    im: f64,
+    omega: f64,
+    frequency_hz: f64,
+    damping_ratio: Option<f64>,
+    damped_frequency_hz: f64,
+    kind: &'static str,
+    error_bound: f64,
+    damping_ratio_error_bound: Option<f64>,
+    cluster: Option<u32>,
+    route: &'static str,
+}
+
+/// An object with a number for each name, in their order.
+struct ByName<'a> {
+    names: &'a [String],
+    values: Vec<f64>,
+}
+
+impl Serialize for ByName<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.values.len()))?;
+        for (name, value) in self.names.iter().zip(&self.values) {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, names: &'a [String]) -> Report<'a> {
+    let wanted = options.matrices || answer.system.n() <= MATRICES_UP_TO;
+    Report {
+        vibc: env!("CARGO_PKG_VERSION"),
+        model: &answer.model,
+        coordinates: names,
+        rest: rest(answer, names),
+        matrices: wanted.then(|| matrices(&answer.system)),
+        normalisation: normalisation(options.normalise),
+        modes: (1..)
+            .zip(&answer.modes.list)
+            .map(|(number, mode)| json_mode(answer, options, names, number, mode))
+            .collect(),
+        poles: answer.poles.list.iter().map(json_pole).collect(),
+        solved: [],
+        requirements: [],
+    }
+}
+
+/// As on the command line.
+fn normalisation(normalise: Normalise) -> &'static str {
+    match normalise {
+        Normalise::Translation => "translation",
+        Normalise::Max => "max",
+        Normalise::First => "first",
+        Normalise::Mass => "mass",
+    }
+}
+
+fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
+    Rest {
+        stable: answer.stability == Stability::Stable,
+        kind: answer.stability.name(),
+        displacement: ByName { names, values: answer.rest.displacement.iter().map(|q| q.to_f64() + 0.0).collect() },
+        residual: answer.rest.residual,
+        proven: answer.rest.proven,
+        steps: answer.rest.steps,
+    }
+}
+
+fn matrices(system: &LinearSystem) -> Matrices {
+    let rows = |form: &Form| {
+        form.assemble(system.n()).iter().map(|row| row.iter().map(|entry| entry.to_f64() + 0.0).collect()).collect()
+    };
+    Matrices { m: rows(&system.m), c: rows(&system.c), k: rows(&system.k) }
+}
+
+fn json_mode<'a>(
+    answer: &ModalAnswer,
+    options: &ReportOptions,
+    names: &'a [String],
+    number: usize,
+    mode: &Mode,
+) -> JsonMode<'a> {
+    let system = &answer.system;
+    let diverges = mode.kind == ModeKind::Divergence;
+    let (omega, frequency) = (mode.omega, per_turn(mode.omega));
+    JsonMode {
+        mode: number,
+        kind: mode.kind.name(),
+        omega: (!diverges).then(|| omega.to_f64()),
+        frequency_hz: (!diverges).then(|| frequency.to_f64()),
+        growth_rate: diverges.then(|| omega.to_f64()),
+        omega_error_bound: error_bound(&omega).max(if diverges { 0.0 } else { error_bound(&frequency) }),
+        shape: ByName { names, values: normalise(mode, system, options.normalise) },
+        kinetic: shares(&mode.kinetic, |of| names[of.index()].clone()),
+        strain: shares(&mode.strain, |of| system.display(of)),
+        cluster: mode.cluster,
+        input_condition: mode.input_condition,
+        route: mode.route.name(),
+    }
+}
+
+fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonShare> {
+    shares.iter().map(|share| JsonShare { of: name(share.of), share: share.part + 0.0 }).collect()
+}
+
+fn json_pole(pole: &Pole) -> JsonPole {
+    let omega = modulus(pole);
+    let (frequency, damped) = (per_turn(omega), per_turn(pole.im.abs()));
+    JsonPole {
+        re: pole.re.to_f64() + 0.0,
+        im: pole.im.to_f64() + 0.0,
+        omega: omega.to_f64(),
+        frequency_hz: frequency.to_f64(),
+        damping_ratio: pole.damping_ratio.map(|zeta| zeta.to_f64() + 0.0),
+        damped_frequency_hz: damped.to_f64(),
+        kind: pole.kind.name(),
+        error_bound: pole_error_bound(pole),
+        damping_ratio_error_bound: pole.damping_ratio.as_ref().map(error_bound),
+        cluster: pole.cluster,
+        route: pole.route.name(),
+    }
+}
+
+/// |s|, rad/s.
+pub(super) fn modulus(pole: &Pole) -> Ball {
+    if pole.im.is_zero() {
+        return pole.re.abs();
+    }
+    if pole.re.is_zero() {
+        return pole.im.abs();
+    }
+    (pole.re.square() + pole.im.square()).sqrt()
+}
+
+/// rad/s to Hz.
+pub(super) fn per_turn(omega: Ball) -> Ball {
+    omega / (Ball::from(2.0) * Ball::PI)
+}
+
+/// Covers the few roundings of a bound itself.
+const UP: f64 = 1.0 + 1e-14;
+
+/// Bound of |x - true| / |true| for the binary64 number x that is printed for a ball.
+pub(super) fn error_bound(value: &Ball) -> f64 {
+    if value.is_zero() {
+        return 0.0;
+    }
+    let rounding = (value.mid - Dd::from(value.to_f64())).abs().to_f64();
+    (value.rad + rounding) / value.mignitude() * UP
+}
+
+/// The same for a pole: in the complex plane, and for its modulus and frequency too.
+pub(super) fn pole_error_bound(pole: &Pole) -> f64 {
+    let omega = modulus(pole);
+    if omega.is_zero() {
+        return pole.relative_error;
+    }
+    let rounding = |part: Ball| (part.mid - Dd::from(part.to_f64())).abs().to_f64();
+    let in_plane = (rounding(pole.re) + rounding(pole.im)) / omega.mignitude();
+    let of_modulus = rounding(omega) / omega.mignitude();
+    let of_frequency = rounding(per_turn(omega)) / per_turn(omega).mignitude();
+    // The modulus is computed in double-double from the midpoints: a few roundings of 2^-102.
+    let rounding = in_plane.max(of_modulus + 8.0 * Dd::EPSILON).max(of_frequency + 8.0 * Dd::EPSILON);
+    (pole.relative_error + rounding) * UP
+}

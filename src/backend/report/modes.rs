@@ -1,0 +1,160 @@
+//! The undamped modes: their frequencies and shapes, and which mode is which.
+
+use super::super::decimal::{certain, upper};
+use super::super::json::{error_bound, per_turn};
+use super::super::{ModalAnswer, ReportOptions};
+use super::table::{Align, Table};
+use super::{INDENT, WIDTH, carried_by, largest_shares, line, unit};
+use crate::analysis::{Mode, ModeKind, Normalise, normalise};
+use crate::base::{Ball, Dd};
+use crate::system::LinearSystem;
+
+/// Modes that are listed; the JSON has all.
+pub const MOST: usize = 60;
+const DIGITS: usize = 7;
+const SHAPE_DIGITS: usize = 5;
+/// Entries of a shape that are named where a column for each does not fit.
+const LARGEST: usize = 3;
+
+pub fn table(answer: &ModalAnswer, options: &ReportOptions) -> String {
+    if answer.modes.list.is_empty() {
+        return String::new();
+    }
+    let with_columns = filled(answer, options, true);
+    let fits = answer.system.n() <= WIDTH / 10 && with_columns.width() + INDENT <= WIDTH;
+    let table = if fits { with_columns } else { filled(answer, options, false) };
+    line(format!("undamped modes ({})", scaling(options.normalise))) + &table.text(INDENT) + &remarks(answer)
+}
+
+fn scaling(normalise: Normalise) -> &'static str {
+    match normalise {
+        Normalise::Translation => "shapes: largest translation 1, else largest rotation 1",
+        Normalise::Max => "shapes: largest entry 1",
+        Normalise::First => "shapes: first entry 1",
+        Normalise::Mass => "shapes: mass-normalised",
+    }
+}
+
+/// The table, with a column for each coordinate or with the largest entries in one.
+fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table {
+    let system = &answer.system;
+    let mut table = Table::new()
+        .column("mode", "", Align::Right)
+        .column("f", "[Hz]", Align::Point)
+        .column("ω", "[rad/s]", Align::Point)
+        .column("T", "[s]", Align::Point)
+        .column("error ≤", "", Align::Right);
+    if columns {
+        for coordinate in &system.coordinates {
+            table = table.column(system.display(coordinate.name), format!("[{}]", unit(coordinate.kind)), Align::Point);
+        }
+    } else {
+        table = table.column("shape, largest entries", "", Align::Left);
+    }
+    for (number, mode) in (1..).zip(&answer.modes.list).take(MOST) {
+        let shape = normalise(mode, system, options.normalise);
+        let mut cells = frequency_cells(number, mode);
+        if columns {
+            cells.extend(shape.iter().map(|entry| rounded(*entry)));
+        } else {
+            cells.push(largest_entries(system, &shape));
+        }
+        table.row(cells);
+    }
+    table
+}
+
+/// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
+fn frequency_cells(number: usize, mode: &Mode) -> Vec<String> {
+    let (frequency, period) = (per_turn(mode.omega), Ball::from(2.0) * Ball::PI / mode.omega);
+    let (f, omega, t) = match mode.kind {
+        ModeKind::Oscillation => {
+            (certain(&frequency, DIGITS), certain(&mode.omega, DIGITS), certain(&period, SHAPE_DIGITS))
+        }
+        ModeKind::Rigid => ("0".into(), "0".into(), "rigid".into()),
+        ModeKind::Divergence => ("unstable".into(), format!("{}i", certain(&mode.omega, DIGITS)), "".into()),
+    };
+    let bound = match mode.kind {
+        ModeKind::Rigid => "exact".into(),
+        ModeKind::Divergence => upper(error_bound(&mode.omega)),
+        ModeKind::Oscillation => upper(error_bound(&mode.omega).max(error_bound(&frequency))),
+    };
+    vec![number.to_string(), f, omega, t, bound]
+}
+
+/// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
+fn rounded(entry: f64) -> String {
+    if entry == 0.0 {
+        return "0".into();
+    }
+    super::super::decimal::Decimal::round(Dd::from(entry), SHAPE_DIGITS).text()
+}
+
+fn largest_entries(system: &LinearSystem, shape: &[f64]) -> String {
+    let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i] != 0.0).collect();
+    order.sort_by(|a, b| shape[*b].abs().total_cmp(&shape[*a].abs()).then(a.cmp(b)));
+    let named = order.iter().take(LARGEST);
+    let named: Vec<String> =
+        named.map(|i| format!("{} {}", system.display(system.coordinates[*i].name), rounded(shape[*i]))).collect();
+    named.join(", ")
+}
+
+/// What cannot be seen in the table.
+fn remarks(answer: &ModalAnswer) -> String {
+    let list = &answer.modes.list;
+    let mut text = String::new();
+    if list.len() > MOST {
+        text += &line(format!("... and {} modes more (--format json has all)", list.len() - MOST));
+    }
+    text + &clusters(list) + &sensitive(list)
+}
+
+/// Modes that are certified together only.
+fn clusters(list: &[Mode]) -> String {
+    let mut text = String::new();
+    let mut seen = None;
+    for (first, mode) in list.iter().enumerate().filter(|(_, mode)| mode.cluster.is_some()) {
+        let members: Vec<usize> = (first..list.len()).filter(|i| list[*i].cluster == mode.cluster).collect();
+        if seen == mode.cluster || members.len() < 2 {
+            continue;
+        }
+        seen = mode.cluster;
+        let (first, last) = (members[0] + 1, members[members.len() - 1] + 1);
+        text += &line(format!(
+            "modes {first} to {last}: one repeated frequency or a tight cluster; their shapes span it together"
+        ));
+    }
+    text
+}
+
+/// Frequencies that the model's numbers do not fix as well as they are computed.
+fn sensitive(list: &[Mode]) -> String {
+    const WORTH_TELLING: f64 = 100.0;
+    let told = (1..).zip(list).filter(|(_, mode)| mode.input_condition.is_some_and(|factor| factor >= WORTH_TELLING));
+    told.take(MOST)
+        .map(|(number, mode)| {
+            let factor = upper(mode.input_condition.unwrap_or(f64::INFINITY));
+            line(format!("mode {number} is sensitive: its ω moves up to {factor} times as much as the model's numbers, relatively"))
+        })
+        .collect()
+}
+
+/// Which mode is which: what moves in it, and what holds it.
+pub fn shares(answer: &ModalAnswer) -> String {
+    if answer.system.n() < 2 {
+        return String::new();
+    }
+    let system = &answer.system;
+    let mut table = Table::new()
+        .column("mode", "", Align::Right)
+        .column("moves (share of kinetic energy)", "", Align::Left)
+        .column("is held by (share of strain energy)", "", Align::Left);
+    for (number, mode) in (1..).zip(&answer.modes.list).take(MOST) {
+        let held = match mode.kind {
+            ModeKind::Rigid => "nothing".into(),
+            _ => largest_shares(&mode.strain, |of| system.display(of)),
+        };
+        table.row(vec![format!("{number}"), carried_by(system, mode), held]);
+    }
+    line("which mode is which") + &table.text(INDENT)
+}

@@ -1,0 +1,86 @@
+//! The damped motion: each pole, a complex pair once.
+
+use super::super::ModalAnswer;
+use super::super::decimal::{certain, upper};
+use super::super::json::{modulus, per_turn, pole_error_bound};
+use super::modes::MOST;
+use super::table::{Align, Table};
+use super::{INDENT, line};
+use crate::analysis::{Pole, PoleKind, Stability};
+use crate::base::Ball;
+
+const DIGITS: usize = 6;
+const FEW: usize = 4;
+
+pub fn text(answer: &ModalAnswer) -> String {
+    if answer.poles.list.is_empty() {
+        return String::new();
+    }
+    if answer.system.c.is_empty() {
+        let poles = if answer.stability == Stability::Unstable {
+            "±iω of its mode, or ± its growth"
+        } else {
+            "±iω of its mode"
+        };
+        return line(format!("damped motion: nothing damps; every pole is {poles}"));
+    }
+    let mut table = Table::new()
+        .column("pole", "", Align::Right)
+        .column("re s", "[1/s]", Align::Point)
+        .column("im s", "[rad/s]", Align::Point)
+        .column("f", "[Hz]", Align::Point)
+        .column("ζ", "", Align::Point)
+        .column("decay time", "[s]", Align::Point)
+        .column("half-life", "[cycles]", Align::Point)
+        .column("error ≤", "", Align::Right)
+        .column("kind", "", Align::Left);
+    let shown: Vec<(usize, &Pole)> =
+        (1..).zip(&answer.poles.list).filter(|(_, pole)| !is_second_of_pair(pole)).collect();
+    for (number, pole) in shown.iter().take(MOST) {
+        table.row(cells(*number, pole));
+    }
+    let left = shown.len().saturating_sub(MOST);
+    let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
+    line("damped motion") + &table.text(INDENT) + &more
+}
+
+/// Of a complex pair the pole in the upper half plane is shown.
+fn is_second_of_pair(pole: &Pole) -> bool {
+    is_complex(pole) && pole.im.mid.hi < 0.0
+}
+
+fn is_complex(pole: &Pole) -> bool {
+    matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter)
+}
+
+fn cells(number: usize, pole: &Pole) -> Vec<String> {
+    let omega = modulus(pole);
+    let complex = is_complex(pole);
+    let im = if complex { format!("±{}", certain(&pole.im.abs(), DIGITS)) } else { "0".into() };
+    let (frequency, half_life) = if complex {
+        (certain(&per_turn(omega), DIGITS), certain(&half_life(pole), FEW))
+    } else {
+        (String::new(), String::new())
+    };
+    vec![
+        number.to_string(),
+        certain(&pole.re, DIGITS),
+        im,
+        frequency,
+        pole.damping_ratio.as_ref().filter(|_| complex).map_or(String::new(), |zeta| certain(zeta, DIGITS)),
+        decay_time(pole),
+        half_life,
+        if omega.is_zero() { "exact".into() } else { upper(pole_error_bound(pole)) },
+        pole.kind.name().to_string(),
+    ]
+}
+
+/// 1/|re|; `never` where nothing decays.
+fn decay_time(pole: &Pole) -> String {
+    if pole.re.is_zero() { "never".into() } else { certain(&(Ball::ONE / pole.re.abs()), FEW) }
+}
+
+/// Cycles after which the amplitude has halved (doubled, for flutter): ln 2 |im| / (2 pi |re|).
+fn half_life(pole: &Pole) -> Ball {
+    per_turn(Ball::LN_2 * pole.im.abs() / pole.re.abs())
+}

@@ -1,0 +1,101 @@
+//! Where the rest is, and what it does when disturbed.
+
+use super::super::ModalAnswer;
+use super::super::decimal::{certain, certain_number, upper};
+use super::table::{Align, Table};
+use super::{INDENT, carried_by, line, unit};
+use crate::analysis::{Mode, ModeKind, PoleKind};
+use crate::base::{Ball, Number};
+use crate::system::CoordinateKind;
+
+/// Displaced coordinates that are listed; the largest ones.
+const MOST: usize = 12;
+const DIGITS: usize = 6;
+
+pub fn text(answer: &ModalAnswer) -> String {
+    displacement(answer) + &unstable(answer) + &neutral(answer)
+}
+
+fn displacement(answer: &ModalAnswer) -> String {
+    let rest = &answer.rest;
+    let mut moved: Vec<usize> = (0..rest.displacement.len()).filter(|i| !rest.displacement[*i].is_zero()).collect();
+    if moved.is_empty() {
+        return line("rest: as drawn");
+    }
+    let size = |i: &usize| rest.displacement[*i].to_f64().abs();
+    moved.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    let left = moved.len().saturating_sub(MOST);
+    moved.truncate(MOST);
+    moved.sort_unstable();
+    let mut table = Table::new().column("coordinate", "", Align::Left).column("moved by", "", Align::Point).column(
+        "",
+        "",
+        Align::Left,
+    );
+    for i in moved {
+        let coordinate = &answer.system.coordinates[i];
+        let (value, unit) = (&rest.displacement[i], unit(coordinate.kind));
+        let degrees = match coordinate.kind {
+            CoordinateKind::Translation => String::new(),
+            CoordinateKind::Rotation => format!("= {}°", certain(&degrees(value), DIGITS)),
+        };
+        let unit = format!("{unit} {degrees}");
+        table.row(vec![answer.system.display(coordinate.name), certain_number(value, DIGITS), unit]);
+    }
+    let mut text = line(format!("rest: displaced from the drawing{}", trust(answer))) + &table.text(INDENT);
+    if left > 0 {
+        text += &line(format!("... and {left} smaller ones (--format json has all)"));
+    }
+    text
+}
+
+/// What is known about a rest that was computed.
+fn trust(answer: &ModalAnswer) -> String {
+    let rest = &answer.rest;
+    let proven = if rest.proven { "proven" } else { "NOT proven" };
+    format!(", {proven}; unbalanced ≤ {} of the largest force", upper(rest.residual))
+}
+
+fn degrees(angle: &Number) -> Ball {
+    angle.to_ball() * Ball::from(180.0) / Ball::PI
+}
+
+/// Each way in which the scene leaves its rest.
+fn unstable(answer: &ModalAnswer) -> String {
+    let mut text = String::new();
+    for (number, mode) in (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Divergence) {
+        let runaway = format!("mode {number} ({})", carried_by(&answer.system, mode));
+        text += &line(format!("  {runaway} runs away: {}", growth(mode.omega)));
+    }
+    if text.is_empty() {
+        for (number, pole) in (1..).zip(&answer.poles.list) {
+            match pole.kind {
+                PoleKind::Flutter if !pole.im.is_negative() => {
+                    text += &line(format!("  pole {number} swings ever wider (flutter): {}", growth(pole.re)));
+                }
+                PoleKind::Divergence => text += &line(format!("  pole {number} runs away: {}", growth(pole.re))),
+                _ => {}
+            }
+        }
+    }
+    if text.is_empty() { text } else { line("UNSTABLE: the scene does not stay at this rest") + &text }
+}
+
+fn growth(rate: Ball) -> String {
+    let doubling = Ball::LN_2 / rate;
+    format!("grows at {} 1/s, doubles in {} s", certain(&rate, DIGITS), certain(&doubling, 4))
+}
+
+/// The motions that nothing holds back.
+fn neutral(answer: &ModalAnswer) -> String {
+    let rigid: Vec<(usize, &Mode)> =
+        (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Rigid).collect();
+    if rigid.is_empty() {
+        return String::new();
+    }
+    let mut text = line("NEUTRAL: nothing holds these motions back");
+    for (number, mode) in rigid {
+        text += &line(format!("  mode {number}: {}", carried_by(&answer.system, mode)));
+    }
+    text
+}

@@ -1,0 +1,178 @@
+//! Answers made by hand, for the tests of this folder.
+
+use super::ModalAnswer;
+use crate::analysis::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
+use crate::base::{Ball, Dd, FileId, Name, Number, Rational, Span, Words};
+use crate::lower::Rest;
+use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
+
+/// The cart with a rod: the mass matrix, springs and damper of the problem set, with answers to twelve digits.
+pub fn cart() -> ModalAnswer {
+    let mut words = Words::new();
+    let coordinates = vec![
+        coordinate(&mut words, "block", "x", CoordinateKind::Translation),
+        coordinate(&mut words, "rod", "angle", CoordinateKind::Rotation),
+    ];
+    let spring = label(&mut words, "s", "");
+    let gravity = label(&mut words, "gravity", "");
+    let system = LinearSystem {
+        m: form(&[
+            (label(&mut words, "block", ""), (1, 1), &[(0, 1)]),
+            (label(&mut words, "rod", ""), (1, 2), &[(0, 1), (1, 1)]),
+        ])
+        .with((label(&mut words, "rod", ""), (1, 6), &[(1, 1)])),
+        c: form(&[(label(&mut words, "d", ""), (5, 1), &[(0, 1)])]),
+        k: form(&[(spring, (10, 1), &[(0, 1)]), (gravity, (981, 200), &[(1, 1)])]),
+        words,
+        coordinates,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        initial: Vec::new(),
+    };
+    let modes = vec![
+        oscillation(2.15817927443011, &[0.6318, 0.8175], &[(0, 0.4), (1, 0.6)], &[(spring, 0.55), (gravity, 0.45)]),
+        oscillation(3.74715239993107, &[0.757, -1.1927], &[(0, 0.6), (1, 0.4)], &[(gravity, 0.5), (spring, 0.5)]),
+    ];
+    let poles = vec![
+        pole(-0.309953841, 2.636171869),
+        pole(-0.309953841, -2.636171869),
+        pole(-1.912268381, 2.371873795),
+        pole(-1.912268381, -2.371873795),
+    ];
+    ModalAnswer {
+        model: "cart".into(),
+        system,
+        rest: as_drawn(2),
+        modes: Modes { list: modes },
+        poles: Poles { list: poles },
+        stability: Stability::Stable,
+    }
+}
+
+/// Two free carts tied by a spring: a rigid motion and an oscillation.
+pub fn free_pair() -> ModalAnswer {
+    let mut words = Words::new();
+    let coordinates = vec![
+        coordinate(&mut words, "α", "x", CoordinateKind::Translation),
+        coordinate(&mut words, "β", "x", CoordinateKind::Translation),
+    ];
+    let spring = label(&mut words, "s", "");
+    let system = LinearSystem {
+        m: form(&[(label(&mut words, "α", ""), (2, 1), &[(0, 1)]), (label(&mut words, "β", ""), (2, 1), &[(1, 1)])]),
+        c: Form::new(),
+        k: form(&[(spring, (4, 1), &[(0, 1), (1, -1)])]),
+        words,
+        coordinates,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        initial: Vec::new(),
+    };
+    let half = [(0, 0.5), (1, 0.5)];
+    let mut rigid = oscillation(0.0, &[0.5, 0.5], &half, &[]);
+    (rigid.kind, rigid.route, rigid.input_condition) = (ModeKind::Rigid, Route::Exact, None);
+    (rigid.omega, rigid.omega_squared) = (Ball::ZERO, Ball::ZERO);
+    let shaking = oscillation(2.0, &[0.5, -0.5], &half, &[(spring, 1.0)]);
+    ModalAnswer {
+        model: "free pair".into(),
+        system,
+        rest: as_drawn(2),
+        modes: Modes { list: vec![rigid, shaking] },
+        poles: Poles { list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)] },
+        stability: Stability::Neutral,
+    }
+}
+
+/// An upright rod on a soft hinge spring, found leaning by 0.01 rad: it falls.
+pub fn upright_rod() -> ModalAnswer {
+    let mut answer = cart();
+    let gravity = answer.system.k.source_name(1);
+    let mut falling = oscillation(2.95211788391, &[1.7320508], &[(0, 1.0)], &[(gravity, 1.0)]);
+    falling.kind = ModeKind::Divergence;
+    falling.omega_squared = -falling.omega_squared;
+    answer.model = "upright".into();
+    answer.system.coordinates.remove(0);
+    answer.system.m = Form::new();
+    answer.system.c = Form::new();
+    answer.system.k = Form::new();
+    answer.rest = Rest {
+        displacement: vec![Number::Ball(Ball::new(Dd::from(0.01), 1e-18))],
+        residual: 3e-17,
+        proven: true,
+        steps: 4,
+    };
+    answer.modes = Modes { list: vec![falling] };
+    let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
+    answer.poles =
+        Poles { list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)] };
+    answer.stability = Stability::Unstable;
+    answer
+}
+
+fn label(words: &mut Words, name: &str, motion: &'static str) -> Label {
+    Label { name: Name::plain(words.intern(name)), motion }
+}
+
+fn coordinate(words: &mut Words, body: &str, motion: &'static str, kind: CoordinateKind) -> Coordinate {
+    Coordinate { name: label(words, body, motion), kind, span: Span::new(FileId(0), 0, 1) }
+}
+
+type Square<'a> = (Label, (i64, i64), &'a [(u32, i64)]);
+
+fn form(squares: &[Square]) -> Form {
+    squares.iter().fold(Form::new(), |form, square| form.with(*square))
+}
+
+trait With {
+    fn with(self, square: Square) -> Self;
+}
+
+impl With for Form {
+    fn with(mut self, (name, (numerator, denominator), row): Square) -> Form {
+        let source = self.source(name);
+        let weight = Number::Exact(Rational::new(numerator, denominator));
+        self.push(
+            source,
+            Nature::Property,
+            weight,
+            row.iter().map(|(i, value)| (CoordinateId(*i), Number::from(*value))),
+        );
+        self
+    }
+}
+
+fn as_drawn(n: usize) -> Rest {
+    Rest { displacement: vec![Number::ZERO; n], residual: 0.0, proven: true, steps: 0 }
+}
+
+fn oscillation(omega: f64, shape: &[f64], kinetic: &[(u32, f64)], strain: &[(Label, f64)]) -> Mode {
+    let omega = Ball::new(Dd::from(omega), omega * 1e-30);
+    Mode {
+        kind: ModeKind::Oscillation,
+        omega_squared: omega.square(),
+        omega,
+        cluster: None,
+        shape: shape.to_vec(),
+        input_condition: Some(2.0),
+        kinetic: kinetic.iter().map(|(of, part)| Share { of: CoordinateId(*of), part: *part }).collect(),
+        strain: strain.iter().map(|(of, part)| Share { of: *of, part: *part }).collect(),
+        route: Route::FactoredDoubleDouble,
+    }
+}
+
+fn pole(re: f64, im: f64) -> Pole {
+    let (re, im) = (Ball::from(re), Ball::from(im));
+    let modulus = (re.square() + im.square()).sqrt();
+    Pole {
+        re,
+        im,
+        relative_error: 2e-17,
+        damping_ratio: Some(-re / modulus),
+        kind: PoleKind::Oscillation,
+        cluster: None,
+        route: Route::Refined,
+    }
+}
+
+fn zero_pole() -> Pole {
+    Pole { relative_error: 0.0, damping_ratio: None, kind: PoleKind::Rigid, route: Route::Exact, ..pole(0.0, 0.0) }
+}
