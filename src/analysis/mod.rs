@@ -3,17 +3,30 @@
 
 pub mod answer;
 pub mod certificate;
+mod companion;
+pub mod complex;
 pub mod dense;
+mod discs;
 pub mod error;
 pub mod gram;
 pub mod jacobi;
 pub mod modes;
+mod pencil;
+mod pole_parts;
+mod pole_proportional;
+mod pole_quadratic;
+mod pole_rigid;
+mod poles;
+mod refinement;
 pub mod residues;
 pub mod shape;
 pub mod squares;
+mod stability;
 pub mod structure;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use error::AnalysisError;
 pub use modes::modes;
+pub use poles::poles;
 pub use shape::{Normalise, normalise};
+pub use stability::stability;

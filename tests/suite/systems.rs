@@ -45,6 +45,22 @@ impl Builder {
         self.m.push(source, Nature::Property, mass.clone(), [(CoordinateId(at as u32), Number::ONE)]);
     }
 
+    /// A term w a a^T of M.
+    pub fn inertia(&mut self, weight: &Number, row: &[(usize, Number)]) {
+        let label = self.label("m");
+        let source = self.m.source(label);
+        let row = row.iter().map(|(i, a)| (CoordinateId(*i as u32), a.clone()));
+        self.m.push(source, Nature::Property, weight.clone(), row);
+    }
+
+    /// A damper between two coordinates, or to the ground.
+    pub fn damper(&mut self, from: Option<usize>, to: usize, c: &Number) {
+        let label = self.label(&format!("d{}", self.c.source_count() + 1));
+        let source = self.c.source(label);
+        let row = [(to, Number::ONE)].into_iter().chain(from.map(|i| (i, Number::from(-1))));
+        self.c.push(source, Nature::Property, c.clone(), row.map(|(i, a)| (CoordinateId(i as u32), a)));
+    }
+
     /// A term w a a^T of K.
     pub fn stiffness(&mut self, name: &str, nature: Nature, weight: &Number, row: &[(usize, Number)]) {
         let label = self.label(name);

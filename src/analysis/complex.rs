@@ -1,0 +1,204 @@
+//! Complex numbers over any of our reals: `Complex<f64>` steers, `Complex<Dd>` refines, `Complex<Ball>` (a rectangle that
+//! encloses) proves. Only + - * / and the square root are used, which are the same on every machine.
+
+use crate::base::{Ball, Dd};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// What the arithmetic below needs of a real number.
+pub trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + From<f64>
+{
+    const ZERO: Self;
+}
+
+impl Real for f64 {
+    const ZERO: f64 = 0.0;
+}
+
+impl Real for Dd {
+    const ZERO: Dd = Dd::ZERO;
+}
+
+impl Real for Ball {
+    const ZERO: Ball = Ball::ZERO;
+}
+
+/// re + i im.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Complex<T> {
+    pub re: T,
+    pub im: T,
+}
+
+impl<T: Real> Complex<T> {
+    pub const ZERO: Complex<T> = Complex { re: T::ZERO, im: T::ZERO };
+
+    #[inline]
+    pub fn new(re: T, im: T) -> Complex<T> {
+        Complex { re, im }
+    }
+
+    #[inline]
+    pub fn real(re: T) -> Complex<T> {
+        Complex { re, im: T::ZERO }
+    }
+
+    #[inline]
+    pub fn conj(self) -> Complex<T> {
+        Complex { re: self.re, im: -self.im }
+    }
+
+    /// The product with a real number.
+    #[inline]
+    pub fn scale(self, by: T) -> Complex<T> {
+        Complex { re: self.re * by, im: self.im * by }
+    }
+}
+
+impl<T: Real> Neg for Complex<T> {
+    type Output = Complex<T>;
+    #[inline]
+    fn neg(self) -> Complex<T> {
+        Complex { re: -self.re, im: -self.im }
+    }
+}
+
+impl<T: Real> Add for Complex<T> {
+    type Output = Complex<T>;
+    #[inline]
+    fn add(self, b: Complex<T>) -> Complex<T> {
+        Complex { re: self.re + b.re, im: self.im + b.im }
+    }
+}
+
+impl<T: Real> Sub for Complex<T> {
+    type Output = Complex<T>;
+    #[inline]
+    fn sub(self, b: Complex<T>) -> Complex<T> {
+        Complex { re: self.re - b.re, im: self.im - b.im }
+    }
+}
+
+impl<T: Real> Mul for Complex<T> {
+    type Output = Complex<T>;
+    #[inline]
+    fn mul(self, b: Complex<T>) -> Complex<T> {
+        Complex { re: self.re * b.re - self.im * b.im, im: self.re * b.im + self.im * b.re }
+    }
+}
+
+impl Complex<f64> {
+    /// |re| + |im|: within a factor of sqrt(2) of the modulus, without a root.
+    #[inline]
+    pub fn one_norm(self) -> f64 {
+        self.re.abs() + self.im.abs()
+    }
+
+    /// The modulus, scaled against overflow.
+    #[inline]
+    pub fn abs(self) -> f64 {
+        let size = self.re.abs().max(self.im.abs());
+        if size == 0.0 || !size.is_finite() {
+            return size;
+        }
+        let (re, im) = (self.re / size, self.im / size);
+        size * (re * re + im * im).sqrt()
+    }
+
+    /// 1 / self, scaled against overflow (Smith 1962).
+    #[inline]
+    pub fn recip(self) -> Complex<f64> {
+        if self.re.abs() >= self.im.abs() {
+            let r = self.im / self.re;
+            let d = self.re + self.im * r;
+            Complex::new(1.0 / d, -r / d)
+        } else {
+            let r = self.re / self.im;
+            let d = self.re * r + self.im;
+            Complex::new(r / d, -1.0 / d)
+        }
+    }
+
+    /// The square root with a non-negative real part.
+    pub fn sqrt(self) -> Complex<f64> {
+        let modulus = self.abs();
+        if modulus == 0.0 {
+            return Complex::ZERO;
+        }
+        let large = ((self.re.abs() + modulus) / 2.0).sqrt();
+        let small = self.im / (2.0 * large);
+        match (self.re >= 0.0, self.im >= 0.0) {
+            (true, _) => Complex::new(large, small),
+            (false, true) => Complex::new(small, large),
+            (false, false) => Complex::new(-small, -large),
+        }
+    }
+
+    #[inline]
+    pub fn is_finite(self) -> bool {
+        self.re.is_finite() && self.im.is_finite()
+    }
+}
+
+impl Complex<Dd> {
+    #[inline]
+    pub fn to_f64(self) -> Complex<f64> {
+        Complex::new(self.re.to_f64(), self.im.to_f64())
+    }
+
+    /// As an enclosure of radius zero.
+    #[inline]
+    pub fn to_ball(self) -> Complex<Ball> {
+        Complex::new(Ball::exact(self.re), Ball::exact(self.im))
+    }
+}
+
+impl From<Complex<f64>> for Complex<Dd> {
+    #[inline]
+    fn from(z: Complex<f64>) -> Complex<Dd> {
+        Complex::new(Dd::from(z.re), Dd::from(z.im))
+    }
+}
+
+impl Complex<Ball> {
+    /// An upper bound of the modulus.
+    #[inline]
+    pub fn magnitude(self) -> f64 {
+        let (re, im) = (self.re.magnitude(), self.im.magnitude());
+        Complex::new(re, im).abs() * (1.0 + 8.0 * f64::EPSILON)
+    }
+
+    /// An upper bound of the distance of what is enclosed from the midpoint.
+    #[inline]
+    pub fn radius(self) -> f64 {
+        Complex::new(self.re.rad, self.im.rad).abs() * (1.0 + 8.0 * f64::EPSILON)
+    }
+
+    #[inline]
+    pub fn mid(self) -> Complex<Dd> {
+        Complex::new(self.re.mid, self.im.mid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_square_of_a_root_is_the_number() {
+        for (re, im) in [(3.0, 4.0), (-3.0, 4.0), (-3.0, -4.0), (0.0, -2.0), (-1.0, 0.0), (1e-200, 1e200)] {
+            let z = Complex::new(re, im);
+            let root = z.sqrt();
+            assert!((root * root - z).abs() <= 4.0 * f64::EPSILON * z.abs(), "{z:?}");
+            assert!(root.re >= 0.0);
+        }
+    }
+
+    #[test]
+    fn a_number_times_its_reciprocal_is_one() {
+        for (re, im) in [(3.0, 4.0), (1e-3, 1e5), (-1e150, 1e150)] {
+            let z = Complex::new(re, im);
+            assert!((z * z.recip() - Complex::real(1.0)).abs() < 4.0 * f64::EPSILON);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The independent parts of a system: coordinates that no term of M, C or K joins move by themselves, and each part has
+//! poles of its own. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
+//! Clause: spec.md 11.2.
+
+use crate::system::{CoordinateId, Form, LinearSystem};
+
+/// Coordinates that are joined with one another and with nothing else, ascending, and the terms on them.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    pub coordinates: Vec<u32>,
+    pub m: Vec<u32>,
+    pub c: Vec<u32>,
+    pub k: Vec<u32>,
+}
+
+/// The parts in the order of their first coordinates.
+pub fn independent(system: &LinearSystem) -> Vec<Part> {
+    let mut joined = Joined::new(system.n());
+    for form in [&system.m, &system.c, &system.k] {
+        for term in form.terms() {
+            let row = form.row(term);
+            for pair in row.windows(2) {
+                joined.join(pair[0].0.index(), pair[1].0.index());
+            }
+        }
+    }
+    let (number, count) = joined.numbered();
+    let mut parts = vec![Part::default(); count];
+    for (coordinate, &part) in number.iter().enumerate() {
+        parts[part].coordinates.push(coordinate as u32);
+    }
+    distribute(&system.m, &number, &mut parts, |part| &mut part.m);
+    distribute(&system.c, &number, &mut parts, |part| &mut part.c);
+    distribute(&system.k, &number, &mut parts, |part| &mut part.k);
+    parts
+}
+
+/// A part as a system of its own: without inputs and outputs, its coordinates numbered by `local`.
+pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSystem {
+    LinearSystem {
+        words: system.words.clone(),
+        coordinates: part.coordinates.iter().map(|&c| system.coordinates[c as usize].clone()).collect(),
+        m: chosen(&system.m, &part.m, local),
+        c: chosen(&system.c, &part.c, local),
+        k: chosen(&system.k, &part.k, local),
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        initial: Vec::new(),
+    }
+}
+
+fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
+    let mut result = Form::new();
+    for &index in terms {
+        let term = &form.terms()[index as usize];
+        let source = result.source(form.source_name(term.source));
+        let row = form.row(term).iter().map(|(i, a)| (CoordinateId(local[i.index()]), a.clone()));
+        result.push(source, term.nature, term.weight.clone(), row);
+    }
+    result
+}
+
+fn distribute(form: &Form, number: &[usize], parts: &mut [Part], terms: impl Fn(&mut Part) -> &mut Vec<u32>) {
+    for (index, term) in form.terms().iter().enumerate() {
+        if let Some((coordinate, _)) = form.row(term).first() {
+            terms(&mut parts[number[coordinate.index()]]).push(index as u32);
+        }
+    }
+}
+
+/// Disjoint sets with path halving; a set's root is its least member.
+struct Joined {
+    above: Vec<usize>,
+}
+
+impl Joined {
+    fn new(n: usize) -> Joined {
+        Joined { above: (0..n).collect() }
+    }
+
+    fn root(&mut self, mut i: usize) -> usize {
+        while self.above[i] != i {
+            self.above[i] = self.above[self.above[i]];
+            i = self.above[i];
+        }
+        i
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.root(i), self.root(j));
+        self.above[i.max(j)] = i.min(j);
+    }
+
+    /// The number of each member's set, counted in the order of first members, and how many there are.
+    fn numbered(mut self) -> (Vec<usize>, usize) {
+        let mut number = vec![0; self.above.len()];
+        let mut count = 0;
+        for i in 0..self.above.len() {
+            let root = self.root(i);
+            if root == i {
+                number[i] = count;
+                count += 1;
+            } else {
+                number[i] = number[root];
+            }
+        }
+        (number, count)
+    }
+}

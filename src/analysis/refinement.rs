@@ -1,0 +1,227 @@
+//! A pole and its vector from a rough start: Newton's method for Q(s) x = 0, b^H x = const, with residuals of the terms in
+//! double-double and corrections from one binary64 factorisation in the coordinates of the undamped modes
+//! (extra-precise refinement: Demmel et al., ACM TOMS 32 (2006) 325; bordering: Keller 1977). In: pencil, basis, start.
+//! Out: s and x in double-double; how good they are is the discs' business. Clause: spec.md 11.5.
+
+use super::companion::Basis;
+use super::complex::Complex;
+use super::dense::Matrix;
+use super::pencil::{Pencil, Vector};
+use crate::base::Dd;
+
+/// An approximate pole and its vector, as exactly these numbers.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    pub s: Complex<Dd>,
+    pub x: Vector,
+}
+
+impl Pair {
+    pub fn is_real(&self) -> bool {
+        self.x.is_real()
+    }
+}
+
+/// A correction below this is rounding: 2^-103.
+const SETTLED: f64 = 1e-31;
+/// Each step wins at least ten digits from a good start; this is for bad ones.
+const MOST_STEPS: usize = 24;
+
+/// Refines one start; `seed` scrambles the first vector, so that equal starts find different vectors.
+/// `None` where nothing finite comes out.
+pub fn refine(pencil: &Pencil, basis: &Basis, start: Complex<f64>, seed: usize) -> Option<Pair> {
+    let real = start.im == 0.0;
+    let mut y = inverse_iteration(basis, start, seed)?;
+    let mut pair = Pair { s: start.into(), x: expand(basis, &y, real) };
+    let mut newton = Newton::at(basis, start, &y)?;
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let force = pencil.apply(pair.s, &pair.x).force;
+        let force: Vec<Complex<f64>> = force.iter().map(|z| z.mid().to_f64()).collect();
+        let (dy, ds) = newton.step(basis, &force)?;
+        apply_step(basis, &mut pair, &mut y, &dy, ds);
+        let s = pair.s.to_f64();
+        let size = (ds.abs() / s.abs()).max(norm(&dy) / norm(&y));
+        if !size.is_finite() {
+            return None;
+        }
+        if size < SETTLED || (size < 1e-20 && size > 0.25 * last) {
+            break;
+        }
+        // A start of few digits deserves a new factorisation; a good one contracts by itself.
+        if size > 1e-6 {
+            newton = Newton::at(basis, s, &y)?;
+        }
+        last = size;
+    }
+    Some(pair)
+}
+
+/// x = Phi y, in double-double.
+fn expand(basis: &Basis, y: &[Complex<f64>], real: bool) -> Vector {
+    let mut x = Vector::zeros(basis.shapes.rows(), real);
+    for (j, y) in y.iter().enumerate() {
+        for (i, &entry) in basis.shapes.column(j).iter().enumerate() {
+            x.re[i] += Dd::product(entry, y.re);
+            if !real {
+                x.im[i] += Dd::product(entry, y.im);
+            }
+        }
+    }
+    x
+}
+
+fn apply_step(basis: &Basis, pair: &mut Pair, y: &mut [Complex<f64>], dy: &[Complex<f64>], ds: Complex<f64>) {
+    for i in 0..pair.x.re.len() {
+        let step = (0..dy.len()).fold(Complex::ZERO, |sum, j| sum + dy[j].scale(basis.shapes[(i, j)]));
+        pair.x.add(i, step);
+    }
+    y.iter_mut().zip(dy).for_each(|(y, d)| *y = *y + *d);
+    pair.s = pair.s + ds.into();
+    if pair.is_real() {
+        pair.s.im = Dd::ZERO;
+    }
+}
+
+fn norm(y: &[Complex<f64>]) -> f64 {
+    y.iter().map(|z| z.one_norm()).fold(0.0, f64::max)
+}
+
+/// Phi^T Q(s) Phi as s^2 + C~ s + Omega^2.
+fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
+    let damped = s.scale(basis.damping[(i, j)]);
+    if i == j { s * s + damped + Complex::real(basis.omega_squared[i]) } else { damped }
+}
+
+/// Two steps of inverse iteration from a scrambled vector (a smooth one can be orthogonal to what is sought).
+fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<Complex<f64>>> {
+    let n = basis.n();
+    let factors = Factors::of(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
+    let mut y: Vec<Complex<f64>> = (0..n).map(|i| Complex::real(scrambled(i + 977 * seed))).collect();
+    for _ in 0..2 {
+        factors.solve(&mut y);
+        let size = norm(&y);
+        if !(size.is_finite() && size > 0.0) {
+            return None;
+        }
+        y.iter_mut().for_each(|z| *z = z.scale(1.0 / size));
+    }
+    Some(y)
+}
+
+/// Numbers between 1/2 and 3/2 without a pattern: the fractional parts of multiples of the golden section.
+fn scrambled(i: usize) -> f64 {
+    let x = (i + 1) as f64 * 0.618_033_988_749_894_9;
+    0.5 + (x - x.floor())
+}
+
+/// The bordered matrix [Q(s), Q'(s) y; y^H, 0], factored.
+struct Newton {
+    factors: Factors,
+}
+
+impl Newton {
+    fn at(basis: &Basis, s: Complex<f64>, y: &[Complex<f64>]) -> Option<Newton> {
+        let n = basis.n();
+        let slope: Vec<Complex<f64>> = (0..n)
+            .map(|i| {
+                let damped = (0..n).fold(Complex::ZERO, |sum, j| sum + y[j].scale(basis.damping[(i, j)]));
+                s.scale(2.0) * y[i] + damped
+            })
+            .collect();
+        let matrix = Matrix::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
+            (false, false) => modal(basis, s, i, j),
+            (false, true) => slope[i],
+            (true, false) => y[j].conj(),
+            (true, true) => Complex::ZERO,
+        });
+        Some(Newton { factors: Factors::of(matrix)? })
+    }
+
+    /// The corrections of y and s for a residual Q(s) x.
+    fn step(&self, basis: &Basis, force: &[Complex<f64>]) -> Option<(Vec<Complex<f64>>, Complex<f64>)> {
+        let n = basis.n();
+        let mut rhs: Vec<Complex<f64>> = (0..n)
+            .map(|j| {
+                let shape = basis.shapes.column(j);
+                -shape.iter().zip(force).fold(Complex::ZERO, |sum, (&a, &f)| sum + f.scale(a))
+            })
+            .collect();
+        rhs.push(Complex::ZERO);
+        self.factors.solve(&mut rhs);
+        let ds = rhs.pop()?;
+        Some((rhs, ds))
+    }
+}
+
+/// LU with partial pivoting.
+struct Factors {
+    lu: Matrix<Complex<f64>>,
+    order: Vec<usize>,
+}
+
+impl Factors {
+    /// `None` for a matrix that is not finite. A pivot of zero becomes a very small one: the matrix of an eigenvalue is
+    /// singular, and that is what inverse iteration lives on.
+    fn of(mut lu: Matrix<Complex<f64>>) -> Option<Factors> {
+        let n = lu.rows();
+        let largest = (0..n).flat_map(|j| lu.column(j)).map(|z| z.one_norm()).fold(0.0, f64::max);
+        if !largest.is_finite() {
+            return None;
+        }
+        let mut order: Vec<usize> = (0..n).collect();
+        for p in 0..n {
+            let column = lu.column(p);
+            let size = |i: usize| column[i].one_norm();
+            let best = (p + 1..n).fold(p, |best, i| if size(i) > size(best) { i } else { best });
+            if best != p {
+                order.swap(p, best);
+                for j in 0..n {
+                    lu.column_mut(j).swap(p, best);
+                }
+            }
+            if lu[(p, p)].one_norm() <= largest * 1e-300 {
+                lu[(p, p)] = Complex::real((largest * f64::EPSILON).max(f64::MIN_POSITIVE));
+            }
+            eliminate(&mut lu, p);
+        }
+        Some(Factors { lu, order })
+    }
+
+    fn solve(&self, b: &mut [Complex<f64>]) {
+        let n = b.len();
+        let mut x: Vec<Complex<f64>> = self.order.iter().map(|&i| b[i]).collect();
+        for j in 0..n {
+            let head = x[j];
+            for (x, &l) in x[j + 1..].iter_mut().zip(&self.lu.column(j)[j + 1..]) {
+                *x = *x - l * head;
+            }
+        }
+        for j in (0..n).rev() {
+            let head = x[j] * self.lu[(j, j)].recip();
+            x[j] = head;
+            for (x, &u) in x[..j].iter_mut().zip(&self.lu.column(j)[..j]) {
+                *x = *x - u * head;
+            }
+        }
+        b.copy_from_slice(&x);
+    }
+}
+
+/// One step of elimination below pivot p, column by column.
+fn eliminate(lu: &mut Matrix<Complex<f64>>, p: usize) {
+    let n = lu.rows();
+    let inverse = lu[(p, p)].recip();
+    for i in p + 1..n {
+        lu[(i, p)] = lu[(i, p)] * inverse;
+    }
+    for j in p + 1..n {
+        let (source, target) = lu.column_pair(p, j);
+        let head = target[p];
+        if head != Complex::ZERO {
+            for (t, &l) in target[p + 1..].iter_mut().zip(&source[p + 1..]) {
+                *t = *t - l * head;
+            }
+        }
+    }
+}
