@@ -45,7 +45,6 @@ fn check_ball(name: &str, id: &str, ball: Ball, truth: &Number, digits: f64) {
     // The references are correct to 36 digits.
     let size = truth.abs().to_f64();
     let (error, holds) = error(ball, truth, 1e-35 * size);
-    eprintln!("{name} {id} {:.17e} digits {:.1} bound {:.1e}", ball.to_f64(), -(error / size).log10(), ball.rad / size);
     assert!(holds, "{name} {id}: error {error:e}, bound {:e}", ball.rad);
     assert!(error <= 10f64.powf(-digits) * size, "{name} {id}: {} digits", -(error / size).log10());
 }
