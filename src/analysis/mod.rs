@@ -23,6 +23,11 @@ pub mod shape;
 pub mod squares;
 mod stability;
 pub mod structure;
+#[cfg(test)]
+mod test_systems;
+pub mod transfer;
+mod transfer_exact;
+mod transfer_inverse;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use error::AnalysisError;
@@ -30,3 +35,4 @@ pub use modes::modes;
 pub use poles::poles;
 pub use shape::{Normalise, normalise};
 pub use stability::stability;
+pub use transfer::{Disc, Frequency, Gain, Transfer};

@@ -15,3 +15,4 @@ mod published;
 mod readme;
 mod specification;
 mod systems;
+mod transfer;
