@@ -1,1 +1,3 @@
+//! The program `vibc`.
+
 fn main() {}

@@ -1,1 +1,169 @@
-//! What may import what.
+//! The house is built as ARCHITECTURE.md says: what imports what, and what no file may do.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A file of `src`, without its comments and its unit tests.
+struct Source {
+    /// Relative to `src`.
+    path: PathBuf,
+    first_line: String,
+    code: String,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn sources() -> Vec<Source> {
+    let mut files = Vec::new();
+    collect(&root().join("src"), &mut files);
+    files.sort();
+    assert!(files.len() > 30, "the sources are where they are looked for");
+    files.iter().map(|file| source(file)).collect()
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+fn source(file: &Path) -> Source {
+    let text = fs::read_to_string(file).unwrap();
+    let shipped = text.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let code: Vec<&str> = shipped.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+    Source {
+        path: file.strip_prefix(root().join("src")).unwrap().to_path_buf(),
+        first_line: text.lines().next().unwrap_or_default().to_string(),
+        code: code.join("\n"),
+    }
+}
+
+/// The first folder of a path below `src`; `None` for the files in `src` itself.
+fn layer(path: &Path) -> Option<String> {
+    let mut parts = path.components();
+    let first = parts.next()?.as_os_str().to_string_lossy().into_owned();
+    parts.next().map(|_| first)
+}
+
+/// Each folder with what it may import, from the fenced table of ARCHITECTURE.md.
+fn table() -> Vec<(String, Vec<String>)> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let table = text.split("```imports\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let rows = table.lines().map(|line| line.split_whitespace().map(String::from).collect::<Vec<_>>());
+    rows.map(|mut row| (row.remove(0), row)).collect()
+}
+
+/// What follows each `crate::` in a text: `model::scene::Scene`, and one for each member of `use crate::{a, b}`.
+fn imports(code: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for rest in code.split("crate::").skip(1) {
+        match rest.strip_prefix('{') {
+            Some(group) => {
+                let group: String = group.chars().take_while(|c| *c != ';').collect();
+                let depth_one = group.split(',').map(|member| member.trim_start_matches(['{', ' ', '\n']).trim());
+                found.extend(depth_one.map(path_at_start));
+            }
+            None => found.extend(members(rest)),
+        }
+    }
+    found.retain(|path| !path.is_empty());
+    found
+}
+
+/// `model::scene::{Body, Joint}` names two paths below one prefix; the prefix is what matters.
+fn members(rest: &str) -> Vec<String> {
+    let prefix = path_at_start(rest);
+    let after = &rest[prefix.len().min(rest.len())..];
+    match after.strip_prefix("::{") {
+        Some(group) => {
+            let group: String = group.chars().take_while(|c| *c != '}').collect();
+            group.split(',').map(|member| format!("{prefix}::{}", path_at_start(member.trim()))).collect()
+        }
+        None => vec![prefix],
+    }
+}
+
+fn path_at_start(text: &str) -> String {
+    let path: String = text.chars().take_while(|c| c.is_alphanumeric() || *c == '_' || *c == ':').collect();
+    path.trim_end_matches(':').to_string()
+}
+
+fn allowed(import: &str, own: &str, table: &[String]) -> bool {
+    let below = |prefix: &str| import == prefix || import.starts_with(&format!("{prefix}::"));
+    below(own) || table.iter().any(|prefix| below(prefix))
+}
+
+#[test]
+fn folders_import_what_the_table_names() {
+    let table = table();
+    let mut wrong = Vec::new();
+    let mut seen = Vec::new();
+    for source in sources() {
+        let Some(layer) = layer(&source.path) else { continue };
+        let Some((own, row)) = table.iter().find(|(name, _)| *name == layer) else {
+            panic!("{layer} has no line in the table of ARCHITECTURE.md");
+        };
+        for import in imports(&source.code) {
+            if !allowed(&import, own, row) {
+                wrong.push(format!("{} imports {import}", source.path.display()));
+            }
+        }
+        seen.push(layer);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    for (name, _) in &table {
+        assert!(seen.contains(name), "{name} is in the table and not in src");
+    }
+}
+
+#[test]
+fn the_scanner_sees_every_form_of_import() {
+    let code = "use crate::model::scene::{Body, Joint};\nfn f() { crate::lower::rest::find() }\nuse crate::{base, system::Form};";
+    let expected = ["model::scene::Body", "model::scene::Joint", "lower::rest::find", "base", "system::Form"];
+    assert_eq!(imports(code), expected);
+    assert!(allowed("model::scene::Body", "joints", &["model::scene".to_string()]));
+    assert!(!allowed("model::scenery", "joints", &["model::scene".to_string()]));
+}
+
+/// Files, streams, the clock and the environment belong to the program, not to the library.
+#[test]
+fn only_main_touches_the_world() {
+    let world = [
+        "std::fs",
+        "std::io",
+        "std::net",
+        "std::env::",
+        "std::process",
+        "std::time",
+        "std::thread::sleep",
+        "File::open",
+        "File::create",
+        "println!",
+        "eprintln!",
+        "print!(",
+        "Instant::",
+        "SystemTime",
+    ];
+    for source in sources().iter().filter(|source| source.path != Path::new("main.rs")) {
+        for word in world {
+            assert!(!source.code.contains(word), "{} uses {word}", source.path.display());
+        }
+    }
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    for source in sources() {
+        assert!(source.first_line.starts_with("//! "), "{} opens without //!", source.path.display());
+        let name = source.path.file_stem().unwrap().to_string_lossy().into_owned();
+        let vague = ["utils", "util", "helpers", "helper", "common", "misc", "more", "stuff"];
+        assert!(!vague.contains(&name.as_str()), "{} has not been understood yet", source.path.display());
+    }
+}

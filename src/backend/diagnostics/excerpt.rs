@@ -14,9 +14,9 @@ pub const CONTEXT: usize = 1;
 /// A place that covers more lines is shown by its first line.
 const MAX_LINES: usize = 6;
 /// Longer lines are clipped around the place, in characters.
-const MAX_COLUMNS: usize = 140;
+const MAX_COLUMNS: usize = 90;
 /// Characters kept before a place in a clipped line.
-const LEAD: usize = 40;
+const LEAD: usize = 30;
 
 /// Windows into files, one after another in one text.
 #[derive(Debug, Default)]
@@ -138,8 +138,11 @@ fn files(marks: &[Mark]) -> Vec<FileId> {
 
 /// The lines to show of a file: those of the marks with their context, those that touch put together.
 fn windows(places: &Places, file: FileId, marks: &[&Mark]) -> Vec<Range<usize>> {
-    let count = places.lines(file).line_count();
-    let around = |mark: &&Mark| mark.lines.start.saturating_sub(CONTEXT)..(mark.lines.end + CONTEXT).min(count);
+    let text = places.sources.text(file);
+    // Behind the last line feed stands no line that is worth showing, unless it is the place itself.
+    let count = places.lines(file).line_count() - usize::from(text.ends_with('\n'));
+    let end = |mark: &&Mark| (mark.lines.end + CONTEXT).min(count).max(mark.lines.end);
+    let around = |mark: &&Mark| mark.lines.start.saturating_sub(CONTEXT)..end(mark);
     let mut wanted: Vec<Range<usize>> = marks.iter().map(around).collect();
     wanted.sort_by_key(|lines| lines.start);
     let mut merged: Vec<Range<usize>> = Vec::new();
@@ -171,11 +174,11 @@ impl Shown<'_> {
 }
 
 impl Window {
-    /// Writes a line, clipped around the first mark in it.
+    /// Writes a line, clipped around the mark in it, the primary one first.
     fn push_line<'a>(&mut self, text: &'a str, bytes: Range<usize>, line: usize, marks: &[&&Mark]) -> Shown<'a> {
         let content = text.get(bytes.clone()).unwrap_or("");
-        let first = marks.iter().filter(|mark| mark.lines.start == line).map(|mark| mark.bytes.start).min();
-        let clip = clip(content, first.map_or(0, |first| first.saturating_sub(bytes.start)));
+        let of_interest = marks.iter().filter(|mark| mark.lines.start == line).min_by_key(|mark| !mark.primary);
+        let clip = clip(content, of_interest.map_or(0, |mark| mark.bytes.start.saturating_sub(bytes.start)));
         self.lines.push(self.text.len());
         if clip.start > 0 {
             self.text.push('…');

@@ -141,3 +141,110 @@ impl miette::Diagnostic for Drawing {
         Some(Box::new(self.excerpt.labels()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::{Code, FileId, SourceFile, SourceKind, Span};
+
+    const CODE: Code = Code("a::code");
+
+    fn sources(text: &str) -> Sources {
+        let mut sources = Sources::new();
+        sources.add(SourceFile::model("cart.vib", text));
+        sources
+    }
+
+    fn at(text: &str, what: &str) -> Span {
+        let start = text.find(what).expect("the text holds it");
+        Span::new(FileId(0), start, start + what.len())
+    }
+
+    fn drawn(text: &str, diagnostic: Diagnostic) -> String {
+        human(&sources(text), &[diagnostic], HumanStyle::default())
+    }
+
+    #[test]
+    fn a_place_and_where_the_other_one_is() {
+        let text = "model cart\nparam m1 = 1 kg\nbody b { moves x }\n\n\nspring s: ground -- b { k = m1 }\n";
+        let diagnostic = Diagnostic::error(CODE, at(text, "m1 }"), "a stiffness is expected here, this is a mass")
+            .label("kg")
+            .related(at(text, "m1"), "declared here")
+            .help("write a stiffness, such as `k = 10 N/m`");
+        insta::assert_snapshot!(drawn(text, diagnostic));
+    }
+
+    #[test]
+    fn a_hostile_line_cannot_steer_the_terminal() {
+        let text = "param a\u{1b}[2J = 1 kg // \u{202e}gnirps\n\tbody\tω { }\r\n";
+        let diagnostic =
+            Diagnostic::warning(CODE, at(text, "ω"), "the name \u{1b}]0;x\u{7} is odd").label("here\u{9b}");
+        insta::assert_snapshot!(drawn(text, diagnostic));
+    }
+
+    #[test]
+    fn a_long_line_is_clipped_around_the_place() {
+        let text =
+            format!("// {}\nparam x = {}", "é".repeat(300), "1 + ".repeat(100_000)) + "oops" + &" + 2".repeat(1000);
+        let diagnostic =
+            Diagnostic::error(CODE, at(&text, "oops"), "unknown name").related(at(&text, "x"), "needed here");
+        insta::assert_snapshot!(drawn(&text, diagnostic));
+    }
+
+    #[test]
+    fn the_end_of_a_file_has_a_place() {
+        let text = "body b {\n";
+        let end = Span::new(FileId(0), text.len(), text.len());
+        let diagnostic =
+            Diagnostic::error(CODE, end, "the file ends inside a brace").related(at(text, "{"), "opened here");
+        insta::assert_snapshot!(drawn(text, diagnostic));
+    }
+
+    #[test]
+    fn an_empty_file_has_a_place() {
+        insta::assert_snapshot!(drawn("", Diagnostic::error(CODE, Span::new(FileId(0), 0, 0), "the file is empty")));
+    }
+
+    #[test]
+    fn a_place_over_many_lines_is_shown_by_its_first() {
+        let text = "repeat i in 1..9 {\n".to_string() + &"  param a[i] = 1\n".repeat(40) + "}\n";
+        let few = Diagnostic::error(CODE, Span::new(FileId(0), 19, 60), "three lines").label("all of this");
+        let many = Diagnostic::error(CODE, Span::new(FileId(0), 0, text.len()), "many lines").label("all of this");
+        insta::assert_snapshot!(human(&sources(&text), &[few, many], HumanStyle::default()));
+    }
+
+    #[test]
+    fn places_in_two_files() {
+        let mut sources = sources("model a\nparam k = 1 N/m\n");
+        let arguments = SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", "j=1\nk=3kg\n") };
+        let file = sources.add(arguments);
+        let diagnostic = Diagnostic::error(CODE, Span::new(file, 6, 9), "a stiffness is expected here, this is a mass")
+            .related(Span::new(FileId(0), 14, 15), "declared here as a stiffness");
+        insta::assert_snapshot!(human(&sources, &[diagnostic], HumanStyle { ascii: true, colour: false }));
+    }
+
+    #[test]
+    fn of_too_many_the_errors_are_drawn_and_the_rest_counted() {
+        let text = "x\n".repeat(100);
+        let finding = |i: usize| {
+            let span = Span::new(FileId(0), 2 * i, 2 * i + 1);
+            if i % 10 == 9 { Diagnostic::error(CODE, span, "wrong") } else { Diagnostic::warning(CODE, span, "unused") }
+        };
+        let all: Vec<Diagnostic> = (0..100).map(finding).collect();
+        let drawn = human(&sources(&text), &all, HumanStyle::default());
+        assert_eq!(drawn.matches("wrong").count(), 10);
+        assert_eq!(drawn.matches("unused").count(), MAX_SHOWN - 10);
+        assert!(
+            drawn.ends_with("and 80 more: 10 errors, 90 warnings in all (`--message-format short` lists every one)\n")
+        );
+    }
+
+    #[test]
+    fn colour_is_only_where_it_is_asked_for() {
+        let diagnostic = Diagnostic::error(CODE, Span::new(FileId(0), 0, 1), "wrong");
+        let coloured =
+            human(&sources("x"), std::slice::from_ref(&diagnostic), HumanStyle { colour: true, ascii: false });
+        assert!(coloured.contains('\u{1b}'));
+        assert!(!drawn("x", diagnostic).contains('\u{1b}'));
+    }
+}
