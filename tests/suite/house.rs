@@ -24,8 +24,8 @@ fn sources() -> Vec<Source> {
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
+    for entry in fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("an entry of the folder").path();
         if path.is_dir() {
             collect(&path, files);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
@@ -35,11 +35,11 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 fn source(file: &Path) -> Source {
-    let text = fs::read_to_string(file).unwrap();
+    let text = fs::read_to_string(file).expect("a source");
     let shipped = text.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let code: Vec<&str> = shipped.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
     Source {
-        path: file.strip_prefix(root().join("src")).unwrap().to_path_buf(),
+        path: file.strip_prefix(root().join("src")).expect("a file below src").to_path_buf(),
         first_line: text.lines().next().unwrap_or_default().to_string(),
         code: code.join("\n"),
     }
@@ -54,8 +54,8 @@ fn layer(path: &Path) -> Option<String> {
 
 /// Each folder with what it may import, from the fenced table of ARCHITECTURE.md.
 fn table() -> Vec<(String, Vec<String>)> {
-    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
-    let table = text.split("```imports\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let table = text.split("```imports\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block `imports`");
     let rows = table.lines().map(|line| line.split_whitespace().map(String::from).collect::<Vec<_>>());
     rows.map(|mut row| (row.remove(0), row)).collect()
 }
