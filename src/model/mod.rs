@@ -1,9 +1,45 @@
-//! Syntax tree to the scene that was meant: names, units, freedoms. Clause: spec.md, "Names" to "Freedoms".
+//! Syntax tree to the scene that was meant: names, units, freedoms. Clause: spec.md, "Units" to "Freedoms".
+//!
+//! # Steps
+//! 1. `overrides`: what `--set` and a settings file say
+//! 2. `collect`: names and instances, `repeat` unrolled
+//! 3. `evaluate`: every parameter gets its value
+//! 4. `bodies`, `joints`: what moves, and how ([`freedoms`])
+//! 5. `elements`, `inputs`, `motions`, `measures`: what acts on it, and what is asked
+//! 6. `unused`: what is declared and never used
 
+mod bodies;
+mod collect;
+mod elements;
+mod ends;
+mod error;
+mod evaluate;
+mod expect;
+mod fields;
+mod freedoms;
+mod inputs;
+mod joints;
+mod motions;
 pub mod scene;
+mod scope;
+mod settings;
+mod signals;
+mod suggestion;
+mod unknown;
+mod value;
 
-use crate::base::FileId;
-use scene::Scene;
+use crate::base::unit::Unit;
+use crate::base::{Code, Diagnostics, FileId, Sources, Span, Vec3, Words};
+use crate::syntax::tree::{ExprId, Tree};
+use bodies::Directions;
+use collect::Instances;
+use error::Error;
+use evaluate::{Evaluated, Stop, Walk};
+use expect::Memory;
+use freedoms::Freedoms;
+use scene::{BaseId, BodyId, Scene};
+use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
+use std::collections::{HashMap, HashSet};
 
 /// What overrides parameters of the model, checked like the model itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,5 +64,141 @@ impl CheckedScene {
 
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+}
+
+/// What the check makes of a tree: a scene, unless there are errors.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    pub scene: Option<CheckedScene>,
+    pub diagnostics: Diagnostics,
+}
+
+/// The scene that a tree means.
+pub fn check(sources: &Sources, tree: &Tree, _overrides: &Overrides) -> Checked {
+    let mut check = Check::new(sources, tree);
+    check.collect();
+    check.settle_definitions();
+    check.bodies();
+    check.bases();
+    check.joints();
+    check.freedoms();
+    check.elements();
+    check.inputs();
+    check.outputs();
+    check.settings();
+    check.finish()
+}
+
+/// The check in progress.
+struct Check<'a> {
+    sources: &'a Sources,
+    tree: &'a Tree,
+    words: Words,
+    units: HashMap<&'a str, Unit>,
+    diagnostics: Diagnostics,
+    /// What has been said, so that the repetitions of a `repeat` say it once.
+    said: HashSet<(Code, Span)>,
+    /// Words of declarations that could not be read or unrolled: nobody is told that they are unknown.
+    broken_words: HashSet<&'a str>,
+    /// Searches for a similar word that have been made.
+    searches: u32,
+    environments: Environments,
+    definitions: Vec<Definition>,
+    values: Space<DefinitionId>,
+    parts: Space<Part>,
+    instances: Instances<'a>,
+    walk: Walk,
+    memory: Memory,
+    /// Whether `k` or `c` of an element is torsional, where no index enters it.
+    torsional: Table<ExprId, bool>,
+    directions: Directions,
+    freedoms: Freedoms,
+    /// What could not be checked: what depends on it is not said.
+    broken_bodies: HashSet<BodyId>,
+    broken_bases: HashSet<BaseId>,
+    broken_joints: bool,
+    broken_elements: bool,
+    broken_inputs: bool,
+    scene: Scene,
+}
+
+impl<'a> Check<'a> {
+    fn new(sources: &'a Sources, tree: &'a Tree) -> Check<'a> {
+        Check {
+            sources,
+            tree,
+            words: Words::new(),
+            units: HashMap::new(),
+            diagnostics: Diagnostics::new(),
+            said: HashSet::new(),
+            broken_words: HashSet::new(),
+            searches: 0,
+            environments: Environments::default(),
+            definitions: Vec::new(),
+            values: Space::default(),
+            parts: Space::default(),
+            instances: Instances::default(),
+            walk: Walk::default(),
+            memory: Memory::default(),
+            torsional: Table::default(),
+            directions: Directions::default(),
+            freedoms: Freedoms::default(),
+            broken_bodies: HashSet::new(),
+            broken_bases: HashSet::new(),
+            broken_joints: false,
+            broken_elements: false,
+            broken_inputs: false,
+            scene: empty_scene(sources.file(tree.file).stem()),
+        }
+    }
+
+    /// Says what is wrong, once for each place.
+    fn report(&mut self, environment: Environment, error: Error) {
+        let mut diagnostic = error.diagnostic();
+        if !self.said.insert((diagnostic.code, diagnostic.primary.span)) {
+            return;
+        }
+        if self.walk.varies && !environment.is_top() {
+            let text = &mut diagnostic.primary.text;
+            let indices = self.environments.indices(environment);
+            let indices = indices.iter().map(|(symbol, value)| format!("{} = {value}", self.words.text(*symbol)));
+            let indices = indices.collect::<Vec<_>>().join(", ");
+            *text = if text.is_empty() { indices } else { format!("{text}, {indices}") };
+        }
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Says what is wrong and stops here.
+    fn fail<T>(&mut self, environment: Environment, error: Error) -> Evaluated<T> {
+        self.report(environment, error);
+        Err(Stop::Reported)
+    }
+
+    fn finish(mut self) -> Checked {
+        self.scene.words = std::mem::take(&mut self.words);
+        let scene = (!self.diagnostics.has_errors()).then(|| CheckedScene::new(self.scene));
+        Checked { scene, diagnostics: self.diagnostics }
+    }
+}
+
+fn empty_scene(name: String) -> Scene {
+    Scene {
+        name,
+        words: Words::new(),
+        gravity: Vec3::ZERO,
+        gravity_span: None,
+        bodies: Vec::new(),
+        bases: Vec::new(),
+        joints: Vec::new(),
+        couples: Vec::new(),
+        elements: Vec::new(),
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        initial: Vec::new(),
+        damping: None,
+        rest_as_drawn: None,
+        solves: Vec::new(),
+        requires: Vec::new(),
     }
 }

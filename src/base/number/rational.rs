@@ -139,6 +139,14 @@ impl Rational {
         }
     }
 
+    /// Numerator and denominator, if both are machine integers.
+    pub fn to_fraction(&self) -> Option<(i64, i64)> {
+        match &self.0 {
+            Repr::Small(n, d) => Some((*n, *d)),
+            Repr::Big(_) => None,
+        }
+    }
+
     /// How many bits numerator and denominator have together: what the number costs.
     pub fn bits(&self) -> u64 {
         match &self.0 {

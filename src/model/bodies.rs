@@ -1,0 +1,347 @@
+//! Bodies and bases: mass, place, inertia, freedom clause. In: the fields of a body; out: a [`Body`] whose inertia is about
+//! its centre. Clause: spec.md, "Parts" and "Freedoms".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::expect::Expected;
+use super::fields::Given;
+use super::scene::{Base, BaseId, Body, BodyId, Freedom, Translation};
+use super::scope::{Environment, Instance};
+use super::suggestion::nearest;
+use crate::base::{Dimension, Number, Rational, Span, Vec3};
+use crate::syntax::tree::{DeclKind, ExprId, ExprKind, Field, FieldValue, Rare};
+use std::sync::Arc;
+
+const BODY_FIELDS: [&str; 7] = ["mass", "moves", "at", "shape", "turns", "inertia", "free"];
+const MASS_FIELD: usize = 0;
+const MOVES: usize = 1;
+const AT: usize = 2;
+const SHAPE: usize = 3;
+const TURNS: usize = 4;
+const INERTIA_FIELD: usize = 5;
+const FREE: usize = 6;
+
+const BASE_FIELDS: [&str; 3] = ["moves", "at", "turns"];
+const BASE_MOVES: usize = 0;
+const BASE_AT: usize = 1;
+const BASE_TURNS: usize = 2;
+
+const MASS: Expected = Expected::new("a mass", Dimension::MASS, "mass = 1 kg");
+const INERTIA: Expected = Expected::new("a moment of inertia", Dimension::INERTIA, "inertia = 0.8 kg*m^2");
+const LENGTH: Expected = Expected::new("a length", Dimension::LENGTH, "0.3 m");
+
+/// What a shape says of the body.
+struct Shape {
+    /// Where the shape has its centre; `None` where `at` says it.
+    centre: Option<Arc<Vec3>>,
+    /// Inertia about the centre per mass, m^2.
+    gyration: Number,
+}
+
+/// The freedom clauses that most bodies have, made once.
+#[derive(Clone, Debug)]
+pub struct Directions {
+    none: Arc<[Translation]>,
+    x: Arc<[Translation]>,
+    y: Arc<[Translation]>,
+    x_y: Arc<[Translation]>,
+}
+
+impl Default for Directions {
+    fn default() -> Directions {
+        let x = Translation { direction: Vec3::X, motion: "x" };
+        let y = Translation { direction: Vec3::Y, motion: "y" };
+        Directions { none: Arc::new([]), x: Arc::new([x.clone()]), y: Arc::new([y.clone()]), x_y: Arc::new([x, y]) }
+    }
+}
+
+impl<'a> Check<'a> {
+    pub fn bodies(&mut self) {
+        self.scene.bodies.reserve_exact(self.instances.bodies.len());
+        for index in 0..self.instances.bodies.len() {
+            let Instance { decl, environment } = self.instances.bodies[index];
+            let DeclKind::Body { name: ident, fields } = decl.kind else { continue };
+            self.walk.varies = false;
+            let Ok(name) = self.name(ident, environment) else {
+                let name = crate::base::Name::plain(self.words.intern(self.sources.slice(ident.span)));
+                self.broken_bodies.insert(BodyId(index as u32));
+                self.scene.bodies.push(unknown_body(name, ident.span));
+                continue;
+            };
+            let given = self.fields(fields, &BODY_FIELDS, environment);
+            let mut body = unknown_body(name, ident.span);
+            let complete = self.body(&mut body, &given, environment);
+            if complete.is_err() || given.broken {
+                self.broken_bodies.insert(BodyId(index as u32));
+            }
+            self.scene.bodies.push(body);
+        }
+    }
+
+    /// Fills in what the fields say; every mistake among them is told.
+    fn body(&mut self, body: &mut Body, given: &Given<'a, 7>, environment: Environment) -> Evaluated<()> {
+        let mass = self.field_number(given.get(MASS_FIELD), environment, &MASS);
+        let at = self.field_position(given.get(AT), environment);
+        let freedom = self.freedom(given, environment);
+        let shape = self.shape(given, environment);
+        let inertia = self.inertia(given.get(INERTIA_FIELD), environment);
+        body.freedom = freedom?;
+        let (at, shape) = (at?, shape?);
+        body.centre = at.clone().or_else(|| shape.as_ref().and_then(|shape| shape.centre.clone()));
+        if let Some((mass, span)) = mass? {
+            self.not_negative(&mass, span, "mass", environment)?;
+            body.mass = Some(mass);
+        }
+        body.inertia = match (inertia?, &shape) {
+            (Some(inertia), _) => Some(self.inertia_about_centre(body, inertia, environment)?),
+            (None, Some(shape)) => body.mass.as_ref().map(|mass| mass * &shape.gyration),
+            (None, None) => None,
+        };
+        Ok(())
+    }
+
+    fn not_negative(
+        &mut self,
+        number: &Number,
+        span: Span,
+        what: &'static str,
+        environment: Environment,
+    ) -> Evaluated<()> {
+        if number.is_negative() {
+            return self.fail(environment, Error::Negative { span, what });
+        }
+        Ok(())
+    }
+
+    fn field_position(&mut self, field: Option<&Field>, environment: Environment) -> Evaluated<Option<Arc<Vec3>>> {
+        let Some(field) = field else { return Ok(None) };
+        let expr = self.field_expr(field, environment)?;
+        self.position(expr, environment).map(Some)
+    }
+
+    /// `inertia = I about P`: the number, where it is written, and P.
+    fn inertia(&mut self, field: Option<&Field>, environment: Environment) -> Evaluated<Option<GivenInertia>> {
+        let Some(field) = field else { return Ok(None) };
+        let (expr, about) = match field.value {
+            FieldValue::About(expr, about) => (expr, Some(about)),
+            _ => (self.field_expr(field, environment)?, None),
+        };
+        let number = self.number(expr, environment, &INERTIA)?;
+        let span = self.tree.expr(expr).span;
+        self.not_negative(&number, span, "inertia", environment)?;
+        let about = about.map(|about| self.position(about, environment)).transpose()?;
+        Ok(Some(GivenInertia { number, about, span }))
+    }
+
+    /// I - m d^2, d the distance of the centre from the point that the inertia is given about (Steiner's theorem).
+    fn inertia_about_centre(
+        &mut self,
+        body: &Body,
+        given: GivenInertia,
+        environment: Environment,
+    ) -> Evaluated<Number> {
+        let Some(about) = given.about else { return Ok(given.number) };
+        let Some(mass) = &body.mass else { return Ok(given.number) };
+        let Some(centre) = &body.centre else {
+            let name = self.words.display(body.name);
+            return self.fail(environment, Error::InertiaWithoutPlace { span: given.span, name });
+        };
+        let d = centre.sub(&about);
+        let of_the_mass = mass * &d.dot(&d);
+        let own = &given.number - &of_the_mass;
+        if own.is_negative() {
+            let (least, given_value) = (of_the_mass.to_f64(), given.number.to_f64());
+            return self.fail(environment, Error::InertiaTooSmall { span: given.span, least, given: given_value });
+        }
+        Ok(own)
+    }
+
+    /// `shape = rod(A, B)`, `disk(r)`, `ring(r)`, `box(w, h)`; with what it may not stand beside.
+    fn shape(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Option<Shape>> {
+        let Some(field) = given.get(SHAPE) else { return Ok(None) };
+        if let Some(inertia) = given.get(INERTIA_FIELD) {
+            let error = Error::GivenTwice { span: inertia.key, other: field.key, what: "the inertia" };
+            return self.fail(environment, error);
+        }
+        let expr = self.field_expr(field, environment)?;
+        let shape = self.shape_of(expr, environment)?;
+        if let (Some(at), Some(_)) = (given.get(AT), &shape.centre) {
+            return self.fail(environment, Error::GivenTwice { span: at.key, other: field.key, what: "the position" });
+        }
+        Ok(Some(shape))
+    }
+
+    fn shape_of(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Shape> {
+        let tree = self.tree;
+        let node = *tree.expr(expr);
+        let ExprKind::Call { name_len, arguments } = node.kind else {
+            return self.fail(environment, Error::UnknownShape { span: node.span, suggestion: None });
+        };
+        let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
+        match (self.sources.slice(word), tree.list(arguments)) {
+            ("rod", &[a, b]) => self.rod(a, b, environment),
+            ("disk", &[radius]) => self.round(radius, Rational::new(1, 2), environment),
+            ("ring", &[radius]) => self.round(radius, Rational::ONE, environment),
+            ("box", &[width, height]) => self.rectangle(width, height, environment),
+            (name @ ("rod" | "box"), given) => self.fail(environment, wrong_count(node.span, name, 2, given.len())),
+            (name @ ("disk" | "ring"), given) => self.fail(environment, wrong_count(node.span, name, 1, given.len())),
+            (name, _) => {
+                let suggestion = nearest(name, ["rod", "disk", "ring", "box"]);
+                self.fail(environment, Error::UnknownShape { span: word, suggestion })
+            }
+        }
+    }
+
+    /// A slender rod between two points: m L^2 / 12 about its middle.
+    fn rod(&mut self, a: ExprId, b: ExprId, environment: Environment) -> Evaluated<Shape> {
+        let first = self.position(a, environment);
+        let second = self.position(b, environment)?;
+        let first = first?;
+        let along = second.sub(&first);
+        if along.may_be_zero() {
+            let span = self.tree.expr(a).span.to(self.tree.expr(b).span);
+            return self.fail(environment, Error::ShapeSize { span, what: "a rod needs two different ends" });
+        }
+        let half = Number::from(Rational::new(1, 2));
+        let gyration = &along.dot(&along) * &Number::from(Rational::new(1, 12));
+        Ok(Shape { centre: Some(Arc::new(first.add(&second).scale(&half))), gyration })
+    }
+
+    /// A disk (m r^2 / 2) or ring (m r^2) about its axis.
+    fn round(&mut self, radius: ExprId, factor: Rational, environment: Environment) -> Evaluated<Shape> {
+        let radius = self.size(radius, environment)?;
+        Ok(Shape { centre: None, gyration: &radius.square() * &Number::from(factor) })
+    }
+
+    /// A rectangle: m (w^2 + h^2) / 12 about its middle.
+    fn rectangle(&mut self, width: ExprId, height: ExprId, environment: Environment) -> Evaluated<Shape> {
+        let width = self.size(width, environment);
+        let height = self.size(height, environment)?;
+        let gyration = &(&width?.square() + &height.square()) * &Number::from(Rational::new(1, 12));
+        Ok(Shape { centre: None, gyration })
+    }
+
+    fn size(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+        let length = self.number(expr, environment, &LENGTH)?;
+        if length.is_positive() {
+            return Ok(length);
+        }
+        let span = self.tree.expr(expr).span;
+        self.fail(environment, Error::ShapeSize { span, what: "the size of a shape is greater than zero" })
+    }
+
+    /// The freedom clause: `moves ...`, `turns`, both, or `free`.
+    fn freedom(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Freedom> {
+        let free = self.flag(given.get(FREE), environment);
+        let turns = self.flag(given.get(TURNS), environment);
+        let translations = self.translations(given.get(MOVES), environment)?;
+        let (free, turns) = (free?, turns?);
+        if free {
+            let other = given.get(MOVES).or(given.get(TURNS));
+            if let (Some(other), Some(free)) = (other, given.get(FREE)) {
+                return self.fail(environment, Error::FreeAndMore { span: other.key, free: free.key });
+            }
+            return Ok(Freedom::OnGround { translations: self.directions.x_y.clone(), turns: true });
+        }
+        Ok(match (translations, turns) {
+            (None, false) => Freedom::FromJoints,
+            (translations, turns) => {
+                let translations = translations.unwrap_or_else(|| self.directions.none.clone());
+                Freedom::OnGround { translations, turns }
+            }
+        })
+    }
+
+    /// `moves x`, `moves x y`, `moves along (1, 1)`.
+    fn translations(
+        &mut self,
+        field: Option<&'a Field>,
+        environment: Environment,
+    ) -> Evaluated<Option<Arc<[Translation]>>> {
+        let Some(field) = field else { return Ok(None) };
+        let words = match field.value {
+            FieldValue::Moves(words) => words,
+            FieldValue::MovesAlong(expr) => return self.oblique(expr, environment).map(Some),
+            _ => return self.fail(environment, Error::MovesWhere { span: field.key }),
+        };
+        let tree = self.tree;
+        let texts: Vec<&str> = tree.list(words).iter().map(|&word| self.sources.slice(tree.expr(word).span)).collect();
+        match texts[..] {
+            ["x"] => Ok(Some(self.directions.x.clone())),
+            ["y"] => Ok(Some(self.directions.y.clone())),
+            ["x", "y"] | ["y", "x"] => Ok(Some(self.directions.x_y.clone())),
+            _ => {
+                let spans = tree.list(words).iter().map(|&word| tree.expr(word).span);
+                let span = spans.reduce(Span::to).unwrap_or(field.key);
+                self.fail(environment, Error::MovesWhere { span })
+            }
+        }
+    }
+
+    fn oblique(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<[Translation]>> {
+        let direction = self.direction(expr, environment)?;
+        Ok(if *direction == Vec3::X {
+            self.directions.x.clone()
+        } else if *direction == Vec3::Y {
+            self.directions.y.clone()
+        } else {
+            Arc::new([Translation { direction: (*direction).clone(), motion: "along" }])
+        })
+    }
+
+    pub fn bases(&mut self) {
+        for index in 0..self.instances.bases.len() {
+            let Instance { decl, environment } = self.instances.bases[index];
+            let base = self.base(decl.kind, environment);
+            let DeclKind::Rare { index: rare } = decl.kind else { continue };
+            let Rare::Base { name: ident, .. } = self.tree.rare[rare as usize] else { continue };
+            let base = base.unwrap_or_else(|_| {
+                self.broken_bases.insert(BaseId(index as u32));
+                let name = crate::base::Name::plain(self.words.intern(self.sources.slice(ident.span)));
+                Base { name, span: ident.span, at: None, translations: self.directions.none.clone(), turns: false }
+            });
+            self.scene.bases.push(base);
+        }
+    }
+
+    fn base(&mut self, decl: DeclKind, environment: Environment) -> Evaluated<Base> {
+        let DeclKind::Rare { index } = decl else { return Err(Stop::Reported) };
+        let Rare::Base { name: ident, fields, .. } = self.tree.rare[index as usize] else { return Err(Stop::Reported) };
+        self.walk.varies = false;
+        let name = self.name(ident, environment)?;
+        let given = self.fields(fields, &BASE_FIELDS, environment);
+        let at = self.field_position(given.get(BASE_AT), environment);
+        let turns = self.flag(given.get(BASE_TURNS), environment);
+        let translations = self.translations(given.get(BASE_MOVES), environment)?;
+        let (at, turns) = (at?, turns?);
+        if given.broken {
+            return Err(Stop::Reported);
+        }
+        if translations.is_none() && !turns {
+            let name = self.words.display(name);
+            return self.fail(environment, Error::BaseWithoutMotion { span: ident.span, name });
+        }
+        let translations = translations.unwrap_or_else(|| self.directions.none.clone());
+        Ok(Base { name, span: ident.span, at, translations, turns })
+    }
+}
+
+/// An inertia as written.
+struct GivenInertia {
+    number: Number,
+    about: Option<Arc<Vec3>>,
+    span: Span,
+}
+
+fn unknown_body(name: crate::base::Name, span: Span) -> Body {
+    Body { name, span, mass: None, inertia: None, centre: None, freedom: Freedom::FromJoints }
+}
+
+fn wrong_count(span: Span, function: &str, expected: usize, found: usize) -> Error {
+    Error::ArgumentCount { span, function: shape_name(function), expected, found }
+}
+
+fn shape_name(name: &str) -> &'static str {
+    ["rod", "disk", "ring", "box"].into_iter().find(|shape| *shape == name).unwrap_or("shape")
+}

@@ -1,0 +1,262 @@
+//! The first walk over the tree: every name is declared, every `repeat` unrolled. In: the tree; out: both name spaces
+//! and, for each kind of declaration, its instances in order. Clause: spec.md, "Names, parameters, `repeat`".
+//!
+//! Top-level parameters come first, so that bounds of a `repeat` may use them wherever they stand. The instances are
+//! counted before any is made: what is too much is refused without work.
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, State};
+use super::value::Function;
+use crate::base::{Span, Symbol};
+use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
+
+/// Declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output each.
+pub const MAX_INSTANCES: u64 = 4_000_000;
+
+/// The name that a declaration declares, and what that then stands for.
+type Declares = Option<(Ident, fn(u32) -> Part)>;
+
+/// The instances of each kind, in order.
+#[derive(Debug, Default)]
+pub struct Instances<'a> {
+    pub bodies: Vec<Instance<'a>>,
+    pub bases: Vec<Instance<'a>>,
+    pub joints: Vec<Instance<'a>>,
+    pub couples: Vec<Instance<'a>>,
+    pub elements: Vec<Instance<'a>>,
+    /// Forces, torques and bases: the inputs.
+    pub inputs: Vec<Instance<'a>>,
+    pub outputs: Vec<Instance<'a>>,
+    pub initials: Vec<Instance<'a>>,
+    pub solves: Vec<Instance<'a>>,
+    pub requires: Vec<Instance<'a>>,
+    /// What a scene has once: model, gravity, damping, rest.
+    pub settings: Vec<Instance<'a>>,
+}
+
+impl<'a> Check<'a> {
+    pub fn collect(&mut self) {
+        let tree = self.tree;
+        for decl in &tree.decls {
+            self.declare_value(Instance { decl, environment: Environment::TOP });
+        }
+        let mut count = 0;
+        for decl in &tree.decls {
+            let instance = Instance { decl, environment: Environment::TOP };
+            match decl.kind {
+                DeclKind::Repeat { index } => self.unroll_counted(&tree.repeats[index as usize], &mut count),
+                _ => self.declare_part(instance),
+            }
+        }
+    }
+
+    /// Unrolls a top-level `repeat` if what it unrolls to is not too much.
+    fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut u64) {
+        let before = *count;
+        match self.count(repeat, Environment::TOP, count) {
+            Ok(()) => {
+                self.parts.reserve((*count - before) as usize);
+                self.unroll(repeat, Environment::TOP);
+            }
+            Err(_) => self.forget(&repeat.body),
+        }
+    }
+
+    /// Adds what a `repeat` unrolls to; refuses where that is too much.
+    fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut u64) -> Evaluated<()> {
+        let (first, last) = self.bounds(repeat, environment)?;
+        let repetitions = (i64::from(last) - i64::from(first) + 1) as u64;
+        let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
+        let own = (repeat.body.len() - nested.len()).max(1) as u64;
+        *count = count.saturating_add(repetitions.saturating_mul(own));
+        if *count > MAX_INSTANCES {
+            return self.too_many(repeat, environment);
+        }
+        if nested.is_empty() {
+            return Ok(());
+        }
+        let symbol = self.words.intern(self.sources.slice(repeat.index));
+        for value in first..=last {
+            let mark = self.environments.mark();
+            let inside = self.environments.bind(environment, symbol, value);
+            let counted = nested.iter().try_for_each(|repeat| self.count(repeat, inside, count));
+            self.environments.release(mark);
+            counted?;
+        }
+        Ok(())
+    }
+
+    fn nested(&self, decl: &'a Decl) -> Option<&'a Repeat> {
+        let DeclKind::Repeat { index } = decl.kind else { return None };
+        Some(&self.tree.repeats[index as usize])
+    }
+
+    fn too_many<T>(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<T> {
+        let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
+        self.fail(environment, Error::TooManyInstances { span, limit: MAX_INSTANCES })
+    }
+
+    fn unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
+        let Ok((first, last)) = self.bounds(repeat, environment) else { return };
+        let symbol = self.words.intern(self.sources.slice(repeat.index));
+        if let Some(other) = self.taken_index(symbol, environment) {
+            let (span, name) = (repeat.index, self.words.text(symbol).to_string());
+            self.report(environment, Error::Duplicate { span, name, first: other });
+        }
+        for value in first..=last {
+            let inside = self.environments.bind(environment, symbol, value);
+            for decl in &repeat.body {
+                let instance = Instance { decl, environment: inside };
+                match self.nested(decl) {
+                    Some(repeat) => self.unroll(repeat, inside),
+                    None => {
+                        self.declare_value(instance);
+                        self.declare_part(instance);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where an index's word is declared already.
+    fn taken_index(&self, symbol: Symbol, environment: Environment) -> Option<Option<Span>> {
+        if self.environments.value(environment, symbol).is_some() {
+            return Some(None);
+        }
+        self.values.family(symbol).map(|family| Some(family.span))
+    }
+
+    /// First and last value of the index; last = first - 1 repeats nothing.
+    fn bounds(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<(i32, i32)> {
+        let first = self.whole(repeat.first, environment)?;
+        let last = self.whole(repeat.last, environment)?;
+        if i64::from(last) < i64::from(first) - 1 {
+            let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
+            return self.fail(environment, Error::ReversedBounds { span, first, last });
+        }
+        Ok((first, last))
+    }
+
+    pub fn whole(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        let value = self.evaluate(expr, environment)?;
+        self.as_whole(&value, expr, environment)
+    }
+
+    fn declare_value(&mut self, instance: Instance<'a>) {
+        let (kind, name, expr) = match instance.decl.kind {
+            DeclKind::Param { name, value } => (DefinitionKind::Param, name, value),
+            DeclKind::Let { name, value } => (DefinitionKind::Let, name, value),
+            DeclKind::Point { name, value } => (DefinitionKind::Point, name, value),
+            _ => return,
+        };
+        let environment = instance.environment;
+        let word = self.sources.slice(name.span);
+        if word == "pi" || Function::named(word).is_some() {
+            let error = Error::Reserved { span: name.span, word: word.to_string() };
+            return self.report(environment, error);
+        }
+        let (span, id) = (name.span, DefinitionId(self.definitions.len() as u32));
+        let Ok(name) = self.declared_name(name, environment) else { return };
+        if let Err(other) = self.values.declare(name, span, id) {
+            let (name, first) = (self.words.display(name), Some(self.definitions[other.0 as usize].span));
+            return self.report(environment, Error::Duplicate { span, name, first });
+        }
+        let state = State::Unsettled;
+        self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false });
+    }
+
+    /// The name that is declared; its word is known from then on even where its indices have no value.
+    fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<crate::base::Name> {
+        let name = self.name(ident, environment);
+        if let Err(Stop::Reported) = name {
+            self.broken_words.insert(self.sources.slice(ident.span));
+        }
+        name
+    }
+
+    fn declare_part(&mut self, instance: Instance<'a>) {
+        let list = &mut self.instances;
+        let (list, part): (&mut Vec<Instance<'a>>, Declares) = match instance.decl.kind {
+            DeclKind::Body { name, .. } => (&mut list.bodies, Some((name, Part::Body))),
+            DeclKind::Element { name, .. } => (&mut list.elements, Some((name, Part::Element))),
+            DeclKind::Model { .. } | DeclKind::Gravity { .. } => (&mut list.settings, None),
+            DeclKind::Rare { index } => match self.tree.rare[index as usize] {
+                Rare::Joint { name, .. } => (&mut list.joints, Some((name, Part::Joint))),
+                Rare::Couple { name, .. } => (&mut list.couples, Some((name, Part::Couple))),
+                Rare::Base { name, .. } => {
+                    list.inputs.push(instance);
+                    (&mut list.bases, Some((name, Part::Base)))
+                }
+                Rare::Force { name, .. } | Rare::Torque { name, .. } => (&mut list.inputs, Some((name, Part::Input))),
+                Rare::Output { name, .. } => (&mut list.outputs, Some((name, Part::Output))),
+                Rare::Initial { .. } => (&mut list.initials, None),
+                Rare::Solve { .. } => (&mut list.solves, None),
+                Rare::Require { .. } => (&mut list.requires, None),
+                Rare::DampingModal { .. } | Rare::DampingRayleigh { .. } | Rare::RestAsDrawn => {
+                    (&mut list.settings, None)
+                }
+            },
+            DeclKind::Param { .. } | DeclKind::Let { .. } | DeclKind::Point { .. } | DeclKind::Repeat { .. } => return,
+        };
+        let index = list.len() as u32;
+        list.push(instance);
+        if let Some((ident, part)) = part {
+            self.declare_part_name(ident, part(index), instance.environment);
+        }
+    }
+
+    fn declare_part_name(&mut self, ident: Ident, part: Part, environment: Environment) {
+        let span = ident.span;
+        if self.sources.slice(span) == "ground" {
+            return self.report(environment, Error::Reserved { span, word: "ground".into() });
+        }
+        let Ok(name) = self.declared_name(ident, environment) else { return };
+        if let Err(other) = self.parts.declare(name, span, part) {
+            let (name, first) = (self.words.display(name), self.part_span(other));
+            self.report(environment, Error::Duplicate { span, name, first: Some(first) });
+        }
+    }
+
+    /// Where a part is declared: the word of its name.
+    pub fn part_span(&self, part: Part) -> Span {
+        let (list, index) = match part {
+            Part::Body(index) => (&self.instances.bodies, index),
+            Part::Base(index) => (&self.instances.bases, index),
+            Part::Joint(index) => (&self.instances.joints, index),
+            Part::Couple(index) => (&self.instances.couples, index),
+            Part::Element(index) => (&self.instances.elements, index),
+            Part::Input(index) => (&self.instances.inputs, index),
+            Part::Output(index) => (&self.instances.outputs, index),
+        };
+        let decl = list[index as usize].decl;
+        self.declared_ident(decl).map_or(decl.span, |ident| ident.span)
+    }
+
+    /// The identifier that a declaration declares.
+    pub fn declared_ident(&self, decl: &Decl) -> Option<Ident> {
+        match decl.kind {
+            DeclKind::Param { name, .. } | DeclKind::Let { name, .. } | DeclKind::Point { name, .. } => Some(name),
+            DeclKind::Body { name, .. } | DeclKind::Element { name, .. } => Some(name),
+            DeclKind::Rare { index } => match self.tree.rare[index as usize] {
+                Rare::Joint { name, .. } | Rare::Couple { name, .. } | Rare::Base { name, .. } => Some(name),
+                Rare::Force { name, .. } | Rare::Torque { name, .. } | Rare::Output { name, .. } => Some(name),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Remembers the words of declarations that are not made, so that nobody is told that they are unknown.
+    fn forget(&mut self, body: &'a [Decl]) {
+        for decl in body {
+            if let Some(ident) = self.declared_ident(decl) {
+                self.broken_words.insert(self.sources.slice(ident.span));
+            }
+            if let Some(repeat) = self.nested(decl) {
+                self.forget(&repeat.body);
+            }
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Ends of elements, joints and inputs: `block`, `block@A`, `ground@(0, 1 m)`. In: an end as written; out: the part and
+//! its drawn position. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::scene::{Attachment, BaseId, BodyId, Part};
+use super::scope::{self, Environment};
+use crate::base::{Name, Span, Vec3};
+use crate::syntax::tree::{End, EndId, Ident};
+use std::sync::Arc;
+
+impl<'a> Check<'a> {
+    pub fn attachment(&mut self, end: &End, environment: Environment) -> Evaluated<Attachment> {
+        // Both are looked at, so that both mistakes are told.
+        let part = self.part(end.part, environment);
+        let at = end.at.map(|at| self.position(at, environment)).transpose()?;
+        let part = part?;
+        Ok(Attachment { part, at: at.or_else(|| self.own_position(part)), span: end.span })
+    }
+
+    /// Both ends of an element or joint.
+    pub fn attachments(&mut self, first: EndId, environment: Environment) -> Evaluated<[Attachment; 2]> {
+        let tree = self.tree;
+        let (a, b) = tree.pair(first);
+        let a = self.attachment(a, environment);
+        let b = self.attachment(b, environment)?;
+        Ok([a?, b])
+    }
+
+    /// Where a part is drawn, if it is drawn somewhere.
+    pub fn own_position(&self, part: Part) -> Option<Arc<Vec3>> {
+        match part {
+            Part::Ground => None,
+            Part::Body(id) => self.scene.bodies[id.index()].centre.clone(),
+            Part::Base(id) => self.scene.bases[id.index()].at.clone(),
+        }
+    }
+
+    /// The ground, body or base of this name.
+    pub fn part(&mut self, ident: Ident, environment: Environment) -> Evaluated<Part> {
+        if ident.indices.is_empty() && self.sources.slice(ident.span) == "ground" {
+            return Ok(Part::Ground);
+        }
+        match self.named_part(ident, environment, "body")? {
+            scope::Part::Body(index) => Ok(Part::Body(BodyId(index))),
+            scope::Part::Base(index) => Ok(Part::Base(BaseId(index))),
+            other => {
+                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let error = Error::NotABody { span: ident.span, word, found, declared: self.part_span(other) };
+                self.fail(environment, error)
+            }
+        }
+    }
+
+    /// Whatever part has this name; `wanted` says what the place takes.
+    pub fn named_part(
+        &mut self,
+        ident: Ident,
+        environment: Environment,
+        wanted: &'static str,
+    ) -> Evaluated<scope::Part> {
+        let name = self.name(ident, environment)?;
+        self.find_part(name, ident.span, environment, wanted)
+    }
+
+    pub fn find_part(
+        &mut self,
+        name: Name,
+        word: Span,
+        environment: Environment,
+        wanted: &'static str,
+    ) -> Evaluated<scope::Part> {
+        if let Some(part) = self.parts.get(name) {
+            return Ok(part);
+        }
+        let error = self.unknown_part(word, Some(name), wanted);
+        self.fail_unless_broken(environment, word, error)
+    }
+
+    /// Whether a body could not be checked: what depends on it is not said.
+    pub fn is_broken(&self, part: Part) -> bool {
+        matches!(part, Part::Body(id) if self.broken_bodies.contains(&id))
+    }
+
+    /// Stops silently where one of the parts is broken.
+    pub fn sound(&self, ends: &[Attachment]) -> Evaluated<()> {
+        if ends.iter().any(|end| self.is_broken(end.part)) { Err(Stop::Reported) } else { Ok(()) }
+    }
+
+    /// The name of a part as the model has it.
+    pub fn part_name(&self, part: Part) -> String {
+        match part {
+            Part::Ground => "ground".into(),
+            Part::Body(id) => self.words.display(self.scene.bodies[id.index()].name),
+            Part::Base(id) => self.words.display(self.scene.bases[id.index()].name),
+        }
+    }
+}
+
+/// Certainly two different points.
+pub fn are_apart(a: &Vec3, b: &Vec3) -> bool {
+    !a.sub(b).may_be_zero()
+}

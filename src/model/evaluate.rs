@@ -1,0 +1,383 @@
+//! Expressions to values: literals exact, names looked up, parameters settled on demand in whatever order they are
+//! declared. Clause: spec.md, "Units" and "Names, parameters, `repeat`".
+//!
+//! The walk recurses over an expression (the parser limits its depth) and over the definitions that it refers to. Where
+//! both together would get deep, the walk stops with [`Stop::Deep`], the definitions it was in the middle of wait on a
+//! list, and the innermost is settled first, from a fresh start: a chain of a million parameters needs no deep stack.
+
+use super::Check;
+use super::error::Error;
+use super::scope::{DefinitionId, DefinitionKind, Environment, State};
+use super::value::{self, Function, Scalar, Value};
+use crate::base::unit::{self, Scale, Unit};
+use crate::base::{Dimension, Name, Number, Quantity, Rational, Span};
+use crate::syntax::tree::{Binary, ExprId, ExprKind, ExprList, Ident};
+
+/// A value, or why there is none.
+pub type Evaluated<T> = Result<T, Stop>;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// What is wrong has been said.
+    Reported,
+    /// Definitions that it depends on have to be settled first.
+    Deep,
+}
+
+/// Levels of expressions and definitions beyond which a walk begins no further definition. One more expression may come
+/// on top (256 levels, see syntax::limits); a level takes less than 2 KiB of stack in an unoptimised build.
+const MAX_DEPTH: usize = 256;
+
+/// The state of the walk.
+#[derive(Debug, Default)]
+pub struct Walk {
+    depth: usize,
+    /// Definitions that are being settled, each needed by the one before it.
+    in_progress: Vec<DefinitionId>,
+    /// Whether an index of a `repeat` has been looked at.
+    pub varies: bool,
+}
+
+impl<'a> Check<'a> {
+    /// The value of an expression.
+    pub fn evaluate(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
+        loop {
+            self.walk.depth = 0;
+            match self.walk(expr, environment) {
+                Err(Stop::Deep) => self.settle_waiting(),
+                done => return done,
+            }
+        }
+    }
+
+    /// Settles every parameter, used or not, in order of declaration.
+    pub fn settle_definitions(&mut self) {
+        for index in 0..self.definitions.len() {
+            let id = DefinitionId(index as u32);
+            if matches!(self.definitions[index].state, State::Unsettled) {
+                self.begin(id);
+                self.settle_waiting();
+            }
+        }
+    }
+
+    /// Settles the definitions in progress, the innermost first.
+    fn settle_waiting(&mut self) {
+        while let Some(&id) = self.walk.in_progress.last() {
+            self.walk.depth = 0;
+            // Those that it met and that have to come first are now behind it on the list.
+            let _ = self.settle(id);
+        }
+    }
+
+    fn begin(&mut self, id: DefinitionId) {
+        self.definitions[id.0 as usize].state = State::InProgress;
+        self.walk.in_progress.push(id);
+    }
+
+    /// Evaluates the definition at the end of the list, and takes it off unless others have to come first.
+    fn settle(&mut self, id: DefinitionId) -> Evaluated<Value> {
+        let definition = &self.definitions[id.0 as usize];
+        let (expr, environment, kind) = (definition.expr, definition.environment, definition.kind);
+        let varies = self.walk.varies;
+        let result = self.walk(expr, environment);
+        self.walk.varies = varies;
+        if matches!(result, Err(Stop::Deep)) {
+            return result;
+        }
+        let result = result.and_then(|value| self.defined(id, kind, value));
+        self.walk.in_progress.pop();
+        self.definitions[id.0 as usize].state = State::Settled(result.clone());
+        result
+    }
+
+    /// The value that a definition gives its name.
+    fn defined(&mut self, id: DefinitionId, kind: DefinitionKind, value: Value) -> Evaluated<Value> {
+        let definition = &self.definitions[id.0 as usize];
+        let (expr, environment) = (definition.expr, definition.environment);
+        match (kind, value) {
+            (DefinitionKind::Point, value) => self.as_position(value, expr, environment).map(Value::Vector),
+            (DefinitionKind::Param, Value::Vector(_)) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::Kind { span, needed: "a number", found: "a point" })
+            }
+            (DefinitionKind::Param, Value::Scalar(scalar)) => {
+                self.check_range(&scalar.quantity.si, expr, environment)?;
+                Ok(Value::Scalar(scalar))
+            }
+            (DefinitionKind::Let, value) => Ok(value),
+        }
+    }
+
+    fn walk(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
+        self.walk.depth += 1;
+        let value = self.walk_kind(expr, environment);
+        self.walk.depth -= 1;
+        value
+    }
+
+    fn walk_kind(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
+        let node = *self.tree.expr(expr);
+        match node.kind {
+            ExprKind::Literal { number_len } => self.literal(node.span, number_len, false, environment),
+            ExprKind::Name { indices } => self.name_value(node.span, indices, environment),
+            ExprKind::Negate { operand } => self.negation(operand, environment),
+            ExprKind::Binary { operator, left, right } => self.binary(node.span, operator, left, right, environment),
+            ExprKind::Call { name_len, arguments } => self.call(node.span, name_len, arguments, environment),
+            ExprKind::Tuple { items } => self.tuple(node.span, items, environment),
+            ExprKind::Member { .. } | ExprKind::At { .. } => {
+                self.fail(environment, Error::MotionAsValue { span: node.span })
+            }
+            ExprKind::Text => {
+                self.fail(environment, Error::Kind { span: node.span, needed: "a number", found: "a text" })
+            }
+        }
+    }
+
+    /// `10 N/m`; with `negated`, `-12 dB`, whose minus belongs to the level.
+    fn literal(&mut self, span: Span, number_len: u16, negated: bool, environment: Environment) -> Evaluated<Value> {
+        let text = self.sources.slice(span);
+        let (digits, rest) = text.split_at(usize::from(number_len).min(text.len()));
+        let Some(number) = Rational::from_decimal(digits) else {
+            return self.fail(environment, Error::Overflow { span });
+        };
+        let number = if negated { Number::from(-&number) } else { Number::from(number) };
+        let unit_text = rest.trim_start();
+        if unit_text.is_empty() {
+            return Ok(if number.is_zero() {
+                Value::Scalar(Scalar::bare_zero())
+            } else {
+                Quantity::plain(number).into()
+            });
+        }
+        let unit_span = Span::new(span.file(), span.end() - unit_text.len(), span.end());
+        let unit = self.unit(unit_text, unit_span, environment)?;
+        let (dimension, angle) = (unit.dimension, unit.angle);
+        let si = match unit.scale {
+            Scale::Linear(factor) => &number * &factor,
+            Scale::Decibel => match number.from_decibel() {
+                Some(ratio) => ratio,
+                None => return self.fail(environment, Error::Overflow { span }),
+            },
+        };
+        Ok(Quantity { si, dimension, angle }.into())
+    }
+
+    /// The unit, read once for each text.
+    fn unit(&mut self, text: &'a str, span: Span, environment: Environment) -> Evaluated<Unit> {
+        if let Some(unit) = self.units.get(text) {
+            return Ok(unit.clone());
+        }
+        match unit::parse(text) {
+            Ok(unit) => {
+                self.units.insert(text, unit.clone());
+                Ok(unit)
+            }
+            Err(error) => {
+                let error = self.unit_error(text, span, error);
+                self.fail(environment, error)
+            }
+        }
+    }
+
+    fn negation(&mut self, operand: ExprId, environment: Environment) -> Evaluated<Value> {
+        let node = *self.tree.expr(operand);
+        if let ExprKind::Literal { number_len } = node.kind
+            && self.sources.slice(node.span).ends_with("dB")
+        {
+            return self.literal(node.span, number_len, true, environment);
+        }
+        Ok(value::negate(&self.walk(operand, environment)?))
+    }
+
+    fn binary(
+        &mut self,
+        span: Span,
+        operator: Binary,
+        left: ExprId,
+        right: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Value> {
+        let operation = match operator {
+            Binary::Add => value::add,
+            Binary::Subtract => value::subtract,
+            Binary::Multiply => value::multiply,
+            Binary::Divide => value::divide,
+            Binary::Power => value::power,
+            Binary::Arrow => return self.fail(environment, Error::ArrowAsValue { span }),
+            _ => return self.fail(environment, Error::ComparisonAsValue { span }),
+        };
+        // Both sides are looked at, so that both sides' mistakes are told.
+        let a = self.walk(left, environment);
+        if a == Err(Stop::Deep) {
+            return a;
+        }
+        let b = self.walk(right, environment)?;
+        operation(&a?, &b).or_else(|fault| {
+            let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
+            self.fail(environment, Error::Operation { fault, operator, left, right })
+        })
+    }
+
+    fn call(&mut self, span: Span, name_len: u16, arguments: ExprList, environment: Environment) -> Evaluated<Value> {
+        let word = Span::new(span.file(), span.start(), span.start() + usize::from(name_len));
+        let Some(function) = Function::named(self.sources.slice(word)) else {
+            let error = self.unknown_function(word);
+            return self.fail(environment, error);
+        };
+        let tree = self.tree;
+        let given = tree.list(arguments);
+        let (least, most) = function.arguments;
+        if given.len() < least || given.len() > most {
+            let error = Error::ArgumentCount { span, function: function.name, expected: least, found: given.len() };
+            return self.fail(environment, error);
+        }
+        let mut values = Vec::with_capacity(given.len());
+        for &argument in given {
+            values.push(self.walk(argument, environment)?);
+        }
+        let argument = tree.expr(given[0]).span;
+        function
+            .apply(&values)
+            .or_else(|fault| self.fail(environment, Error::Function { fault, function: function.name, argument, span }))
+    }
+
+    fn tuple(&mut self, span: Span, items: ExprList, environment: Environment) -> Evaluated<Value> {
+        let tree = self.tree;
+        let &[x, y] = tree.list(items) else {
+            return self.fail(environment, Error::Components { span, found: tree.list(items).len() });
+        };
+        let a = self.component(x, environment);
+        if let Err(Stop::Deep) = a {
+            return Err(Stop::Deep);
+        }
+        let b = self.component(y, environment)?;
+        value::vector(&a?, &b).map(Value::Vector).or_else(|fault| {
+            let (left, right) = (tree.expr(x).span, tree.expr(y).span);
+            self.fail(environment, Error::Pair { fault, left, right })
+        })
+    }
+
+    fn component(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Scalar> {
+        match self.walk(expr, environment)? {
+            Value::Scalar(scalar) => Ok(scalar),
+            Value::Vector(_) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::Kind { span, needed: "a number", found: "a point" })
+            }
+        }
+    }
+
+    /// The span of a name's word: what stands before its indices.
+    pub fn word_of(&self, span: Span) -> Span {
+        let text = self.sources.slice(span);
+        let len = text.find(['[', ' ', '\t', '\n', '\r']).unwrap_or(text.len());
+        Span::new(span.file(), span.start(), span.start() + len)
+    }
+
+    fn name_value(&mut self, span: Span, indices: ExprList, environment: Environment) -> Evaluated<Value> {
+        let word = if indices.is_empty() { span } else { self.word_of(span) };
+        let text = self.sources.slice(word);
+        if text == "pi" && indices.is_empty() {
+            return Ok(Quantity::plain(Number::pi()).into());
+        }
+        let Some(symbol) = self.words.get(text) else {
+            let error = self.unknown_value(word, None);
+            return self.fail_unless_broken(environment, word, error);
+        };
+        if indices.is_empty()
+            && let Some(index) = self.environments.value(environment, symbol)
+        {
+            self.walk.varies = true;
+            return Ok(Quantity::plain(Number::from(i64::from(index))).into());
+        }
+        let name = self.indexed(symbol, indices, environment)?;
+        match self.values.get(name) {
+            Some(id) => self.value_of(id, span, environment),
+            None => {
+                let error = self.unknown_value(word, Some(name));
+                self.fail_unless_broken(environment, word, error)
+            }
+        }
+    }
+
+    /// The value of a definition, settled now if it is not yet.
+    fn value_of(&mut self, id: DefinitionId, span: Span, environment: Environment) -> Evaluated<Value> {
+        let definition = &mut self.definitions[id.0 as usize];
+        definition.used = true;
+        match &definition.state {
+            State::Settled(value) => value.clone(),
+            State::InProgress => {
+                let error = self.cycle(id, span);
+                self.fail(environment, error)
+            }
+            State::Unsettled => {
+                self.begin(id);
+                if self.walk.depth > MAX_DEPTH { Err(Stop::Deep) } else { self.settle(id) }
+            }
+        }
+    }
+
+    /// The definitions between the first mention of `id` and this one, which is in the last of them.
+    fn cycle(&self, id: DefinitionId, span: Span) -> Error {
+        let start = self.walk.in_progress.iter().rposition(|&member| member == id).unwrap_or(0);
+        let members = self.walk.in_progress[start..].iter().map(|member| {
+            let definition = &self.definitions[member.0 as usize];
+            (self.words.display(definition.name), definition.span)
+        });
+        Error::Cycle { span, members: members.collect() }
+    }
+
+    /// A word with the values of its indices.
+    pub fn indexed(
+        &mut self,
+        symbol: crate::base::Symbol,
+        indices: ExprList,
+        environment: Environment,
+    ) -> Evaluated<Name> {
+        if indices.is_empty() {
+            return Ok(Name::plain(symbol));
+        }
+        let tree = self.tree;
+        let given = tree.list(indices);
+        let mut values = [0; crate::base::name::MAX_INDICES];
+        if given.len() > values.len() {
+            let span = tree.expr(given[values.len()]).span;
+            return self.fail(environment, Error::TooManyIndices { span });
+        }
+        for (value, &index) in values.iter_mut().zip(given) {
+            *value = self.index(index, environment)?;
+        }
+        Ok(Name::indexed(symbol, &values[..given.len()]).expect("their number has been checked"))
+    }
+
+    fn index(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        let value = self.walk(expr, environment)?;
+        self.as_whole(&value, expr, environment)
+    }
+
+    /// The name that an identifier stands for, its word entered among the words.
+    pub fn name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
+        let symbol = self.words.intern(self.sources.slice(ident.span));
+        loop {
+            self.walk.depth = 0;
+            match self.indexed(symbol, ident.indices, environment) {
+                Err(Stop::Deep) => self.settle_waiting(),
+                done => return done,
+            }
+        }
+    }
+
+    /// A whole number that fits an index.
+    pub fn as_whole(&mut self, value: &Value, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        let span = self.tree.expr(expr).span;
+        let Value::Scalar(Scalar { quantity, .. }) = value else {
+            return self.fail(environment, Error::Kind { span, needed: "a whole number", found: "a point" });
+        };
+        let whole = quantity.si.exact().and_then(Rational::to_i64).and_then(|n| i32::try_from(n).ok());
+        match whole {
+            Some(whole) if quantity.dimension == Dimension::NONE => Ok(whole),
+            _ => self.fail(environment, Error::NotWhole { span }),
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! What a place of the model wants of its value: a mass, a position, a frequency. In: an expression; out: its SI number,
+//! with the dimension checked and the range of binary64 kept, or a message that names what is wanted and what is found.
+//! Clause: spec.md, "Units".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::scope::{DefinitionId, Environment, Table};
+use super::value::{Scalar, Value, Vector};
+use crate::base::{Angle, Dimension, Number, Quantity, Span, Vec3};
+use crate::syntax::tree::{ExprId, ExprKind};
+use std::sync::Arc;
+
+/// What a place wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Expected {
+    /// With its article: "a mass".
+    pub noun: &'static str,
+    pub dimension: Dimension,
+    /// What to write, such as `mass = 1 kg`.
+    pub example: &'static str,
+}
+
+impl Expected {
+    pub const fn new(noun: &'static str, dimension: Dimension, example: &'static str) -> Expected {
+        Expected { noun, dimension, example }
+    }
+}
+
+/// What has been found once and holds in every repetition.
+#[derive(Debug, Default)]
+pub struct Memory {
+    numbers: Table<ExprId, Evaluated<Number>>,
+    places: Table<ExprId, Evaluated<Arc<Vec3>>>,
+}
+
+const POSITION: Expected = Expected::new("a position", Dimension::LENGTH, "(0, 1 m)");
+const FREQUENCY: Expected = Expected::new("a frequency", Dimension::FREQUENCY, "30 Hz");
+
+impl<'a> Check<'a> {
+    /// A number of the dimension that is wanted.
+    pub fn number(&mut self, expr: ExprId, environment: Environment, expected: &Expected) -> Evaluated<Number> {
+        self.remembered(
+            expr,
+            environment,
+            |memory| &mut memory.numbers,
+            |check| {
+                let value = check.evaluate(expr, environment)?;
+                check.as_number(&value, expr, environment, expected)
+            },
+        )
+    }
+
+    /// A frequency in Hz: cycles as they are, radians divided by 2 pi, and neither refused.
+    pub fn frequency(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+        let value = self.evaluate(expr, environment)?;
+        let number = self.as_number(&value, expr, environment, &FREQUENCY)?;
+        match value {
+            Value::Scalar(Scalar { quantity, bare_zero: false }) => self.in_hertz(&quantity, expr, environment),
+            _ => Ok(number),
+        }
+    }
+
+    pub fn in_hertz(&mut self, quantity: &Quantity, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+        match quantity.angle {
+            Angle::Cycles => Ok(quantity.si.clone()),
+            Angle::Radians => Ok(&quantity.si / &(&Number::from(2) * &Number::pi())),
+            Angle::Plain => {
+                let (span, value) = (self.tree.expr(expr).span, quantity.si.to_f64());
+                self.fail(environment, Error::FrequencyReading { span, value })
+            }
+        }
+    }
+
+    /// A position in m.
+    pub fn position(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        self.remembered(
+            expr,
+            environment,
+            |memory| &mut memory.places,
+            |check| {
+                let value = check.evaluate(expr, environment)?;
+                Ok(check.as_position(value, expr, environment)?.si)
+            },
+        )
+    }
+
+    /// A direction: `x`, `y`, or a vector that is not zero. Its length says nothing.
+    pub fn direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        self.remembered(
+            expr,
+            environment,
+            |memory| &mut memory.places,
+            |check| match check.axis(expr) {
+                Some(axis) => Ok(Arc::new(axis)),
+                None => check.oblique_direction(expr, environment),
+            },
+        )
+    }
+
+    /// `x`, `y`, `-x`, `-y`.
+    fn axis(&self, expr: ExprId) -> Option<Vec3> {
+        let node = self.tree.expr(expr);
+        match node.kind {
+            ExprKind::Name { .. } if self.sources.slice(node.span) == "x" => Some(Vec3::X),
+            ExprKind::Name { .. } if self.sources.slice(node.span) == "y" => Some(Vec3::Y),
+            ExprKind::Negate { operand } => {
+                let named = matches!(self.tree.expr(operand).kind, ExprKind::Name { .. });
+                named.then(|| self.axis(operand))?.map(|axis| axis.scale(&Number::from(-1)))
+            }
+            _ => None,
+        }
+    }
+
+    fn oblique_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        let span = self.tree.expr(expr).span;
+        let Value::Vector(Vector { si, .. }) = self.evaluate(expr, environment)? else {
+            return self.fail(environment, Error::Kind { span, needed: "a direction", found: "a number" });
+        };
+        if si.may_be_zero() {
+            return self.fail(environment, Error::NoDirection { span });
+        }
+        Ok(si)
+    }
+
+    /// What has been found before for this expression, where no index enters it; or what `make` finds now.
+    fn remembered<T: Clone>(
+        &mut self,
+        expr: ExprId,
+        environment: Environment,
+        table: fn(&mut Memory) -> &mut Table<ExprId, Evaluated<T>>,
+        make: impl FnOnce(&mut Check<'a>) -> Evaluated<T>,
+    ) -> Evaluated<T> {
+        if environment.is_top() {
+            return make(self);
+        }
+        if let Some(known) = table(&mut self.memory).get(&expr) {
+            return known.clone();
+        }
+        self.walk.varies = false;
+        let made = make(self);
+        if !self.walk.varies {
+            table(&mut self.memory).insert(expr, made.clone());
+        }
+        made
+    }
+
+    pub fn as_number(
+        &mut self,
+        value: &Value,
+        expr: ExprId,
+        environment: Environment,
+        expected: &Expected,
+    ) -> Evaluated<Number> {
+        let scalar = self.as_scalar(value, expr, environment, expected)?;
+        match scalar.dimension() {
+            None => Ok(Number::ZERO),
+            Some(found) if found == expected.dimension => {
+                self.check_range(&scalar.quantity.si, expr, environment)?;
+                Ok(scalar.quantity.si.clone())
+            }
+            Some(found) => Err(self.mismatch(found, expr, environment, expected)),
+        }
+    }
+
+    pub fn as_scalar<'v>(
+        &mut self,
+        value: &'v Value,
+        expr: ExprId,
+        environment: Environment,
+        expected: &Expected,
+    ) -> Evaluated<&'v Scalar> {
+        match value {
+            Value::Scalar(scalar) => Ok(scalar),
+            Value::Vector(_) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::Kind { span, needed: expected.noun, found: "a point" })
+            }
+        }
+    }
+
+    /// Says that another dimension is wanted than was found.
+    pub fn mismatch(&mut self, found: Dimension, expr: ExprId, environment: Environment, expected: &Expected) -> Stop {
+        let node = *self.tree.expr(expr);
+        let (span, expected) = (node.span, *expected);
+        let error = match node.kind {
+            ExprKind::Literal { .. } if found.is_none() && !self.sources.slice(span).ends_with('%') => {
+                Error::UnitMissing { span, number: self.sources.slice(span).to_string(), expected }
+            }
+            _ => Error::UnitMismatch { span, found, expected, declared: self.declaration_of(expr, environment) },
+        };
+        self.report(environment, error);
+        Stop::Reported
+    }
+
+    /// Where the name that an expression consists of is declared.
+    pub fn declaration_of(&mut self, expr: ExprId, environment: Environment) -> Option<(String, Span)> {
+        let node = *self.tree.expr(expr);
+        let ExprKind::Name { indices } = node.kind else { return None };
+        let word = self.word_of(node.span);
+        let symbol = self.words.get(self.sources.slice(word))?;
+        let name = self.indexed(symbol, indices, environment).ok()?;
+        let id: DefinitionId = self.values.get(name)?;
+        let definition = &self.definitions[id.0 as usize];
+        Some((self.words.display(definition.name), definition.span))
+    }
+
+    pub fn as_position(&mut self, value: Value, expr: ExprId, environment: Environment) -> Evaluated<Vector> {
+        let span = self.tree.expr(expr).span;
+        let Value::Vector(vector) = value else {
+            return self.fail(environment, Error::Kind { span, needed: "a position", found: "a number" });
+        };
+        if let Some(found) = vector.dimension.filter(|&found| found != Dimension::LENGTH) {
+            return Err(self.mismatch(found, expr, environment, &POSITION));
+        }
+        self.check_range(&vector.si.x, expr, environment)?;
+        self.check_range(&vector.si.y, expr, environment)?;
+        Ok(Vector { si: vector.si, dimension: Some(Dimension::LENGTH) })
+    }
+
+    /// Zero, or of a size that binary64 has in full precision.
+    pub fn check_range(&mut self, number: &Number, expr: ExprId, environment: Environment) -> Evaluated<()> {
+        let size = number.to_f64().abs();
+        if number.is_finite() && (size >= f64::MIN_POSITIVE || number.is_zero()) {
+            return Ok(());
+        }
+        let span = self.tree.expr(expr).span;
+        self.fail(environment, Error::Overflow { span })
+    }
+}

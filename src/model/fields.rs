@@ -1,0 +1,100 @@
+//! What stands in braces: each field at most once, none unknown. In: the fields of a declaration; out: the one of a given
+//! name, or all of them by place in a list of known ones. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::expect::Expected;
+use super::scope::Environment;
+use super::suggestion::nearest;
+use crate::base::{Number, Span};
+use crate::syntax::tree::{ExprId, Field, FieldValue, Fields};
+
+/// The fields of one declaration, in the order of the known names.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a, const N: usize> {
+    fields: [Option<&'a Field>; N],
+    /// Whether a field could not be read: then nobody says that one is missing.
+    pub broken: bool,
+}
+
+impl<'a, const N: usize> Given<'a, N> {
+    pub fn get(&self, index: usize) -> Option<&'a Field> {
+        self.fields[index]
+    }
+}
+
+impl<'a> Check<'a> {
+    /// Sorts the fields by the known names; says which are unknown or given twice.
+    pub fn fields<const N: usize>(
+        &mut self,
+        fields: Fields,
+        known: &'static [&'static str; N],
+        environment: Environment,
+    ) -> Given<'a, N> {
+        let tree = self.tree;
+        let mut given = Given { fields: [None; N], broken: false };
+        for field in tree.fields(fields) {
+            let word = self.sources.slice(field.key);
+            let error = match known.iter().position(|name| *name == word) {
+                None => self.unknown_field(field, word, known),
+                Some(place) => match given.fields[place] {
+                    None => {
+                        given.fields[place] = Some(field);
+                        continue;
+                    }
+                    Some(first) => Error::FieldTwice { span: field.key, first: first.key, word: word.to_string() },
+                },
+            };
+            given.broken = true;
+            self.report(environment, error);
+        }
+        given
+    }
+
+    fn unknown_field(&self, field: &Field, word: &str, known: &'static [&'static str]) -> Error {
+        let suggestion = nearest(word, known.iter().copied());
+        Error::UnknownField { span: field.key, word: word.to_string(), suggestion, known }
+    }
+
+    /// The expression of `name = expression`.
+    pub fn field_expr(&mut self, field: &Field, environment: Environment) -> Evaluated<ExprId> {
+        match field.value {
+            FieldValue::Expr(expr) => Ok(expr),
+            FieldValue::About(_, about) => {
+                let span = self.tree.expr(about).span;
+                self.fail(environment, Error::AboutElsewhere { span })
+            }
+            FieldValue::Flag | FieldValue::Moves(_) | FieldValue::MovesAlong(_) => {
+                let word = self.sources.slice(field.key).to_string();
+                self.fail(environment, Error::FieldWithoutValue { span: field.key, word })
+            }
+        }
+    }
+
+    /// The number of `name = number`; `None` without the field.
+    pub fn field_number(
+        &mut self,
+        field: Option<&Field>,
+        environment: Environment,
+        expected: &Expected,
+    ) -> Evaluated<Option<(Number, Span)>> {
+        let Some(field) = field else { return Ok(None) };
+        let expr = self.field_expr(field, environment)?;
+        let number = self.number(expr, environment, expected)?;
+        Ok(Some((number, self.tree.expr(expr).span)))
+    }
+
+    /// A word alone, such as `turns`.
+    pub fn flag(&mut self, field: Option<&Field>, environment: Environment) -> Evaluated<bool> {
+        match field.map(|field| (field.value, field.key)) {
+            None => Ok(false),
+            Some((FieldValue::Flag, _)) => Ok(true),
+            Some((_, span)) => {
+                let word = self.sources.slice(span).to_string();
+                self.report(environment, Error::FlagWithValue { span, word });
+                Err(Stop::Reported)
+            }
+        }
+    }
+}

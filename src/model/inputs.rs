@@ -1,0 +1,166 @@
+//! Forces, torques and bases as inputs. In: ends, direction and signal; out: an [`Input`]. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::freedoms::Line;
+use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part, Signal};
+use super::scope::{Environment, Instance};
+use super::signals::{ANGLE_SIGNAL, DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
+use crate::base::{Span, Vec3};
+use crate::syntax::tree::{DeclKind, EndId, ExprId, Ident, Rare};
+use std::sync::Arc;
+
+impl<'a> Check<'a> {
+    pub fn inputs(&mut self) {
+        let mut bases = 0..;
+        for index in 0..self.instances.inputs.len() {
+            let Instance { decl, environment } = self.instances.inputs[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            self.walk.varies = false;
+            let done = match self.tree.rare[index as usize] {
+                Rare::Force { name, from, to, along, signal } => {
+                    self.force(name, (from, to), along, signal, environment)
+                }
+                Rare::Torque { name, from, to, signal } => self.torque(name, (from, to), signal, environment),
+                Rare::Base { signal, .. } => {
+                    let id = BaseId(bases.next().unwrap_or(0));
+                    self.base_inputs(id, signal, environment)
+                }
+                _ => Ok(()),
+            };
+            self.broken_inputs |= done.is_err();
+        }
+    }
+
+    fn force(
+        &mut self,
+        ident: Ident,
+        ends: (EndId, Option<EndId>),
+        along: Option<ExprId>,
+        signal: Option<ExprId>,
+        environment: Environment,
+    ) -> Evaluated<()> {
+        let ends = self.input_ends(ends, environment);
+        let along = along.map(|along| self.direction(along, environment)).transpose()?;
+        let ends = ends?;
+        let kind = match (along, ends) {
+            (Some(direction), ends) => InputKind::Force { ends, direction: (*direction).clone() },
+            (None, ends) => self.undirected_force(ends, environment)?,
+        };
+        let signal = self.signal(signal, &FORCE_SIGNAL, environment)?;
+        self.push_input(ident, kind, signal, environment)
+    }
+
+    /// `force F: a -- b` pulls along the line of its points; along the common line of the parts where there is no other.
+    fn undirected_force(&mut self, ends: Vec<Attachment>, environment: Environment) -> Evaluated<InputKind> {
+        match <[Attachment; 2]>::try_from(ends) {
+            Ok(pair) => Ok(match self.line_or_direction(&pair, environment)? {
+                Geometry::Along(line) => {
+                    let [a, b] = pair;
+                    // Apart where positive: the second end goes forwards, the first one back.
+                    InputKind::Force { ends: vec![b, a], direction: (*line).clone() }
+                }
+                _ => InputKind::ForceBetween { ends: pair },
+            }),
+            Err(ends) => {
+                let direction = self.only_line(&ends[0], environment)?;
+                Ok(InputKind::Force { ends, direction: (*direction).clone() })
+            }
+        }
+    }
+
+    /// The line along which the part of a single end moves.
+    fn only_line(&mut self, end: &Attachment, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        match self.line(end.part) {
+            Line::Along(line) => Ok(line),
+            _ if self.broken_joints => Err(Stop::Reported),
+            _ => self.fail(environment, Error::ForceWithoutDirection { span: end.span }),
+        }
+    }
+
+    fn torque(
+        &mut self,
+        ident: Ident,
+        ends: (EndId, Option<EndId>),
+        signal: Option<ExprId>,
+        environment: Environment,
+    ) -> Evaluated<()> {
+        let ends = self.input_ends(ends, environment)?;
+        if !ends.iter().any(|end| self.can_turn(end.part)) {
+            if self.broken_joints {
+                return Err(Stop::Reported);
+            }
+            let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ident.span);
+            return self.fail(environment, Error::NoEndTurns { span });
+        }
+        let signal = self.signal(signal, &TORQUE_SIGNAL, environment)?;
+        self.push_input(ident, InputKind::Torque { ends }, signal, environment)
+    }
+
+    /// One end or two; at least one of them on a body, and not both on the same.
+    fn input_ends(
+        &mut self,
+        (from, to): (EndId, Option<EndId>),
+        environment: Environment,
+    ) -> Evaluated<Vec<Attachment>> {
+        let tree = self.tree;
+        let first = self.attachment(tree.end(from), environment);
+        let second = to.map(|to| self.attachment(tree.end(to), environment)).transpose()?;
+        let first = first?;
+        let ends: Vec<Attachment> = std::iter::once(first).chain(second).collect();
+        self.sound(&ends)?;
+        let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ends[0].span);
+        if let [a, b] = &ends[..]
+            && a.part == b.part
+        {
+            let part = self.part_name(a.part);
+            return self.fail(environment, Error::EqualEnds { span, part });
+        }
+        if !ends.iter().any(|end| matches!(end.part, Part::Body(_))) {
+            let part = self.part_name(ends[0].part);
+            return self.fail(environment, Error::InputWithoutEffect { span, part });
+        }
+        Ok(ends)
+    }
+
+    fn push_input(
+        &mut self,
+        ident: Ident,
+        kind: InputKind,
+        (signal, signal_span): (Vec<Signal>, Option<Span>),
+        environment: Environment,
+    ) -> Evaluated<()> {
+        let name = self.name(ident, environment)?;
+        self.scene.inputs.push(Input { name, span: ident.span, kind, signal, signal_span });
+        Ok(())
+    }
+
+    /// A base is an input for each of its motions.
+    fn base_inputs(&mut self, base: BaseId, signal: Option<ExprId>, environment: Environment) -> Evaluated<()> {
+        if self.broken_bases.contains(&base) {
+            return Err(Stop::Reported);
+        }
+        let (name, span) = (self.scene.bases[base.index()].name, self.scene.bases[base.index()].span);
+        let translations = self.scene.bases[base.index()].translations.len();
+        let turns = self.scene.bases[base.index()].turns;
+        let motions = (0..translations).map(Some).chain(turns.then_some(None));
+        let motions: Vec<Option<usize>> = motions.collect();
+        let (signal, signal_span) = match (signal, &motions[..]) {
+            (Some(signal), [one]) => {
+                let expected = if one.is_some() { &DISPLACEMENT_SIGNAL } else { &ANGLE_SIGNAL };
+                self.signal(Some(signal), expected, environment)?
+            }
+            (Some(signal), _) => {
+                let span = self.tree.expr(signal).span;
+                return self.fail(environment, Error::SignalOfManyMotions { span });
+            }
+            (None, _) => (Vec::new(), None),
+        };
+        for translation in motions {
+            let kind = InputKind::Base { base, translation };
+            self.scene.inputs.push(Input { name, span, kind, signal: signal.clone(), signal_span });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,128 @@
+//! Joints: pivots, slides, welds. In: two ends; out: a [`Joint`] whose ends coincide as drawn. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::ends::are_apart;
+use super::error::Error;
+use super::evaluate::Evaluated;
+use super::scene::{Attachment, Joint, JointKind, Part};
+use super::scope::{Environment, Instance};
+use crate::base::Vec3;
+use crate::syntax::tree::{DeclKind, End, EndId, ExprId, Ident, JointKeyword, Rare};
+use std::sync::Arc;
+
+impl<'a> Check<'a> {
+    pub fn joints(&mut self) {
+        for index in 0..self.instances.joints.len() {
+            let Instance { decl, environment } = self.instances.joints[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Joint { kind, name, ends, along } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            match self.joint(kind, name, ends, along, environment) {
+                Ok(joint) => self.scene.joints.push(joint),
+                Err(_) => self.broken_joints = true,
+            }
+        }
+    }
+
+    fn joint(
+        &mut self,
+        kind: JointKeyword,
+        name: Ident,
+        ends: EndId,
+        along: Option<ExprId>,
+        environment: Environment,
+    ) -> Evaluated<Joint> {
+        let span = name.span;
+        let pair = self.attachments(ends, environment);
+        let along = along.map(|along| self.direction(along, environment)).transpose()?;
+        let (mut pair, name) = (pair?, self.name(name, environment)?);
+        self.sound(&pair)?;
+        if pair[0].part == pair[1].part {
+            let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
+            return self.fail(environment, Error::JointOfOnePart { span, part });
+        }
+        let kind = match (kind, along) {
+            (JointKeyword::Pivot, _) => {
+                let at = self.common_point(ends, &mut pair, environment)?;
+                JointKind::Pivot { at: (*at).clone() }
+            }
+            (JointKeyword::Slide, Some(along)) => JointKind::Slide { along: (*along).clone() },
+            (JointKeyword::Slide, None) => return self.fail(environment, Error::SlideWithoutDirection { span }),
+            (JointKeyword::Weld, _) => {
+                self.welded_points(ends, &pair, environment)?;
+                JointKind::Weld
+            }
+        };
+        Ok(Joint { name, span, kind, ends: pair })
+    }
+
+    /// Where a pivot is: at the point given, which both ends then have; or where both parts' own positions coincide.
+    fn common_point(
+        &mut self,
+        ends: EndId,
+        pair: &mut [Attachment; 2],
+        environment: Environment,
+    ) -> Evaluated<Arc<Vec3>> {
+        let tree = self.tree;
+        let (a, b) = tree.pair(ends);
+        let given = |end: &End, attachment: &Attachment| end.at.and(attachment.at.clone());
+        let at = match (given(a, &pair[0]), given(b, &pair[1])) {
+            (Some(at), None) | (None, Some(at)) => at,
+            (Some(first), Some(second)) => self.coinciding(first, &second, pair, environment)?,
+            (None, None) => match (pair[0].at.clone(), pair[1].at.clone()) {
+                (Some(first), Some(second)) => self.coinciding(first, &second, pair, environment)?,
+                _ => {
+                    let span = pair[0].span.to(pair[1].span);
+                    let part = self.part_name(pair[0].part);
+                    return self.fail(environment, Error::PivotWithoutPlace { span, part });
+                }
+            },
+        };
+        pair[0].at = Some(at.clone());
+        pair[1].at = Some(at.clone());
+        Ok(at)
+    }
+
+    fn coinciding(
+        &mut self,
+        first: Arc<Vec3>,
+        second: &Arc<Vec3>,
+        pair: &[Attachment; 2],
+        environment: Environment,
+    ) -> Evaluated<Arc<Vec3>> {
+        if are_apart(&first, second) {
+            let places = [shown(&first), shown(second)];
+            return self.fail(environment, Error::EndsApart { spans: [pair[0].span, pair[1].span], places });
+        }
+        Ok(first)
+    }
+
+    /// A weld holds two parts wherever they are; two points written for it have to be the same one.
+    fn welded_points(&mut self, ends: EndId, pair: &[Attachment; 2], environment: Environment) -> Evaluated<()> {
+        let tree = self.tree;
+        let (a, b) = tree.pair(ends);
+        if let (Some(_), Some(_), Some(first), Some(second)) = (a.at, b.at, pair[0].at.clone(), &pair[1].at) {
+            self.coinciding(first, second, pair, environment)?;
+        }
+        Ok(())
+    }
+
+    /// Bodies without a freedom clause need a joint.
+    pub fn jointless_bodies(&mut self) {
+        if self.broken_joints {
+            return;
+        }
+        for index in self.freedoms.without_joint(&self.scene) {
+            let body = &self.scene.bodies[index];
+            let (span, name) = (body.span, self.words.display(body.name));
+            if !self.is_broken(Part::Body(super::scene::BodyId(index as u32))) {
+                self.report(self.instances.bodies[index].environment, Error::NoFreedom { span, name });
+            }
+        }
+    }
+}
+
+/// A position for a message.
+fn shown(place: &Vec3) -> (f64, f64) {
+    (place.x.to_f64(), place.y.to_f64())
+}

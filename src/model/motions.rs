@@ -1,0 +1,370 @@
+//! Motions and their linear combinations: outputs, couplings, initial states. In: an expression such as
+//! `rod.angle` or `table.y - floor.y`; out: coefficients and motions, checked in dimension. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::freedoms::Line;
+use super::scene::{BaseId, BodyId, ElementId, Freedom, Geometry, Motion, MotionTerm, Output, Part};
+use super::scope::{self, Environment, Instance};
+use super::suggestion::nearest;
+use super::value::{Fault, Scalar, Value};
+use crate::base::{Angle, Dimension, Number, Span, Vec3};
+use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
+use std::sync::Arc;
+
+/// A linear combination of motions.
+#[derive(Clone, Debug)]
+pub struct Combination {
+    pub terms: Vec<MotionTerm>,
+    pub dimension: Dimension,
+    pub angle: Angle,
+}
+
+/// What an expression with motions is made of.
+enum Piece {
+    Scalar(Scalar),
+    Motions(Combination),
+}
+
+/// The direction of a translation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    X,
+    Y,
+}
+
+impl Axis {
+    fn direction(self) -> Vec3 {
+        match self {
+            Axis::X => Vec3::X,
+            Axis::Y => Vec3::Y,
+        }
+    }
+}
+
+/// A motion of a body: its word, axis (`None` for a rotation), derivative, dimension.
+const BODY_MOTIONS: [(&str, Option<Axis>, u8, Dimension); 9] = [
+    ("x", Some(Axis::X), 0, Dimension::LENGTH),
+    ("y", Some(Axis::Y), 0, Dimension::LENGTH),
+    ("angle", None, 0, Dimension::NONE),
+    ("vx", Some(Axis::X), 1, Dimension::VELOCITY),
+    ("vy", Some(Axis::Y), 1, Dimension::VELOCITY),
+    ("omega", None, 1, Dimension::ANGULAR_VELOCITY),
+    ("ax", Some(Axis::X), 2, Dimension::ACCELERATION),
+    ("ay", Some(Axis::Y), 2, Dimension::ACCELERATION),
+    ("alpha", None, 2, Dimension::ANGULAR_ACCELERATION),
+];
+
+const ELEMENT_MOTIONS: [&str; 2] = ["force", "stretch"];
+
+impl<'a> Check<'a> {
+    pub fn outputs(&mut self) {
+        for index in 0..self.instances.outputs.len() {
+            let Instance { decl, environment } = self.instances.outputs[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Output { name, value } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok(output) = self.output(name, value, environment) {
+                self.scene.outputs.push(output);
+            }
+        }
+    }
+
+    fn output(&mut self, ident: Ident, value: ExprId, environment: Environment) -> Evaluated<Output> {
+        let Combination { terms, dimension, angle } = self.combination(value, environment)?;
+        let name = self.name(ident, environment)?;
+        let is_angle = angle == Angle::Radians;
+        Ok(Output { name, span: ident.span, terms, dimension, is_angle })
+    }
+
+    /// A combination of motions.
+    pub fn combination(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
+        match self.piece(expr, environment)? {
+            Piece::Motions(combination) => Ok(combination),
+            Piece::Scalar(_) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::NoMotion { span })
+            }
+        }
+    }
+
+    fn piece(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Piece> {
+        let node = *self.tree.expr(expr);
+        if !self.has_motion(expr) {
+            return match self.evaluate(expr, environment)? {
+                Value::Scalar(scalar) => Ok(Piece::Scalar(scalar)),
+                Value::Vector(_) => {
+                    self.fail(environment, Error::Kind { span: node.span, needed: "a motion", found: "a point" })
+                }
+            };
+        }
+        match node.kind {
+            ExprKind::Member { base, member_len } => self.member(node.span, base, member_len, environment),
+            ExprKind::Negate { operand } => {
+                let piece = self.piece(operand, environment)?;
+                Ok(scaled(piece, &Number::from(-1)))
+            }
+            ExprKind::Binary { operator, left, right } => self.combined(operator, left, right, environment),
+            ExprKind::At { .. } => self.fail(environment, Error::PointWithoutMotion { span: node.span }),
+            _ => self.fail(environment, Error::NonLinear { span: node.span }),
+        }
+    }
+
+    /// Whether a motion is mentioned in an expression.
+    pub fn has_motion(&self, expr: ExprId) -> bool {
+        let tree = self.tree;
+        match tree.expr(expr).kind {
+            ExprKind::Member { .. } | ExprKind::At { .. } => true,
+            ExprKind::Negate { operand } => self.has_motion(operand),
+            ExprKind::Binary { left, right, .. } => self.has_motion(left) || self.has_motion(right),
+            ExprKind::Call { arguments, .. } => tree.list(arguments).iter().any(|&argument| self.has_motion(argument)),
+            ExprKind::Tuple { items } => tree.list(items).iter().any(|&item| self.has_motion(item)),
+            ExprKind::Literal { .. } | ExprKind::Name { .. } | ExprKind::Text => false,
+        }
+    }
+
+    fn combined(
+        &mut self,
+        operator: Binary,
+        left: ExprId,
+        right: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Piece> {
+        let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
+        let a = self.piece(left, environment);
+        let b = self.piece(right, environment)?;
+        let places = (left, right);
+        match (operator, a?, b) {
+            (Binary::Add, Piece::Motions(a), Piece::Motions(b)) => self.sum(operator, a, b, places, environment),
+            (Binary::Subtract, Piece::Motions(a), Piece::Motions(b)) => {
+                let b = negated(b);
+                self.sum(operator, a, b, places, environment)
+            }
+            (Binary::Add | Binary::Subtract, Piece::Motions(a), Piece::Scalar(zero)) if zero.bare_zero => {
+                Ok(Piece::Motions(a))
+            }
+            (Binary::Multiply, Piece::Motions(a), Piece::Scalar(b)) => self.product(a, &b, places, environment),
+            (Binary::Multiply, Piece::Scalar(a), Piece::Motions(b)) => self.product(b, &a, places, environment),
+            (Binary::Divide, Piece::Motions(a), Piece::Scalar(b)) => {
+                let inverse = self.inverse(&b, places, environment)?;
+                self.product(a, &inverse, places, environment)
+            }
+            _ => self.fail(environment, Error::NonLinear { span }),
+        }
+    }
+
+    fn sum(
+        &mut self,
+        operator: Binary,
+        mut a: Combination,
+        b: Combination,
+        (left, right): (ExprId, ExprId),
+        environment: Environment,
+    ) -> Evaluated<Piece> {
+        if a.dimension != b.dimension {
+            let fault = Fault::Dimensions(a.dimension, b.dimension);
+            let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
+            return self.fail(environment, Error::Operation { fault, operator, left, right });
+        }
+        if a.angle != b.angle {
+            a.angle = Angle::Plain;
+        }
+        a.terms.extend(b.terms);
+        Ok(Piece::Motions(a))
+    }
+
+    /// A combination times a number: dimension and angle as for any product.
+    fn product(
+        &mut self,
+        combination: Combination,
+        factor: &Scalar,
+        (left, right): (ExprId, ExprId),
+        environment: Environment,
+    ) -> Evaluated<Piece> {
+        let unit =
+            crate::base::Quantity { si: Number::ONE, dimension: combination.dimension, angle: combination.angle };
+        let product = super::value::multiply(&unit.into(), &Value::Scalar(factor.clone()));
+        match product {
+            Ok(Value::Scalar(Scalar { quantity, .. })) => {
+                let terms = scaled_terms(combination.terms, &quantity.si);
+                Ok(Piece::Motions(Combination { terms, dimension: quantity.dimension, angle: quantity.angle }))
+            }
+            Ok(Value::Vector(_)) | Err(_) => {
+                let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
+                let error = Error::Operation { fault: Fault::Exponent, operator: Binary::Multiply, left, right };
+                self.fail(environment, error)
+            }
+        }
+    }
+
+    fn inverse(
+        &mut self,
+        divisor: &Scalar,
+        (left, right): (ExprId, ExprId),
+        environment: Environment,
+    ) -> Evaluated<Scalar> {
+        let one = Value::from(crate::base::Quantity::plain(Number::ONE));
+        match super::value::divide(&one, &Value::Scalar(divisor.clone())) {
+            Ok(Value::Scalar(inverse)) => Ok(inverse),
+            Ok(Value::Vector(_)) => Err(Stop::Reported),
+            Err(fault) => {
+                let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
+                self.fail(environment, Error::Operation { fault, operator: Binary::Divide, left, right })
+            }
+        }
+    }
+
+    /// `rod.angle`, `rod@(0, -2 m).x`, `s.force`.
+    fn member(&mut self, span: Span, base: ExprId, member_len: u16, environment: Environment) -> Evaluated<Piece> {
+        let word = Span::new(span.file(), span.end() - usize::from(member_len), span.end());
+        let node = *self.tree.expr(base);
+        let (owner, at) = match node.kind {
+            ExprKind::At { base, point } => (base, Some(self.position(point, environment)?)),
+            _ => (base, None),
+        };
+        let owner = *self.tree.expr(owner);
+        let ExprKind::Name { indices } = owner.kind else {
+            return self.fail(environment, Error::MotionOfWhat { span: owner.span });
+        };
+        let ident = Ident { span: self.word_of(owner.span), indices };
+        let text = self.sources.slice(word);
+        let (motion, dimension) = match self.named_part(ident, environment, "body, spring or damper")? {
+            scope::Part::Body(index) => self.part_motion(Part::Body(BodyId(index)), at, text, word, environment)?,
+            scope::Part::Base(index) => self.part_motion(Part::Base(BaseId(index)), at, text, word, environment)?,
+            scope::Part::Element(index) => self.element_motion(index, at.is_some(), text, word, environment)?,
+            other => {
+                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let declared = self.part_span(other);
+                return self.fail(environment, Error::NotABody { span: ident.span, word, found, declared });
+            }
+        };
+        let is_angle = matches!(motion, Motion::Turn { .. }) || dimension.is_none();
+        let angle = if is_angle { Angle::Radians } else { Angle::Plain };
+        let terms = vec![MotionTerm { coefficient: Number::ONE, motion }];
+        Ok(Piece::Motions(Combination { terms, dimension, angle }))
+    }
+
+    /// A motion of a body or base by its word.
+    pub fn part_motion(
+        &mut self,
+        part: Part,
+        at: Option<Arc<Vec3>>,
+        text: &str,
+        word: Span,
+        environment: Environment,
+    ) -> Evaluated<(Motion, Dimension)> {
+        let found = BODY_MOTIONS.iter().find(|(name, ..)| *name == text);
+        let Some(&(_, axis, derivative, dimension)) = found else {
+            let known = || BODY_MOTIONS.iter().map(|(name, ..)| *name);
+            let (suggestion, of) = (nearest(text, known()), "a body");
+            let known = known().collect();
+            let error = Error::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
+            return self.fail(environment, error);
+        };
+        self.sound_part(part)?;
+        let direction = axis.map(Axis::direction);
+        if !self.has_freedom(part, at.as_deref(), direction.as_ref()) {
+            let name = self.part_name(part);
+            let error = Error::NoSuchFreedom { span: word, name, turns: direction.is_none() };
+            return self.fail(environment, error);
+        }
+        let motion = match direction {
+            Some(direction) => {
+                let at = at.or_else(|| self.own_position(part)).map(|at| (*at).clone());
+                Motion::Point { part, at, direction, derivative }
+            }
+            None => Motion::Turn { part, derivative },
+        };
+        Ok((motion, dimension))
+    }
+
+    fn sound_part(&self, part: Part) -> Evaluated<()> {
+        let broken = match part {
+            Part::Base(id) => self.broken_bases.contains(&id),
+            part => self.is_broken(part),
+        };
+        if broken || self.broken_joints { Err(Stop::Reported) } else { Ok(()) }
+    }
+
+    /// Whether a part can move so at all: along a direction, or turn where there is none.
+    fn has_freedom(&self, part: Part, at: Option<&Vec3>, direction: Option<&Vec3>) -> bool {
+        let turns = self.can_turn(part);
+        let Some(direction) = direction else { return turns };
+        let own = self.own_position(part);
+        let has_lever = match (at, &own) {
+            (Some(at), Some(own)) => super::ends::are_apart(at, own),
+            (at, _) => at.is_some(),
+        };
+        if turns && has_lever {
+            return true;
+        }
+        let translations = match part {
+            Part::Ground => return false,
+            Part::Base(id) => &self.scene.bases[id.index()].translations,
+            Part::Body(id) => match &self.scene.bodies[id.index()].freedom {
+                Freedom::OnGround { translations, .. } => translations,
+                Freedom::FromJoints => return self.line_reaches(part, direction),
+            },
+        };
+        translations.iter().any(|translation| !translation.direction.dot(direction).is_zero())
+    }
+
+    /// Whether the motion that joints leave a part may have a component along a direction.
+    fn line_reaches(&self, part: Part, direction: &Vec3) -> bool {
+        match self.line(part) {
+            Line::Fixed => false,
+            Line::Along(line) => !line.dot(direction).is_zero(),
+            Line::Other => true,
+        }
+    }
+
+    fn element_motion(
+        &mut self,
+        index: u32,
+        has_point: bool,
+        text: &str,
+        word: Span,
+        environment: Environment,
+    ) -> Evaluated<(Motion, Dimension)> {
+        if !ELEMENT_MOTIONS.contains(&text) || has_point {
+            let (suggestion, of) = (nearest(text, ELEMENT_MOTIONS), "a spring or damper");
+            let known = ELEMENT_MOTIONS.to_vec();
+            let error = Error::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
+            return self.fail(environment, error);
+        }
+        if self.broken_elements {
+            return Err(Stop::Reported);
+        }
+        let element = ElementId(index);
+        let torsional = self.scene.elements[element.index()].geometry == Geometry::Torsion;
+        Ok(match (text, torsional) {
+            ("force", false) => (Motion::Force { element }, Dimension::FORCE),
+            ("force", true) => (Motion::Force { element }, Dimension::TORQUE),
+            (_, false) => (Motion::Stretch { element }, Dimension::LENGTH),
+            (_, true) => (Motion::Stretch { element }, Dimension::NONE),
+        })
+    }
+}
+
+fn scaled_terms(terms: Vec<MotionTerm>, by: &Number) -> Vec<MotionTerm> {
+    let scaled = |term: MotionTerm| MotionTerm { coefficient: &term.coefficient * by, ..term };
+    terms.into_iter().map(scaled).collect()
+}
+
+fn negated(combination: Combination) -> Combination {
+    let terms = scaled_terms(combination.terms, &Number::from(-1));
+    Combination { terms, ..combination }
+}
+
+fn scaled(piece: Piece, by: &Number) -> Piece {
+    match piece {
+        Piece::Scalar(mut scalar) => {
+            scalar.quantity.si = &scalar.quantity.si * by;
+            Piece::Scalar(scalar)
+        }
+        Piece::Motions(Combination { terms, dimension, angle }) => {
+            Piece::Motions(Combination { terms: scaled_terms(terms, by), dimension, angle })
+        }
+    }
+}

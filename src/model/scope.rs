@@ -1,0 +1,259 @@
+//! Names: what is declared where, with a `repeat` unrolled. In: the tree; out: for each kind of declaration its instances
+//! in order, and the two name spaces (spec.md, 4.1): values (parameters, points, indices) and parts.
+//!
+//! A scene of a million bodies is a `repeat` of a few lines: an instance is a reference to its declaration and the
+//! environment that gives the indices their values, sixteen bytes.
+
+use super::evaluate::Evaluated;
+use super::value::Value;
+use crate::base::{Name, Span, Symbol};
+use crate::syntax::tree::{Decl, ExprId};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// The values of the indices around a declaration: index into [`Environments`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Environment(u32);
+
+/// One index of a `repeat` with its value, inside another environment.
+#[derive(Clone, Copy, Debug)]
+struct Binding {
+    outer: Environment,
+    symbol: Symbol,
+    value: i32,
+}
+
+/// Every repetition of the model.
+#[derive(Debug, Default)]
+pub struct Environments {
+    bindings: Vec<Binding>,
+}
+
+impl Environment {
+    /// Outside of every `repeat`.
+    pub const TOP: Environment = Environment(0);
+
+    pub fn is_top(self) -> bool {
+        self == Environment::TOP
+    }
+}
+
+impl Environments {
+    pub fn bind(&mut self, outer: Environment, symbol: Symbol, value: i32) -> Environment {
+        self.bindings.push(Binding { outer, symbol, value });
+        Environment(u32::try_from(self.bindings.len()).expect("the number of repetitions is limited far below"))
+    }
+
+    /// How many there are, for [`Environments::release`].
+    pub fn mark(&self) -> usize {
+        self.bindings.len()
+    }
+
+    /// Drops those made since the mark.
+    pub fn release(&mut self, mark: usize) {
+        self.bindings.truncate(mark);
+    }
+
+    /// The innermost index and its value.
+    fn innermost(&self, environment: Environment) -> Option<&Binding> {
+        self.bindings.get((environment.0 as usize).checked_sub(1)?)
+    }
+
+    /// The bindings from the innermost outwards.
+    fn chain(&self, environment: Environment) -> impl Iterator<Item = &Binding> {
+        std::iter::successors(self.innermost(environment), |binding| self.innermost(binding.outer))
+    }
+
+    pub fn value(&self, environment: Environment, symbol: Symbol) -> Option<i32> {
+        self.chain(environment).find(|binding| binding.symbol == symbol).map(|binding| binding.value)
+    }
+
+    /// Indices and values from the outermost inwards.
+    pub fn indices(&self, environment: Environment) -> Vec<(Symbol, i32)> {
+        let mut indices: Vec<_> = self.chain(environment).map(|binding| (binding.symbol, binding.value)).collect();
+        indices.reverse();
+        indices
+    }
+}
+
+/// A declaration in one repetition.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance<'a> {
+    pub decl: &'a Decl,
+    pub environment: Environment,
+}
+
+/// What a name of the first name space stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DefinitionKind {
+    Param,
+    Let,
+    Point,
+}
+
+/// Index into [`Scope::definitions`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DefinitionId(pub u32);
+
+/// A `param`, `let` or `point`.
+#[derive(Clone, Debug)]
+pub struct Definition {
+    pub kind: DefinitionKind,
+    pub name: Name,
+    /// Of the word that it declares.
+    pub span: Span,
+    pub expr: ExprId,
+    pub environment: Environment,
+    pub state: State,
+    pub used: bool,
+}
+
+#[derive(Clone, Debug)]
+pub enum State {
+    Unsettled,
+    InProgress,
+    Settled(Evaluated<Value>),
+}
+
+/// What a name of the second name space stands for: index into the instances of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Body(u32),
+    Base(u32),
+    Joint(u32),
+    Couple(u32),
+    Element(u32),
+    /// A force or torque: its place among [`Instances::inputs`].
+    Input(u32),
+    Output(u32),
+}
+
+impl Part {
+    /// What it is, with its article.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Part::Body(_) => "a body",
+            Part::Base(_) => "a base",
+            Part::Joint(_) => "a joint",
+            Part::Couple(_) => "a coupling",
+            Part::Element(_) => "a spring or damper",
+            Part::Input(_) => "a force or torque",
+            Part::Output(_) => "an output",
+        }
+    }
+}
+
+/// The indices that a word was declared with.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// A declaration of it.
+    pub span: Span,
+    /// Least and greatest value of each index.
+    pub ranges: Vec<(i32, i32)>,
+}
+
+/// A name space.
+#[derive(Debug)]
+pub struct Space<T> {
+    by_name: HashMap<Name, T, BuildHasherDefault<NameHasher>>,
+    families: HashMap<Symbol, Family, BuildHasherDefault<NameHasher>>,
+    /// Words in order of declaration, for suggestions.
+    words: Vec<Symbol>,
+}
+
+impl<T> Default for Space<T> {
+    fn default() -> Space<T> {
+        Space { by_name: HashMap::default(), families: HashMap::default(), words: Vec::new() }
+    }
+}
+
+impl<T: Copy> Space<T> {
+    pub fn get(&self, name: Name) -> Option<T> {
+        self.by_name.get(&name).copied()
+    }
+
+    /// Declares a name; gives back what has it already.
+    pub fn declare(&mut self, name: Name, span: Span, what: T) -> Result<(), T> {
+        use std::collections::hash_map::Entry;
+        match self.by_name.entry(name) {
+            Entry::Occupied(first) => return Err(*first.get()),
+            Entry::Vacant(place) => place.insert(what),
+        };
+        self.widen_family(name, span);
+        Ok(())
+    }
+
+    fn widen_family(&mut self, name: Name, span: Span) {
+        let words = &mut self.words;
+        let family = self.families.entry(name.symbol).or_insert_with(|| {
+            words.push(name.symbol);
+            Family { span, ranges: name.indices().iter().map(|&index| (index, index)).collect() }
+        });
+        for ((low, high), &index) in family.ranges.iter_mut().zip(name.indices()) {
+            *low = index.min(*low);
+            *high = index.max(*high);
+        }
+    }
+
+    /// What is known of a word, with whatever indices it was declared.
+    pub fn family(&self, symbol: Symbol) -> Option<&Family> {
+        self.families.get(&symbol)
+    }
+
+    pub fn words(&self) -> &[Symbol] {
+        &self.words
+    }
+
+    pub fn reserve(&mut self, additional: usize) {
+        self.by_name.reserve(additional);
+    }
+}
+
+/// Multiply and rotate, as rustc's own tables do: names are a few small integers, and the tables are never walked.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NameHasher(u64);
+
+/// 2^64 divided by the golden ratio, odd.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+impl NameHasher {
+    #[inline]
+    fn mix(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(GOLDEN);
+    }
+}
+
+impl Hasher for NameHasher {
+    #[inline]
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.mix(u64::from_le_bytes(word));
+        }
+    }
+
+    #[inline]
+    fn write_u8(&mut self, n: u8) {
+        self.mix(u64::from(n));
+    }
+
+    #[inline]
+    fn write_u32(&mut self, n: u32) {
+        self.mix(u64::from(n));
+    }
+
+    #[inline]
+    fn write_usize(&mut self, n: usize) {
+        self.mix(n as u64);
+    }
+
+    /// The multiplication leaves its best bits on top, the table looks at the lowest too.
+    #[inline]
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+}
+
+/// A table that is looked up by small integers.
+pub type Table<K, V> = HashMap<K, V, BuildHasherDefault<NameHasher>>;

@@ -1,0 +1,34 @@
+//! The nearest known word to one that is not known.
+
+/// The candidate nearest to `word`, if one is near enough to have been meant; the first of equals.
+pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
+    let length = word.chars().count();
+    // A third of the letters may differ: one in `mas`, two in `freelenght`.
+    let allowed = (length / 3).max(1);
+    let near = candidates
+        .into_iter()
+        .map(|candidate| (distance(word, candidate), candidate))
+        // Two words of one letter have nothing in common but their length.
+        .filter(|&(distance, candidate)| distance <= allowed && distance < candidate.chars().count().max(length));
+    near.min_by_key(|&(distance, _)| distance).map(|(_, candidate)| candidate)
+}
+
+/// Letters to change, insert, drop or swap; capitals count for nothing, so `M1` is nearest to `m1`.
+fn distance(a: &str, b: &str) -> usize {
+    strsim::damerau_levenshtein(&a.to_lowercase(), &b.to_lowercase())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_of_the_hand_is_found_and_another_word_is_not() {
+        let fields = ["mass", "inertia", "shape", "moves", "free_length"];
+        assert_eq!(nearest("mas", fields), Some("mass"));
+        assert_eq!(nearest("Mass", fields), Some("mass"));
+        assert_eq!(nearest("freelenght", fields), Some("free_length"));
+        assert_eq!(nearest("colour", fields), None);
+        assert_eq!(nearest("k", ["c", "b"]), None);
+    }
+}

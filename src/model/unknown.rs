@@ -1,0 +1,149 @@
+//! What to say about a word that is not known: the nearest one that is, or what it is instead. In: the word; out: an
+//! [`Error`] with the facts. Clause: spec.md, "Names, parameters, `repeat`".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::scope::{Environment, Family, Space};
+use super::suggestion::nearest;
+use super::value::FUNCTIONS;
+use crate::base::unit::{self, UnitError};
+use crate::base::{Name, Span};
+
+/// Suggestions are looked for this many times: beyond, a file is not mistyped but something else.
+const MAX_SEARCHES: u32 = 100;
+
+/// Functions that stand in one place only, and that place.
+const FUNCTIONS_ELSEWHERE: [(&str, &str); 21] = [
+    ("rod", "a shape: write `shape = rod(A, B)` in a body"),
+    ("disk", "a shape: write `shape = disk(0.3 m)` in a body"),
+    ("ring", "a shape: write `shape = ring(0.3 m)` in a body"),
+    ("box", "a shape: write `shape = box(0.3 m, 0.2 m)` in a body"),
+    ("constant", "a signal: it follows a force, a torque or a base"),
+    ("step", "a signal: it follows a force, a torque or a base"),
+    ("impulse", "a signal: it follows a force, a torque or a base"),
+    ("ramp", "a signal: it follows a force, a torque or a base"),
+    ("pulse", "a signal: it follows a force, a torque or a base"),
+    ("harmonic", "a signal: it follows a force, a torque or a base"),
+    ("chirp", "a signal: it follows a force, a torque or a base"),
+    ("table", "a signal: it follows a force, a torque or a base"),
+    ("frequency", "a measure: it stands in `solve` and `require`"),
+    ("damping", "a measure: it stands in `solve` and `require`"),
+    ("gain", "a measure: it stands in `solve` and `require`"),
+    ("phase", "a measure: it stands in `solve` and `require`"),
+    ("amplitude", "a measure: it stands in `solve` and `require`"),
+    ("static", "a measure: it stands in `solve` and `require`"),
+    ("peak", "a measure: it stands in `solve` and `require`"),
+    ("rms", "a measure: it stands in `solve` and `require`"),
+    ("rayleigh", "a kind of damping: write `damping rayleigh(0.1 /s, 1e-4 s)`"),
+];
+
+impl<'a> Check<'a> {
+    /// As [`Check::fail`], but silent about words of declarations that could not be read.
+    pub fn fail_unless_broken<T>(&mut self, environment: Environment, word: Span, error: Error) -> Evaluated<T> {
+        if self.broken_words.contains(self.sources.slice(word)) {
+            return Err(Stop::Reported);
+        }
+        self.fail(environment, error)
+    }
+
+    /// A word, with the values of its indices, that is no parameter, point or index.
+    pub fn unknown_value(&mut self, word: Span, name: Option<Name>) -> Error {
+        let text = self.sources.slice(word);
+        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, word)) {
+            return error;
+        }
+        let help = self.instead_of_value(text);
+        let suggestion = if help.is_none() { self.nearest_value(text) } else { None };
+        Error::UnknownValue { span: word, word: text.to_string(), suggestion, help }
+    }
+
+    /// What a word is that was used as a parameter.
+    fn instead_of_value(&self, text: &str) -> Option<String> {
+        let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol)));
+        if let Some(part) = part {
+            return Some(format!("`{text}` is {}, not a number", part.noun()));
+        }
+        if let Some((_, place)) = FUNCTIONS_ELSEWHERE.iter().find(|(name, _)| *name == text) {
+            return Some(format!("`{text}` is {place}"));
+        }
+        unit::is_known(text)
+            .then(|| format!("`{text}` is a unit: it follows a number, as in `1 {text}` or `1 /{text}`"))
+    }
+
+    fn nearest_value(&mut self, text: &str) -> Option<String> {
+        self.may_search().then(|| {
+            let declared = self.values.words().iter().map(|&symbol| self.words.text(symbol));
+            nearest(text, declared.chain(["pi"])).map(str::to_string)
+        })?
+    }
+
+    /// A part that is not there; what kinds of part the place takes, in words.
+    pub fn unknown_part(&mut self, word: Span, name: Option<Name>, wanted: &'static str) -> Error {
+        let text = self.sources.slice(word);
+        if let Some(error) = name.and_then(|name| self.wrong_index(&self.parts, name, word)) {
+            return error;
+        }
+        let value = self.words.get(text).and_then(|symbol| self.values.family(symbol));
+        let help = value.map(|_| format!("`{text}` is a parameter or a point"));
+        let suggestion = if help.is_none() { self.nearest_part(text) } else { None };
+        Error::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }
+    }
+
+    fn nearest_part(&mut self, text: &str) -> Option<String> {
+        self.may_search().then(|| {
+            let declared = self.parts.words().iter().map(|&symbol| self.words.text(symbol));
+            nearest(text, declared.chain(["ground"])).map(str::to_string)
+        })?
+    }
+
+    /// The word is declared, but not with these indices.
+    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, word: Span) -> Option<Error> {
+        let Family { span, ranges } = space.family(name.symbol)?;
+        Some(Error::IndexOutOfRange {
+            span: word,
+            name: self.words.display(name),
+            word: self.words.text(name.symbol).to_string(),
+            given: name.indices().len(),
+            ranges: ranges.clone(),
+            declared: *span,
+        })
+    }
+
+    /// A function that there is not, or not here.
+    pub fn unknown_function(&mut self, word: Span) -> Error {
+        let text = self.sources.slice(word);
+        let help =
+            FUNCTIONS_ELSEWHERE.iter().find(|(name, _)| *name == text).map(|(_, place)| format!("`{text}` is {place}"));
+        let suggestion = if help.is_some() { None } else { nearest(text, FUNCTIONS.iter().map(|f| f.name)) };
+        Error::UnknownFunction { span: word, word: text.to_string(), suggestion: suggestion.map(str::to_string), help }
+    }
+
+    fn may_search(&mut self) -> bool {
+        self.searches += 1;
+        self.searches <= MAX_SEARCHES
+    }
+
+    /// A unit that cannot be read, at its place in the file.
+    pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError) -> Error {
+        let at = |range: std::ops::Range<usize>| {
+            Span::new(span.file(), span.start() + range.start, span.start() + range.end)
+        };
+        match error {
+            UnitError::Unknown { word } => {
+                let symbol = text[word.clone()].to_string();
+                let is_value = self.words.get(&symbol).is_some_and(|symbol| self.values.family(symbol).is_some());
+                let suggestion = unit::suggestion(&symbol);
+                Error::UnitUnknown { span: at(word), symbol, suggestion, is_value }
+            }
+            UnitError::Ambiguous { tail } => {
+                let (head, tail) = text.split_at(tail.start);
+                let tail = tail.chars().skip(1).collect();
+                Error::UnitAmbiguous { span, head: head.to_string(), tail }
+            }
+            UnitError::Malformed { at: range } => Error::UnitMalformed { span: at(range) },
+            UnitError::Power { at: range } => Error::UnitMalformed { span: at(range) },
+            UnitError::DecibelInProduct { word } => Error::DecibelInProduct { span: at(word) },
+        }
+    }
+}
