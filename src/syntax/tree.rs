@@ -6,6 +6,7 @@
 //! and its words are read from the source.
 
 use crate::base::{FileId, Span};
+use std::num::NonZeroU32;
 
 /// One parsed file.
 #[derive(Clone, Debug)]
@@ -13,26 +14,26 @@ pub struct Tree {
     pub file: FileId,
     /// Top-level declarations in order; the bodies of `repeat` are in [`Repeat::body`].
     pub decls: Vec<Decl>,
-    pub exprs: Vec<Expr>,
-    /// Storage of every [`ExprList`].
-    pub expr_lists: Vec<ExprId>,
+    /// Expressions, operands before what is made of them.
+    exprs: Vec<Expr>,
+    /// Storage of every [`ExprList`]: the number of its items, then the items' indices into `exprs`.
+    lists: Vec<ExprId>,
     pub fields: Vec<Field>,
     pub ends: Vec<End>,
     pub repeats: Vec<Repeat>,
     /// Declarations that are too large or too rare to sit in [`DeclKind`].
     pub rare: Vec<Rare>,
+    /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
+    docs: Vec<(u32, Span)>,
 }
 
-/// Index into [`Tree::exprs`].
+/// An expression of the tree, see [`Tree::expr`]. An index plus one: so that `Option<ExprId>` is no larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ExprId(pub u32);
+pub struct ExprId(NonZeroU32);
 
-/// A range of [`Tree::expr_lists`].
+/// Several expressions, see [`Tree::list`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ExprList {
-    pub start: u32,
-    pub len: u32,
-}
+pub struct ExprList(Option<ExprId>);
 
 /// A range of [`Tree::fields`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +58,8 @@ pub struct Ident {
 pub struct Decl {
     /// From the keyword to the last character.
     pub span: Span,
-    /// The `///` lines before it, as one span; `None` without.
-    pub doc: Option<DocSpan>,
     pub kind: DeclKind,
 }
-
-/// Bytes between a declaration's start and the start of its doc comment: the comment ends where the declaration starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DocSpan(pub std::num::NonZeroU32);
 
 #[derive(Clone, Copy, Debug)]
 pub enum DeclKind {
@@ -237,13 +232,38 @@ pub enum Binary {
     Equal,
 }
 
+/// How long the arenas were: what was appended since can be taken back.
+pub(super) struct Mark {
+    exprs: usize,
+    lists: usize,
+    fields: usize,
+    ends: usize,
+    rare: usize,
+}
+
 impl Tree {
+    pub fn new(file: FileId) -> Tree {
+        Tree {
+            file,
+            decls: Vec::new(),
+            exprs: Vec::new(),
+            lists: Vec::new(),
+            fields: Vec::new(),
+            ends: Vec::new(),
+            repeats: Vec::new(),
+            rare: Vec::new(),
+            docs: Vec::new(),
+        }
+    }
+
     pub fn expr(&self, id: ExprId) -> &Expr {
-        &self.exprs[id.0 as usize]
+        &self.exprs[id.index()]
     }
 
     pub fn list(&self, list: ExprList) -> &[ExprId] {
-        &self.expr_lists[list.start as usize..(list.start + list.len) as usize]
+        let Some(head) = list.0 else { return &[] };
+        let start = head.index() + 1;
+        &self.lists[start..start + self.lists[head.index()].0.get() as usize]
     }
 
     pub fn fields(&self, fields: Fields) -> &[Field] {
@@ -258,12 +278,84 @@ impl Tree {
     pub fn pair(&self, first: EndId) -> (&End, &End) {
         (self.end(first), self.end(EndId(first.0 + 1)))
     }
+
+    pub fn repeat(&self, index: u32) -> &Repeat {
+        &self.repeats[index as usize]
+    }
+
+    pub fn rare(&self, index: u32) -> &Rare {
+        &self.rare[index as usize]
+    }
+
+    /// The `///` lines before a declaration, slashes included, from the first to the end of the last.
+    pub fn doc(&self, decl: &Decl) -> Option<Span> {
+        let at = self.docs.binary_search_by_key(&(decl.span.start() as u32), |(start, _)| *start).ok()?;
+        Some(self.docs[at].1)
+    }
+
+    pub(super) fn push_expr(&mut self, expr: Expr) -> ExprId {
+        self.exprs.push(expr);
+        ExprId::at(self.exprs.len() - 1)
+    }
+
+    pub(super) fn push_list(&mut self, items: &[ExprId]) -> ExprList {
+        let Some(count) = NonZeroU32::new(items.len() as u32) else { return ExprList::EMPTY };
+        self.lists.push(ExprId(count));
+        self.lists.extend_from_slice(items);
+        ExprList(Some(ExprId::at(self.lists.len() - 1 - items.len())))
+    }
+
+    pub(super) fn mark(&self) -> Mark {
+        Mark {
+            exprs: self.exprs.len(),
+            lists: self.lists.len(),
+            fields: self.fields.len(),
+            ends: self.ends.len(),
+            rare: self.rare.len(),
+        }
+    }
+
+    pub(super) fn truncate(&mut self, mark: Mark) {
+        self.exprs.truncate(mark.exprs);
+        self.lists.truncate(mark.lists);
+        self.fields.truncate(mark.fields);
+        self.ends.truncate(mark.ends);
+        self.rare.truncate(mark.rare);
+    }
+
+    pub(super) fn push_doc(&mut self, decl_start: usize, doc: Span) {
+        self.docs.push((decl_start as u32, doc));
+    }
+}
+
+impl ExprId {
+    fn at(index: usize) -> ExprId {
+        let number = u32::try_from(index + 1).ok().and_then(NonZeroU32::new);
+        ExprId(number.expect("the limit of a file's size keeps its expressions below 2^32"))
+    }
+
+    pub fn index(self) -> usize {
+        self.0.get() as usize - 1
+    }
 }
 
 impl ExprList {
-    pub const EMPTY: ExprList = ExprList { start: 0, len: 0 };
+    pub const EMPTY: ExprList = ExprList(None);
 
     pub fn is_empty(self) -> bool {
-        self.len == 0
+        self.0.is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_stay_small() {
+        assert_eq!(std::mem::size_of::<Decl>(), 36);
+        assert_eq!(std::mem::size_of::<Expr>(), 20);
+        assert_eq!(std::mem::size_of::<Field>(), 20);
+        assert_eq!(std::mem::size_of::<End>(), 24);
     }
 }

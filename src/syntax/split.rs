@@ -1,0 +1,362 @@
+//! A file's text to declarations: where each starts and ends, and which brackets and quotes do not match.
+//!
+//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; nothing is kept but the open brackets of the
+//! declaration at hand. A declaration ends at the first line end outside all brackets; the body of a `repeat` is a list
+//! of declarations of its own. Where a bracket stays open, the next line that starts like a declaration starts one:
+//! no field and no expression has a line of the form `body b`. Clause: spec.md 1.2.
+
+use super::limits;
+use super::words;
+use std::ops::Range;
+
+/// What the text is made of.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// A declaration without blanks and comments around it.
+    Declaration { range: Range<usize>, trouble: Option<Trouble> },
+    /// The head of a `repeat`, its `{` included.
+    Open { range: Range<usize>, trouble: Option<Trouble> },
+    /// The `}` of a `repeat`.
+    Close { at: usize },
+    /// A character that may not stand anywhere, in a comment or between declarations.
+    Character { range: Range<usize> },
+    /// A `)`, `]` or `}` between declarations.
+    Stray { at: usize },
+}
+
+/// What is wrong with a declaration before its words are read; the first such thing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Trouble {
+    /// An opening bracket without its closing one.
+    Unclosed { open: usize },
+    /// A bracket that is closed by one of another kind.
+    Mismatch { open: usize, close: usize },
+    /// A closing bracket without its opening one.
+    Stray { at: usize },
+    /// A string without its closing quote.
+    Text { open: usize },
+    /// A character that may not stand anywhere.
+    Character { range: Range<usize> },
+    /// More brackets inside each other than [`limits::BRACKETS`].
+    Nesting { at: usize },
+    /// Longer than [`limits::DECLARATION`].
+    Length,
+    /// Starts on the line on which a `repeat` ends.
+    SameLine,
+}
+
+/// The declarations of a text.
+pub(super) struct Pieces<'a> {
+    bytes: &'a [u8],
+    text: &'a str,
+    at: usize,
+    /// Open `repeat`s.
+    repeats: usize,
+    /// Nothing but blanks since the line began or a `repeat` was opened.
+    fresh: bool,
+    /// The `///` lines since the last declaration.
+    doc: Option<Range<usize>>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Plain,
+    Blank,
+    LineEnd,
+    Slash,
+    Quote,
+    Open,
+    Close,
+    /// Part of a character outside ASCII.
+    High,
+    Control,
+}
+
+const CLASSES: [Class; 256] = classes();
+
+const fn classes() -> [Class; 256] {
+    let mut table = [Class::Plain; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        table[byte] = match byte as u8 {
+            b' ' | b'\t' => Class::Blank,
+            b'\n' => Class::LineEnd,
+            b'/' => Class::Slash,
+            b'"' => Class::Quote,
+            b'(' | b'[' | b'{' => Class::Open,
+            b')' | b']' | b'}' => Class::Close,
+            0x80.. => Class::High,
+            0..0x20 | 0x7f => Class::Control,
+            _ => Class::Plain,
+        };
+        byte += 1;
+    }
+    table
+}
+
+fn class(byte: u8) -> Class {
+    CLASSES[byte as usize]
+}
+
+/// The brackets that are open in a declaration.
+#[derive(Default)]
+struct Brackets {
+    open: Vec<usize>,
+    /// Brackets beyond the limit are counted only.
+    beyond: usize,
+}
+
+impl Brackets {
+    fn is_empty(&self) -> bool {
+        self.open.is_empty()
+    }
+}
+
+fn closes(open: u8, close: u8) -> bool {
+    matches!((open, close), (b'(', b')') | (b'[', b']') | (b'{', b'}'))
+}
+
+impl<'a> Pieces<'a> {
+    pub fn new(text: &'a str) -> Pieces<'a> {
+        let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        Pieces { bytes: text.as_bytes(), text, at, repeats: 0, fresh: true, doc: None }
+    }
+
+    /// The `///` lines before the declaration that came last.
+    pub fn take_doc(&mut self) -> Option<Range<usize>> {
+        self.doc.take()
+    }
+
+    fn byte(&self, at: usize) -> u8 {
+        self.bytes.get(at).copied().unwrap_or(b'\n')
+    }
+
+    /// A character at `at` that may not stand in a model file: control characters, which terminals obey, and those that
+    /// reverse the order of what is shown, so that a reviewer sees another text than the compiler (CVE-2021-42574).
+    fn forbidden(&self, at: usize) -> Option<Range<usize>> {
+        let len = match (class(self.byte(at)), self.byte(at)) {
+            (Class::Control, b'\r') if self.byte(at + 1) == b'\n' => return None,
+            (Class::Control, _) => 1,
+            (_, 0xc2) if self.byte(at + 1) < 0xa0 => 2,
+            (_, 0xe2)
+                if matches!((self.byte(at + 1), self.byte(at + 2)), (0x80, 0xaa..=0xae) | (0x81, 0xa6..=0xa9)) =>
+            {
+                3
+            }
+            _ => return None,
+        };
+        Some(at..at + len)
+    }
+
+    /// Steps over a comment up to its line end; stops before a forbidden character.
+    fn skip_comment(&mut self) -> Option<Range<usize>> {
+        while self.at < self.bytes.len() {
+            match class(self.byte(self.at)) {
+                Class::LineEnd => return None,
+                Class::Control | Class::High => {
+                    if let Some(range) = self.forbidden(self.at) {
+                        return Some(range);
+                    }
+                }
+                _ => {}
+            }
+            self.at += 1;
+        }
+        None
+    }
+
+    /// Steps over blanks, line ends and comments between declarations.
+    fn skip_between(&mut self) -> Option<Piece> {
+        while self.at < self.bytes.len() {
+            match class(self.byte(self.at)) {
+                Class::Blank => self.at += 1,
+                Class::LineEnd => {
+                    self.fresh = true;
+                    self.at += 1;
+                }
+                Class::Slash if self.byte(self.at + 1) == b'/' => {
+                    if let Some(range) = self.comment_between() {
+                        self.at = range.end;
+                        return Some(Piece::Character { range });
+                    }
+                }
+                Class::Control if self.byte(self.at) == b'\r' && self.byte(self.at + 1) == b'\n' => self.at += 1,
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    /// A comment on a line of its own or after a declaration; one of the first kind with three slashes is documentation.
+    fn comment_between(&mut self) -> Option<Range<usize>> {
+        let start = self.at;
+        let forbidden = self.skip_comment();
+        let comment = &self.text[start..self.at];
+        if self.fresh && comment.starts_with("///") && !comment.starts_with("////") {
+            let first = self.doc.as_ref().map_or(start, |doc| doc.start);
+            self.doc = Some(first..start + comment.trim_end().len());
+        }
+        forbidden
+    }
+
+    fn next_piece(&mut self) -> Option<Piece> {
+        if let Some(piece) = self.skip_between() {
+            return Some(piece);
+        }
+        if self.at >= self.bytes.len() {
+            return None;
+        }
+        let at = self.at;
+        if class(self.byte(at)) == Class::Close {
+            self.at += 1;
+            if self.byte(at) == b'}' && self.repeats > 0 {
+                self.repeats -= 1;
+                self.fresh = false;
+                return Some(Piece::Close { at });
+            }
+            return Some(Piece::Stray { at });
+        }
+        Some(self.declaration())
+    }
+
+    fn declaration(&mut self) -> Piece {
+        let start = self.at;
+        let mut end = start;
+        let mut brackets = Brackets::default();
+        let mut trouble = (!self.fresh).then_some(Trouble::SameLine);
+        self.fresh = false;
+        while self.at < self.bytes.len() {
+            let at = self.at;
+            match class(self.byte(at)) {
+                Class::Plain => {
+                    self.skip_plain();
+                    end = self.at;
+                    continue;
+                }
+                Class::Blank => {}
+                Class::LineEnd if brackets.is_empty() => break,
+                Class::LineEnd => {
+                    if words::starts_declaration(&self.bytes[at + 1..]) {
+                        break;
+                    }
+                }
+                Class::Slash if self.byte(at + 1) == b'/' => {
+                    if let Some(range) = self.skip_comment() {
+                        trouble.get_or_insert(Trouble::Character { range: range.clone() });
+                        self.at = range.end;
+                    }
+                    continue;
+                }
+                Class::Slash => end = at + 1,
+                Class::Quote => {
+                    if !self.skip_text() {
+                        trouble.get_or_insert(Trouble::Text { open: at });
+                    }
+                    end = self.at;
+                    continue;
+                }
+                Class::Open => {
+                    end = at + 1;
+                    if brackets.is_empty() && self.byte(at) == b'{' && words::opens_repeat(&self.text[start..at]) {
+                        self.at = end;
+                        self.repeats += 1;
+                        self.fresh = true;
+                        return Piece::Open { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) };
+                    }
+                    if brackets.open.len() < limits::BRACKETS {
+                        brackets.open.push(at);
+                    } else {
+                        brackets.beyond += 1;
+                        trouble.get_or_insert(Trouble::Nesting { at });
+                    }
+                }
+                Class::Close => {
+                    if self.byte(at) == b'}' && self.repeats > 0 && !self.closes_own(&brackets) {
+                        break;
+                    }
+                    end = at + 1;
+                    if let Some(found) = self.close(&mut brackets) {
+                        trouble.get_or_insert(found);
+                    }
+                }
+                Class::Control | Class::High => {
+                    if let Some(range) = self.forbidden(at) {
+                        self.at = range.end;
+                        end = self.at;
+                        trouble.get_or_insert(Trouble::Character { range });
+                        continue;
+                    }
+                    if self.byte(at) != b'\r' {
+                        end = at + 1;
+                    }
+                }
+            }
+            self.at += 1;
+        }
+        if let Some(&open) = brackets.open.last() {
+            trouble.get_or_insert(Trouble::Unclosed { open });
+        }
+        Piece::Declaration { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) }
+    }
+
+    fn skip_plain(&mut self) {
+        while self.at < self.bytes.len() && class(self.bytes[self.at]) == Class::Plain {
+            self.at += 1;
+        }
+    }
+
+    /// Steps over a string; `false` where its line ends first.
+    fn skip_text(&mut self) -> bool {
+        self.at += 1;
+        while self.at < self.bytes.len() {
+            match self.byte(self.at) {
+                b'"' => {
+                    self.at += 1;
+                    return true;
+                }
+                b'\n' => return false,
+                _ => self.at += 1,
+            }
+        }
+        false
+    }
+
+    /// A `}` belongs to this declaration rather than to the `repeat` around it.
+    fn closes_own(&self, brackets: &Brackets) -> bool {
+        brackets.beyond > 0 || brackets.open.iter().any(|&open| self.byte(open) == b'{')
+    }
+
+    /// Takes the closing bracket at hand off the open ones.
+    fn close(&self, brackets: &mut Brackets) -> Option<Trouble> {
+        let close = self.at;
+        if brackets.beyond > 0 {
+            brackets.beyond -= 1;
+            return None;
+        }
+        let Some(&top) = brackets.open.last() else { return Some(Trouble::Stray { at: close }) };
+        if closes(self.byte(top), self.byte(close)) {
+            brackets.open.pop();
+            return None;
+        }
+        match brackets.open.iter().rposition(|&open| closes(self.byte(open), self.byte(close))) {
+            // Those inside were not closed.
+            Some(matching) => brackets.open.truncate(matching),
+            None => {
+                brackets.open.pop();
+            }
+        }
+        Some(Trouble::Mismatch { open: top, close })
+    }
+}
+
+impl Iterator for Pieces<'_> {
+    type Item = Piece;
+
+    fn next(&mut self) -> Option<Piece> {
+        self.next_piece()
+    }
+}
+
+fn too_long(range: Range<usize>) -> Option<Trouble> {
+    (range.len() > limits::DECLARATION).then_some(Trouble::Length)
+}
