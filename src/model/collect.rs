@@ -39,6 +39,10 @@ pub struct Instances<'a> {
 impl<'a> Check<'a> {
     pub fn collect(&mut self) {
         let tree = self.tree;
+        for span in &tree.broken {
+            let words = self.sources.slice(*span).split(|c: char| !c.is_alphanumeric() && c != '_');
+            self.broken_words.extend(words);
+        }
         for decl in &tree.decls {
             self.declare_value(Instance { decl, environment: Environment::TOP });
         }

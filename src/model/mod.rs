@@ -25,6 +25,8 @@ mod scope;
 mod settings;
 mod signals;
 mod suggestion;
+#[cfg(test)]
+mod tests;
 mod unknown;
 mod value;
 

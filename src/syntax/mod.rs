@@ -88,6 +88,14 @@ impl Parse<'_> {
     }
 
     fn build(&mut self, range: &Range<usize>, trouble: Option<Trouble>) -> Option<Built> {
+        let built = self.try_build(range, trouble);
+        if built.is_none() {
+            self.tree.broken.push(self.span(range.clone()));
+        }
+        built
+    }
+
+    fn try_build(&mut self, range: &Range<usize>, trouble: Option<Trouble>) -> Option<Built> {
         if let Some(trouble) = trouble {
             self.trouble(range, trouble);
             return None;
@@ -125,7 +133,10 @@ impl Parse<'_> {
 
     fn close(&mut self, end: usize) {
         let Some(OpenRepeat { range, head, body }) = self.open.pop() else { return };
-        let Some(head) = head else { return };
+        let Some(head) = head else {
+            self.tree.broken.push(self.span(range.start..end));
+            return;
+        };
         self.tree.repeats.push(Repeat { index: head.index, first: head.first, last: head.last, body });
         let kind = DeclKind::Repeat { index: (self.tree.repeats.len() - 1) as u32 };
         self.push(Decl { span: self.span(range.start..end), kind }, None);

@@ -25,6 +25,8 @@ pub struct Tree {
     pub rare: Vec<Rare>,
     /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
     docs: Vec<(u32, Span)>,
+    /// Texts that are no declaration: the check says nothing of names that occur in them.
+    pub broken: Vec<Span>,
 }
 
 /// An expression of the tree, see [`Tree::expr`]. An index plus one: so that `Option<ExprId>` is no larger.
@@ -253,6 +255,7 @@ impl Tree {
             repeats: Vec::new(),
             rare: Vec::new(),
             docs: Vec::new(),
+            broken: Vec::new(),
         }
     }
 
