@@ -18,3 +18,76 @@ pub mod lower;
 pub mod model;
 pub mod syntax;
 pub mod system;
+
+use base::{Code, Diagnostic, Diagnostics, FileId, Sources, Span};
+use model::{CheckedScene, Overrides};
+
+/// What a run found out about a model.
+#[derive(Clone, Debug)]
+pub struct Outcome<T> {
+    /// `None` where an error stopped a stage.
+    pub answer: Option<T>,
+    /// Of every stage, sorted by place.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Why there is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The model is wrong.
+    Model,
+    /// The model may be right, but a number that it asks for could not be found.
+    Limit,
+}
+
+/// The diagnostics alone.
+pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = checked_scene(sources, model, overrides, &mut diagnostics).map(|_| ());
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+fn checked_scene(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+) -> Option<CheckedScene> {
+    let files = [Some(model), overrides.settings, overrides.arguments];
+    diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let parsed = syntax::parse(sources, model);
+    let broken = parsed.errors.has_errors();
+    diagnostics.extend(parsed.errors);
+    // A broken declaration does not hide what is wrong with the others.
+    let checked = model::check(sources, &parsed.tree, overrides);
+    diagnostics.extend(checked.diagnostics);
+    checked.scene.filter(|_| !broken)
+}
+
+/// A byte that belongs to no character: the file is no text at all, most likely.
+const NOT_UTF8: Code = Code("vib::file::not_utf8");
+
+fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
+    let (offset, byte) = sources.file(file).first_bad_byte?;
+    // What stands for the byte is three bytes long.
+    let span = Span::new(file, offset, offset + 3);
+    let diagnostic = Diagnostic::error(NOT_UTF8, span, "this file is not UTF-8 text")
+        .label(format!("byte 0x{byte:02x} belongs to no character"))
+        .help("save the file as UTF-8 (plain ASCII is UTF-8 too); a `.vib` file of another program cannot be read");
+    Some(diagnostic)
+}
+
+/// What says that a number could not be found, rather than that the model is wrong.
+const LIMITS: [&str; 3] = ["vib::rest::not_found", "vib::limit::modes", "vib::limit::range"];
+
+impl<T> Outcome<T> {
+    /// `None` where nothing failed.
+    pub fn failure(&self) -> Option<Failure> {
+        let mut errors = self.diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).peekable();
+        errors.peek()?;
+        Some(if errors.all(|error| LIMITS.contains(&error.code.0)) { Failure::Limit } else { Failure::Model })
+    }
+}

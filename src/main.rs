@@ -1,3 +1,267 @@
-//! The program `vibc`.
+//! The program `vibc`: reads files, calls the library, writes what it returns. Nothing else touches the disk, the standard
+//! streams or the exit status. Clause: spec.md, "Report" 12.8.
 
-fn main() {}
+mod cli;
+
+use clap::Parser;
+use cli::{Analyze, Check, Cli, Colour, Command, MessageFormat, Messages, OverrideOptions};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use vibc::backend::{self, diagnostics};
+use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
+use vibc::model::Overrides;
+use vibc::syntax::limits;
+
+/// What the process ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Status {
+    Done = 0,
+    Errors = 1,
+    Usage = 2,
+    Io = 3,
+    Limit = 4,
+}
+
+fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(report_defect));
+    let cli = Cli::parse();
+    let status = match &cli.command {
+        Command::Analyze(options) => analyze(options, &cli.messages),
+        Command::Check(options) => check(options, &cli.messages),
+        Command::Explain(options) => explain(&options.code),
+        Command::Coming(command) => not_available(command.name()),
+    };
+    ExitCode::from(status as u8)
+}
+
+fn analyze(options: &Analyze, messages: &Messages) -> Status {
+    if let Some(output) = &options.output
+        && replaces_input(output, options)
+    {
+        complain(&format!("`-o {}` would replace a file that is read", output.display()));
+        return Status::Usage;
+    }
+    let input = match read_all(&options.file, &options.overrides) {
+        Ok(input) => input,
+        Err(unreadable) => return unreadable.report(messages),
+    };
+    let outcome = vibc::check(&input.sources, input.model, &input.overrides);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    if status == Status::Done { not_available("analyze") } else { status }
+}
+
+fn check(options: &Check, messages: &Messages) -> Status {
+    let checked = options.files.iter().map(|file| match read_all(file, &options.overrides) {
+        Ok(input) => {
+            let outcome = vibc::check(&input.sources, input.model, &input.overrides);
+            let status = failure(outcome.failure());
+            show(&input.sources, outcome.diagnostics, messages);
+            status
+        }
+        Err(unreadable) => unreadable.report(messages),
+    });
+    checked.max().unwrap_or(Status::Done)
+}
+
+fn explain(code: &str) -> Status {
+    match backend::explain::explain(code) {
+        Ok(text) => write_result(None, &text).map_or(Status::Io, |()| Status::Done),
+        Err(unknown) => {
+            let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));
+            complain(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(code)));
+            Status::Usage
+        }
+    }
+}
+
+fn not_available(command: &str) -> Status {
+    let version = env!("CARGO_PKG_VERSION");
+    complain(&format!("`vibc {command}` is not available yet in version {version}; there are `check` and `explain`"));
+    Status::Usage
+}
+
+fn failure(failure: Option<vibc::Failure>) -> Status {
+    match failure {
+        None => Status::Done,
+        Some(vibc::Failure::Model) => Status::Errors,
+        Some(vibc::Failure::Limit) => Status::Limit,
+    }
+}
+
+// ---- reading
+
+/// The texts of a run.
+struct Input {
+    sources: Sources,
+    model: FileId,
+    overrides: Overrides,
+}
+
+/// A file that could not be read.
+struct Unreadable {
+    path: PathBuf,
+    error: io::Error,
+}
+
+fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {
+    let mut sources = Sources::new();
+    let model = sources.add(read(model, SourceKind::Model)?);
+    let settings = match &overrides.settings_file {
+        Some(path) => Some(sources.add(read(path, SourceKind::Settings)?)),
+        None => None,
+    };
+    let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
+    Ok(Input { sources, model, overrides: Overrides { arguments, settings } })
+}
+
+/// A file, or standard input for `-`.
+fn read(path: &Path, kind: SourceKind) -> Result<SourceFile, Unreadable> {
+    let (name, content) = if path == Path::new("-") {
+        ("<stdin>".to_string(), read_limited(io::stdin().lock()))
+    } else {
+        (path.to_string_lossy().into_owned(), File::open(path).and_then(read_limited))
+    };
+    let bytes = content.map_err(|error| Unreadable { path: path.to_path_buf(), error })?;
+    Ok(SourceFile::decode(kind, name, bytes))
+}
+
+/// One byte more than a model may have is enough to refuse it.
+fn read_limited(from: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(limits::FILE as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The `--set` arguments as a file, one a line.
+fn arguments(settings: &[String]) -> SourceFile {
+    let text: String = settings.iter().map(|setting| format!("{setting}\n")).collect();
+    SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", text) }
+}
+
+impl Unreadable {
+    /// In the form of the diagnostics, with the code `io`.
+    fn report(&self, messages: &Messages) -> Status {
+        let (name, error) = (self.path.to_string_lossy(), &self.error);
+        let name = diagnostics::readable(&name);
+        let text = match messages.message_format {
+            MessageFormat::Human => format!("vibc: cannot read `{name}`: {error}\n"),
+            MessageFormat::Short => format!("{name}:1:1: error[io]: cannot read the file: {error}\n"),
+            MessageFormat::Json => diagnostics::unreadable_json(&self.path.to_string_lossy(), &error.to_string()),
+        };
+        write_to(&mut io::stderr().lock(), &text);
+        Status::Io
+    }
+}
+
+// ---- writing
+
+/// Diagnostics, on standard error.
+fn show(sources: &Sources, mut findings: Vec<Diagnostic>, messages: &Messages) {
+    findings.retain(|finding| !messages.quiet || finding.is_error());
+    if findings.is_empty() {
+        return;
+    }
+    let text = match messages.message_format {
+        MessageFormat::Human => diagnostics::human(sources, &findings, style(messages.color)),
+        MessageFormat::Json => diagnostics::json(sources, &findings),
+        MessageFormat::Short => diagnostics::short(sources, &findings),
+    };
+    write_to(&mut io::stderr().lock(), &text);
+}
+
+fn style(colour: Colour) -> diagnostics::HumanStyle {
+    let stream = io::stderr();
+    let colour = match colour {
+        Colour::Always => true,
+        Colour::Never => false,
+        // NO_COLOR, CLICOLOR, TERM and whether it is a terminal at all.
+        Colour::Auto => anstream::AutoStream::choice(&stream) != anstream::ColorChoice::Never,
+    };
+    diagnostics::HumanStyle { colour, ascii: stream.is_terminal() && !locale_is_unicode() }
+}
+
+/// A terminal whose locale names another encoding gets plain characters; files always get the same bytes.
+fn locale_is_unicode() -> bool {
+    let named =
+        ["LC_ALL", "LC_CTYPE", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|v| !v.is_empty()));
+    named.is_none_or(|name| name.to_ascii_lowercase().replace('-', "").contains("utf8"))
+}
+
+/// The result, to standard output or whole into a file.
+fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
+    match path {
+        Some(path) if path != Path::new("-") => replace_file(path, text),
+        _ => {
+            let mut stdout = io::stdout().lock();
+            match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+                // Whoever read the output has seen enough.
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+                result => result,
+            }
+        }
+    }
+}
+
+/// Nothing can be told about a failure to write to standard error.
+fn write_to(stream: &mut impl Write, text: &str) {
+    let _ = stream.write_all(text.as_bytes());
+}
+
+/// The new content under the old name, or the old content: written beside it, then renamed. What is no plain file (a
+/// device, a pipe) is written to as it is; the target of a link is replaced, not the link.
+fn replace_file(path: &Path, text: &str) -> io::Result<()> {
+    let existing = fs::metadata(path);
+    if existing.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
+        return OpenOptions::new().write(true).open(path)?.write_all(text.as_bytes());
+    }
+    let target = if existing.is_ok() { fs::canonicalize(path)? } else { path.to_path_buf() };
+    let beside = beside(&target)?;
+    let written = write_new(&beside, text, existing.ok()).and_then(|()| fs::rename(&beside, &target));
+    if written.is_err() {
+        let _ = fs::remove_file(&beside);
+    }
+    written
+}
+
+/// A name in the same directory that no other run of the program uses.
+fn beside(target: &Path) -> io::Result<PathBuf> {
+    let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+    let mut hidden = OsString::from(".");
+    hidden.push(name);
+    hidden.push(format!(".{}.new", std::process::id()));
+    Ok(target.with_file_name(hidden))
+}
+
+fn write_new(path: &Path, text: &str, replaced: Option<fs::Metadata>) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    if let Some(metadata) = replaced {
+        file.set_permissions(metadata.permissions())?;
+    }
+    file.write_all(text.as_bytes())?;
+    file.sync_all()
+}
+
+/// Whether the output would take the place of a model or of settings.
+fn replaces_input(output: &Path, options: &Analyze) -> bool {
+    let Ok(output) = fs::canonicalize(output) else { return false };
+    let inputs = std::iter::once(&options.file).chain(&options.overrides.settings_file);
+    output.is_file() && inputs.flat_map(fs::canonicalize).any(|input| input == output)
+}
+
+fn complain(text: &str) {
+    write_to(&mut io::stderr().lock(), &format!("vibc: {text}\n"));
+}
+
+/// A panic is a defect of the program, whatever the input: say so, and what helps to mend it.
+fn report_defect(panic: &std::panic::PanicHookInfo) {
+    let version = env!("CARGO_PKG_VERSION");
+    let text = format!(
+        "vibc: a defect of the program, not of the model: {panic}\n\
+         Please report it with the model, the command line and the version ({version}).\n"
+    );
+    write_to(&mut io::stderr().lock(), &text);
+}
