@@ -35,18 +35,74 @@ fn nearest(code: &str) -> Option<&'static str> {
     (distance(name) * 3 <= code.chars().count()).then_some(name)
 }
 
-/// Fenced blocks indented, the rest as it is written.
+/// Columns of a paragraph.
+const WIDTH: usize = 96;
+
+/// Fenced blocks indented as they are written, paragraphs and items of lists filled to the width of a terminal.
 fn terminal(markdown: &str) -> String {
     let mut text = String::new();
+    let mut paragraph = String::new();
     let mut fenced = false;
     for line in markdown.lines() {
-        if line.starts_with("```") {
-            fenced = !fenced;
-        } else if fenced && !line.is_empty() {
-            text += &format!("    {line}\n");
-        } else {
-            text += &format!("{line}\n");
+        let fence = line.starts_with("```");
+        if fence || fenced || line.is_empty() || line.starts_with("- ") {
+            text += &filled(&std::mem::take(&mut paragraph));
+        }
+        match (fence, fenced) {
+            (true, _) => fenced = !fenced,
+            (false, true) => text += &format!("    {line}\n"),
+            (false, false) if line.is_empty() => text.push('\n'),
+            (false, false) => paragraph += &format!("{line} "),
         }
     }
+    text + &filled(&paragraph)
+}
+
+/// Words in lines of at most [`WIDTH`] characters, the further lines of a list's item indented.
+fn filled(paragraph: &str) -> String {
+    let indent = if paragraph.starts_with("- ") { "  " } else { "" };
+    let mut text = String::new();
+    let mut column = 0;
+    for word in paragraph.split_whitespace() {
+        let width = word.chars().count();
+        if column > 0 && column + 1 + width > WIDTH {
+            text += &format!("\n{indent}");
+            column = indent.len();
+        } else if column > 0 {
+            text.push(' ');
+            column += 1;
+        }
+        text += word;
+        column += width;
+    }
+    if !text.is_empty() {
+        text.push('\n');
+    }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_are_filled_and_models_are_not() {
+        let clause = format!(
+            "{}\n{}\n\n```vib\nbody b {{ moves x }}\n```\n\n- {}",
+            "one ".repeat(20),
+            "two ".repeat(10),
+            "three ".repeat(20)
+        );
+        let text = terminal(&clause);
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
+        assert!(text.contains("one two") && text.contains("\n\n    body b { moves x }\n\n- three"), "{text}");
+        assert!(text.ends_with("\n  three three three three three\n"), "{text}");
+    }
+
+    #[test]
+    fn an_unknown_code_gets_the_nearest() {
+        assert_eq!(explain("unit::mismach"), Err(Unknown { nearest: Some("vib::unit::mismatch") }));
+        assert_eq!(explain("something else"), Err(Unknown { nearest: None }));
+        assert!(explain("vib::unit::mismatch").is_ok_and(|text| text.starts_with("vib::unit::mismatch\n\nA value")));
+    }
 }

@@ -1,1 +1,59 @@
-//! Every diagnostic: the smallest model that shows it, and its snapshot.
+//! Each code has its smallest failing model in `tests/diagnostics`, which gives just that finding; what is drawn for it is
+//! kept beside it and read by a reviewer.
+
+use super::models::{Run, codes_in_sources};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The models, sorted by name.
+fn models() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics");
+    let entries =
+        fs::read_dir(folder).expect("the folder of models").map(|entry| entry.expect("an entry of the folder").path());
+    let mut models: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "vib")).collect();
+    models.sort();
+    models
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().expect("a file").to_string_lossy().into_owned()
+}
+
+/// The code that the first line of a model promises.
+fn promised(bytes: &[u8]) -> String {
+    let line = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    String::from_utf8_lossy(line).trim_start_matches("//").trim().to_string()
+}
+
+#[test]
+fn every_code_has_a_model_that_gives_it_and_nothing_else() {
+    let mut wrong = Vec::new();
+    let mut shown = BTreeSet::new();
+    for path in models() {
+        let bytes = fs::read(&path).unwrap();
+        let promised = promised(&bytes);
+        let run = Run::new(&name(&path), &bytes);
+        if run.codes() != [promised.as_str()] {
+            wrong.push(format!("{}: {promised} was promised, found {:?}", name(&path), run.codes()));
+        }
+        shown.insert(promised);
+    }
+    let codes = codes_in_sources();
+    wrong.extend(shown.difference(&codes).map(|code| format!("{code}: shown by a model, but no such code exists")));
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_is_drawn_is_what_was_read() {
+    for path in models() {
+        let run = Run::new(&name(&path), &fs::read(&path).unwrap());
+        insta::with_settings!({
+            snapshot_path => "../diagnostics/snapshots",
+            prepend_module_to_snapshot => false,
+            omit_expression => true,
+        }, {
+            insta::assert_snapshot!(path.file_stem().unwrap().to_string_lossy().into_owned(), run.drawn());
+        });
+    }
+}

@@ -8,6 +8,7 @@ mod hard_cases_damped;
 mod house;
 mod language;
 mod lowering;
+mod models;
 mod modes;
 mod poles;
 mod properties;

@@ -1,1 +1,45 @@
-//! Every code has its clause, its smallest failing model and its snapshot.
+//! Every code that the program can say has one clause in spec.md, in one form, with an example that shows it.
+
+use super::models::{Run, codes_in_sources};
+use vibc::backend::explain;
+
+/// Codes that no model text alone can show: their clauses tell the example in words.
+const IN_WORDS: [&str; 1] = ["vib::file::not_utf8"];
+
+#[test]
+fn every_clause_has_a_code() {
+    let codes = codes_in_sources();
+    let clauses: Vec<&str> = explain::clauses().map(|(code, _)| code).collect();
+    let unknown: Vec<&&str> = clauses.iter().filter(|clause| !codes.contains(**clause)).collect();
+    assert!(unknown.is_empty(), "clauses that no code belongs to: {unknown:#?}");
+    for code in &clauses {
+        assert_eq!(clauses.iter().filter(|clause| *clause == code).count(), 1, "clauses of {code}");
+    }
+}
+
+#[test]
+fn every_clause_tells_the_meaning_an_example_and_the_mend() {
+    for (code, body) in explain::clauses() {
+        let meaning = body.split("```").next().unwrap_or_default().trim();
+        assert!(meaning.len() > 20, "{code} does not say what it means");
+        assert!(body.lines().any(|line| line.starts_with("Mend:")), "{code} has no paragraph that begins with `Mend:`");
+    }
+}
+
+#[test]
+fn the_example_of_a_clause_gives_just_its_code() {
+    let mut wrong = Vec::new();
+    for (code, body) in explain::clauses() {
+        match body.split("```vib\n").nth(1).and_then(|rest| rest.split("```").next()) {
+            Some(example) => {
+                let found = Run::new(code, example.as_bytes()).codes();
+                if found != [code] {
+                    wrong.push(format!("{code}: its example gives {found:?}"));
+                }
+            }
+            None if IN_WORDS.contains(&code) => assert!(body.contains("Example:"), "{code} has no example in words"),
+            None => wrong.push(format!("{code} has no `vib` block")),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,0 +1,75 @@
+//! Models run through the library, for the tests of what it says about them.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use vibc::backend::diagnostics::{HumanStyle, human};
+use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
+use vibc::model::Overrides;
+
+/// A model that was analysed, and what was found.
+///
+/// Lines such as `// --set k=3` and `// settings: k = "3 N/m"` in the model's leading comments give overrides.
+pub struct Run {
+    sources: Sources,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Run {
+    pub fn new(name: &str, bytes: &[u8]) -> Run {
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, name, bytes.to_vec()));
+        let lines = |prefix: &str| -> String {
+            let leading = sources.text(model).lines().take_while(|line| line.starts_with("//"));
+            leading.filter_map(|line| line.strip_prefix(prefix)).map(|line| format!("{line}\n")).collect()
+        };
+        let (settings, arguments) = (lines("// settings: "), lines("// --set "));
+        let mut add = |kind, name: &str, text: String| {
+            (!text.is_empty()).then(|| sources.add(SourceFile::decode(kind, name, text.into_bytes())))
+        };
+        let overrides = Overrides {
+            settings: add(SourceKind::Settings, "settings.toml", settings),
+            arguments: add(SourceKind::Arguments, "--set", arguments),
+        };
+        let diagnostics = vibc::check(&sources, model, &overrides).diagnostics;
+        Run { sources, diagnostics }
+    }
+
+    pub fn codes(&self) -> Vec<&'static str> {
+        self.diagnostics.iter().map(|diagnostic| diagnostic.code.0).collect()
+    }
+
+    /// As drawn for people, without colour.
+    pub fn drawn(&self) -> String {
+        human(&self.sources, &self.diagnostics, HumanStyle::default())
+    }
+}
+
+/// Every `"vib::..."` in the sources.
+pub fn codes_in_sources() -> BTreeSet<String> {
+    let mut codes = BTreeSet::new();
+    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut codes);
+    codes
+}
+
+fn collect(folder: &Path, codes: &mut BTreeSet<String>) {
+    for entry in fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("an entry of the folder").path();
+        if path.is_dir() {
+            collect(&path, codes);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = fs::read_to_string(&path).expect("a source");
+            let shipped = text.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+            codes.extend(shipped.split('"').filter(|literal| is_code(literal)).map(String::from));
+        }
+    }
+}
+
+/// `vib::unit::mismatch`: three words, the first `vib`.
+fn is_code(literal: &str) -> bool {
+    let words: Vec<&str> = literal.split("::").collect();
+    let plain = |word: &&str| {
+        !word.is_empty() && word.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+    };
+    words.len() == 3 && words[0] == "vib" && words.iter().all(plain)
+}
