@@ -18,6 +18,8 @@ pub enum Route {
     StarMesh,
     /// Bisection and Newton steps on a tree.
     Tree,
+    /// The modes of the positive terms first, then Jacobi in their energies: for negative stiffness.
+    Energy,
     /// Classical damping: each mode is an oscillator of its own.
     Decoupled,
     /// Companion matrix, then Newton steps with residuals of the terms in double-double.
@@ -34,6 +36,7 @@ impl Route {
             Route::Assembled => "assembled-dd",
             Route::StarMesh => "star-mesh",
             Route::Tree => "tree",
+            Route::Energy => "energy",
             Route::Decoupled => "decoupled",
             Route::Refined => "refined",
         }

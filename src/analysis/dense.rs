@@ -1,9 +1,81 @@
-//! Dense matrices by columns, and the few double-double kernels that everything dense is made of.
+//! Dense matrices by columns, and the few kernels that everything dense is made of, in binary64 and in double-double.
 //!
 //! Columns are what the algorithms here work on (rotations of pairs, Gram products, modes), so a column is a slice.
 
 use crate::base::Dd;
-use std::ops::{Index, IndexMut};
+use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
+
+/// What the algorithms that exist in both precisions compute with.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Relative error of a sum or product.
+    const ERROR: f64;
+    const ZERO: Self;
+    const ONE: Self;
+    /// The leading word.
+    fn hi(self) -> f64;
+    fn root(self) -> Self;
+    /// a . b
+    fn dot(a: &[Self], b: &[Self]) -> Self;
+}
+
+impl Real for f64 {
+    const ERROR: f64 = f64::EPSILON / 2.0;
+    const ZERO: f64 = 0.0;
+    const ONE: f64 = 1.0;
+
+    #[inline]
+    fn hi(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn root(self) -> f64 {
+        self.sqrt()
+    }
+
+    /// In four interleaved sums, in an order that no machine changes.
+    #[inline]
+    fn dot(a: &[f64], b: &[f64]) -> f64 {
+        let mut sums = [0.0; 4];
+        let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+        let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
+        for (x, y) in a4.zip(b4) {
+            for lane in 0..4 {
+                sums[lane] += x[lane] * y[lane];
+            }
+        }
+        ((sums[0] + sums[1]) + (sums[2] + sums[3])) + rest
+    }
+}
+
+impl Real for Dd {
+    const ERROR: f64 = Dd::EPSILON / 4.0;
+    const ZERO: Dd = Dd::ZERO;
+    const ONE: Dd = Dd::ONE;
+
+    #[inline]
+    fn hi(self) -> f64 {
+        self.hi
+    }
+
+    #[inline]
+    fn root(self) -> Dd {
+        self.sqrt()
+    }
+
+    #[inline]
+    fn dot(a: &[Dd], b: &[Dd]) -> Dd {
+        dot(a, b)
+    }
+}
 
 /// A matrix whose columns are contiguous; `m[(row, column)]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +189,7 @@ pub fn add_scaled(y: &mut [Dd], factor: Dd, x: &[Dd]) {
 
 /// (x, y) <- (c x - s y, s x + c y)
 #[inline]
-pub fn rotate(x: &mut [Dd], y: &mut [Dd], c: Dd, s: Dd) {
+pub fn rotate<T: Real>(x: &mut [T], y: &mut [T], c: T, s: T) {
     for (x, y) in x.iter_mut().zip(y) {
         let (a, b) = (*x, *y);
         *x = c * a - s * b;

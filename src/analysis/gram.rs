@@ -1,4 +1,5 @@
-//! X^T (sum w a a^T) X from the terms, in double-double, with a bound of every entry's error.
+//! X^T (sum w a a^T) X from the terms, with a bound of every entry's error: in double-double as a whole, in triple words
+//! where it is asked for.
 //!
 //! With b_t = a_t^T X the entry is sum_t w_t b_ti b_tj. Let w = w' + dw, b = b' + db be what is true and what was computed,
 //! |dw| <= v, |db| <= r. Then, by Cauchy and Schwarz with the weights |w'|,
@@ -6,68 +7,71 @@
 //!   |computed - true| <= gamma S_i S_j + S_i R_j + R_i S_j + R_i R_j + D_i D_j,
 //!   S_i^2 = sum |w'| b'_i^2,   R_i^2 = sum |w'| r_i^2,   D_i^2 = sum v (|b'_i| + r_i)^2,
 //!
-//! and gamma = (3 T + 16) 2^-106 for T terms: two products of 5u^2 and T sums of 3u^2 (see [`Dd`]), u = 2^-53.
-//! Clause: spec.md, "Certificates".
+//! where for T terms gamma = (3 T + 16) 2^-106 in double-double: two products of 5u^2 and T sums of 3u^2 (see [`Dd`]),
+//! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. Clause: spec.md, "Certificates".
 
-use super::dense::Matrix;
-use super::squares::Squares;
-use crate::base::{Ball, Dd};
+use super::dense::{Matrix, dot};
+use super::terms::Terms;
+use super::triple::{Precise, Triple};
+use crate::base::Dd;
 
 /// Covers the roundings of sums of up to a million non-negative binary64 numbers.
 pub const SLACK: f64 = 1.0 + 1e-9;
+/// u^2 = 2^-106.
+const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+/// Products below 2^-969 lose bits of their low parts, a few units of 2^-1074 each.
+const UNDERFLOW: f64 = 1e-318;
 
-/// A symmetric matrix with error bounds that are outer products.
+/// A form in the basis of the columns of some X.
 #[derive(Clone, Debug)]
-pub struct Gram {
+pub struct Gram<'a> {
+    terms: &'a Terms,
+    /// b = a . x: one row a term, one column a column of X.
+    stretches: Matrix<Precise>,
     pub mid: Matrix<Dd>,
     gamma: f64,
-    /// S: the root of each column's absolute energy.
-    size: Vec<f64>,
-    /// R: the same of the errors of the stretches.
-    slip: Vec<f64>,
-    /// D: the same of the uncertainty of the weights.
-    doubt: Vec<f64>,
+    norms: Vec<Norms>,
     floor: f64,
 }
 
-impl Gram {
-    /// The form in the basis of the columns of `x`, taken as exact numbers.
-    pub fn of(squares: &Squares, x: &Matrix<Dd>) -> Gram {
-        let (terms, n) = (squares.len(), x.columns());
-        let stretches = Matrix::from_fn(terms, n, |t, j| squares.stretch(t, x.column(j)));
-        Gram::of_stretches(&squares.weights, &stretches)
-    }
+/// S, R, D of a column: see the module.
+#[derive(Clone, Copy, Debug)]
+struct Norms {
+    size: f64,
+    slip: f64,
+    doubt: f64,
+}
 
-    /// The same from the stretches b = a . x themselves.
-    pub fn of_stretches(weights: &[Ball], stretches: &Matrix<Ball>) -> Gram {
-        let (terms, n) = (weights.len(), stretches.columns());
-        let b = stretches.map(|s| s.mid);
-        let weighted = Matrix::from_fn(terms, n, |t, j| weights[t].mid * b[(t, j)]);
+impl Gram<'_> {
+    /// The form in the basis of the columns of `x`, taken as exact numbers.
+    pub fn of<'a>(terms: &'a Terms, x: &Matrix<Triple>) -> Gram<'a> {
+        let (count, n) = (terms.len(), x.columns());
+        let stretches = Matrix::from_fn(count, n, |t, j| terms.stretch(t, x.column(j)));
+        let b = stretches.map(|s| s.value.dd());
+        let weights: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd()).collect();
         let mut mid = Matrix::zeros(n, n);
+        let mut weighted = vec![Dd::ZERO; count];
         for j in 0..n {
+            for ((weighted, &w), &b) in weighted.iter_mut().zip(&weights).zip(b.column(j)) {
+                *weighted = w * b;
+            }
             for i in 0..=j {
-                let entry = super::dense::dot(weighted.column(i), b.column(j));
+                let entry = dot(&weighted, b.column(i));
                 mid[(i, j)] = entry;
                 mid[(j, i)] = entry;
             }
         }
-        let largest = stretches.column_maximum();
-        Gram {
-            mid,
-            gamma: (3.0 * terms as f64 + 16.0) * UNIT_SQUARED,
-            size: norms(stretches, |t, s| weights[t].mid.hi.abs() * s.mid.hi * s.mid.hi),
-            slip: norms(stretches, |t, s| weights[t].mid.hi.abs() * s.rad * s.rad),
-            doubt: norms(stretches, |t, s| weights[t].rad * s.magnitude() * s.magnitude()),
-            // Products below 2^-969 lose bits of their low parts, at most a few units of 2^-1074 each.
-            floor: terms as f64 * 1e-318 * (1.0 + largest),
-        }
+        // What double-double leaves of triple words is at most 2^-105 of them.
+        let norms = (0..n).map(|j| Norms::of(terms, stretches.column(j), 2.0 * UNIT_SQUARED)).collect();
+        let largest = (0..n).flat_map(|j| b.column(j)).fold(0.0, |m: f64, b| m.max(b.hi.abs()));
+        let floor = count as f64 * UNDERFLOW * (1.0 + largest) * (1.0 + largest);
+        Gram { terms, stretches, mid, gamma: (3.0 * count as f64 + 16.0) * UNIT_SQUARED, norms, floor }
     }
 
-    /// A bound of the error of entry (i, j).
+    /// A bound of the error of entry (i, j) of `mid`.
     #[inline]
     pub fn radius(&self, i: usize, j: usize) -> f64 {
-        let (s, r, d) = (&self.size, &self.slip, &self.doubt);
-        SLACK * (self.gamma * s[i] * s[j] + s[i] * r[j] + r[i] * (s[j] + r[j]) + d[i] * d[j] + self.floor)
+        Norms::radius(self.gamma, self.norms[i], self.norms[j], self.floor)
     }
 
     /// An upper bound of |entry (i, j)|.
@@ -76,32 +80,53 @@ impl Gram {
         self.mid[(i, j)].hi.abs() * SLACK + self.radius(i, j)
     }
 
+    /// Entry (i, j) in triple words.
+    pub fn precise(&self, i: usize, j: usize) -> Precise {
+        let (x, y) = (self.stretches.column(i), self.stretches.column(j));
+        let mut value = Triple::ZERO;
+        for ((w, x), y) in self.terms.weights.iter().zip(x).zip(y) {
+            value = value + (w.value * x.value) * y.value;
+        }
+        let norms = |j: usize| Norms::of(self.terms, self.stretches.column(j), 0.0);
+        let gamma = (self.terms.len() as f64 + 4.0) * Triple::ERROR;
+        Precise { value, radius: Norms::radius(gamma, norms(i), norms(j), self.floor) }
+    }
+
     /// sum |w| b^2 of column i: what the column's energy would be if nothing cancelled.
     pub fn absolute_energy(&self, i: usize) -> f64 {
-        self.size[i] * self.size[i]
+        self.norms[i].size * self.norms[i].size
+    }
+
+    /// w b^2 of each term in the motion of column i.
+    pub fn energies(&self, i: usize) -> impl Iterator<Item = f64> + '_ {
+        let weights = self.terms.weights.iter();
+        weights.zip(self.stretches.column(i)).map(|(w, b)| w.value.hi() * b.value.hi() * b.value.hi())
     }
 
     pub fn is_finite(&self) -> bool {
-        (0..self.mid.columns())
-            .all(|j| self.mid.column(j).iter().all(|x| x.is_finite()) && self.radius(j, j).is_finite())
+        let n = self.mid.columns();
+        (0..n).all(|j| self.mid.column(j).iter().all(|x| x.is_finite()) && self.radius(j, j).is_finite())
     }
 }
 
-/// u^2 = 2^-106.
-const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+impl Norms {
+    /// The norms of a column of stretches, each number known to `relative` besides its own radius.
+    fn of(terms: &Terms, column: &[Precise], relative: f64) -> Norms {
+        let (mut size, mut slip, mut doubt) = (0.0, 0.0, 0.0);
+        for (w, b) in terms.weights.iter().zip(column) {
+            let (weight, stretch) = (w.value.hi().abs(), b.value.hi().abs());
+            let radius = b.radius + relative * stretch;
+            size += weight * stretch * stretch;
+            slip += weight * radius * radius;
+            doubt += (w.radius + relative * weight) * (stretch + radius) * (stretch + radius);
+        }
+        let root = |x: f64| (x * SLACK).sqrt() * SLACK;
+        Norms { size: root(size), slip: root(slip), doubt: root(doubt) }
+    }
 
-fn norms(stretches: &Matrix<Ball>, square: impl Fn(usize, Ball) -> f64) -> Vec<f64> {
-    (0..stretches.columns())
-        .map(|j| {
-            let column = stretches.column(j);
-            (column.iter().enumerate().map(|(t, &s)| square(t, s)).sum::<f64>() * SLACK).sqrt() * SLACK
-        })
-        .collect()
-}
-
-impl Matrix<Ball> {
-    /// An upper bound of the entries.
-    fn column_maximum(&self) -> f64 {
-        (0..self.columns()).flat_map(|j| self.column(j)).fold(0.0, |m, s| m.max(s.magnitude()))
+    #[inline]
+    fn radius(gamma: f64, x: Norms, y: Norms, floor: f64) -> f64 {
+        let slips = x.size * y.slip + x.slip * (y.size + y.slip);
+        SLACK * (gamma * x.size * y.size + slips + x.doubt * y.doubt + floor)
     }
 }

@@ -2,32 +2,39 @@
 //! route that found it. Nothing here knows the language or the scene. Clause: spec.md, "Modes" and "Poles".
 
 pub mod answer;
-pub mod certificate;
+mod certificate;
 mod companion;
 pub mod complex;
+mod correction;
 pub mod dense;
 mod discs;
 pub mod error;
-pub mod gram;
-pub mod jacobi;
+mod gram;
+mod jacobi;
+mod mass;
 pub mod modes;
 mod pencil;
+mod pivoted_qr;
 mod pole_parts;
 mod pole_proportional;
 mod pole_quadratic;
 mod pole_rigid;
 mod poles;
 mod refinement;
-pub mod residues;
+mod residues;
 pub mod shape;
 pub mod squares;
 mod stability;
-pub mod structure;
+mod star_mesh;
+mod start;
+mod structure;
+mod terms;
 #[cfg(test)]
 mod test_systems;
 pub mod transfer;
 mod transfer_exact;
 mod transfer_inverse;
+mod triple;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use error::AnalysisError;

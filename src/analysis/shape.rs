@@ -1,7 +1,7 @@
 //! How a mode's shape is scaled and signed, and where its energy is. Clauses: spec.md 12.4 to 12.7.
 
 use super::answer::{Mode, Share};
-use super::squares::Squares;
+use super::terms::Terms;
 use crate::system::{CoordinateId, CoordinateKind, Form, Label, LinearSystem};
 
 /// What is made 1 in a shape.
@@ -62,13 +62,13 @@ fn first_moving(shape: &[f64]) -> Option<usize> {
 }
 
 /// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
-pub(super) fn kinetic_shares(inertia: &Squares, shape: &[f64]) -> Vec<Share<CoordinateId>> {
+pub(super) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<CoordinateId>> {
     let mut energy = vec![0.0; shape.len()];
-    for t in 0..inertia.len() {
-        let (indices, values) = inertia.row(t);
-        let momentum = inertia.weights[t].mid.hi * stretch(indices, values, shape);
-        for (&i, a) in indices.iter().zip(values) {
-            energy[i as usize] += shape[i as usize] * a.mid.hi * momentum;
+    for t in 0..masses.len() {
+        let momentum = masses.weights[t].value.hi() * masses.stretch_f64(t, shape);
+        let (indices, factors) = masses.row(t);
+        for (&i, factor) in indices.iter().zip(factors) {
+            energy[i as usize] += shape[i as usize] * factor.to_f64() * momentum;
         }
     }
     let shares = energy.into_iter().enumerate().map(|(i, part)| Share { of: CoordinateId(i as u32), part });
@@ -83,10 +83,6 @@ pub(super) fn strain_shares(form: &Form, energies: impl Iterator<Item = f64>) ->
     }
     let shares = by_source.into_iter().enumerate().filter(|(_, part)| *part != 0.0);
     sorted_parts(shares.map(|(source, part)| Share { of: form.source_name(source as u32), part }).collect())
-}
-
-fn stretch(indices: &[u32], values: &[crate::base::Ball], shape: &[f64]) -> f64 {
-    indices.iter().zip(values).map(|(&i, a)| a.mid.hi * shape[i as usize]).sum()
 }
 
 /// Divided by their sum and sorted, largest first; equal ones keep their order.

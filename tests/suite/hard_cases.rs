@@ -11,19 +11,21 @@ fn check_frequencies(name: &str, digits: f64) -> Modes {
     for (i, mode) in modes.list.iter().enumerate() {
         let id = format!("omega_{}", i + 1);
         let truth = case.reference(&id).unwrap_or_else(|| panic!("{name} has {id}"));
-        check(name, &id, mode.omega, &truth, digits);
+        // The terms are given to 40 digits, which fix omega to their number less the digits that cancel.
+        let room = 1e-40 * mode.input_condition.unwrap_or(0.0);
+        check(name, &id, mode.omega, &truth, digits, room);
     }
     modes
 }
 
-fn check(name: &str, id: &str, computed: vibc::base::Ball, truth: &Number, digits: f64) {
+fn check(name: &str, id: &str, computed: vibc::base::Ball, truth: &Number, digits: f64, room: f64) {
     if truth.is_zero() {
         assert!(computed.is_zero(), "{name} {id}: {computed:?}");
         return;
     }
     // The references are correct to 36 digits.
     let size = truth.abs().to_f64();
-    let (error, holds) = error(computed, truth, 1e-35 * size);
+    let (error, holds) = error(computed, truth, (1e-35 + room) * size);
     assert!(holds, "{name} {id}: error {error:e}, bound {:e}", computed.rad);
     assert!(error <= 10f64.powf(-digits) * size, "{name} {id}: {} digits", -(error / size).log10());
     assert!(computed.rad <= 1e-12 * size, "{name} {id}: bound {:e}", computed.rad / size);
@@ -70,7 +72,7 @@ fn close_frequencies_keep_the_digits_of_their_differences() {
             let (b, a) = pair.split_once('_').expect("two numbers");
             let omega = |k: &str| modes.list[k.parse::<usize>().expect("a number") - 1].omega;
             let truth = number(reference["value"].as_str().expect("a decimal"));
-            check(name, id, omega(b) - omega(a), &truth, 16.0);
+            check(name, id, omega(b) - omega(a), &truth, 16.0, 1e-35 * omega(b).to_f64() / truth.to_f64());
         }
     }
 }

@@ -155,6 +155,14 @@ impl Rational {
         }
     }
 
+    /// Numerator and denominator, if they fit machine integers.
+    pub fn small_fraction(&self) -> Option<(i64, i64)> {
+        match &self.0 {
+            Repr::Small(n, d) => Some((*n, *d)),
+            Repr::Big(_) => None,
+        }
+    }
+
     /// Numerator and denominator modulo a prime below 2^62.
     pub fn residues(&self, prime: u64) -> (u64, u64) {
         match &self.0 {
