@@ -12,6 +12,12 @@ pub enum AnalysisError {
     SingularMass { coordinates: Vec<String>, at: Span },
     /// A mass or an inertia that is negative in some motion of this coordinate.
     IndefiniteMass { coordinate: String, at: Span },
+    /// More states than a dense matrix exponential is for.
+    TooManyStates { count: usize, limit: usize, at: Span },
+    /// A signal that needs too many pieces: the input's name.
+    SignalTooLong { input: String, at: Span },
+    /// An impulse of a prescribed motion: the base's name.
+    BlowOnBase { input: String, at: Span },
     /// A number too large or too small for binary64 met on the way.
     OutOfRange { at: Span },
 }
@@ -29,11 +35,30 @@ impl AnalysisError {
         AnalysisError::IndefiniteMass { coordinate: name, at: place(system, coordinate) }
     }
 
+    pub(super) fn too_many_states(system: &LinearSystem, count: usize, limit: usize) -> AnalysisError {
+        AnalysisError::TooManyStates { count, limit, at: place(system, 0) }
+    }
+
+    pub(super) fn out_of_range(system: &LinearSystem) -> AnalysisError {
+        AnalysisError::OutOfRange { at: place(system, 0) }
+    }
+
+    pub(super) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
+        AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
+    }
+
+    pub(super) fn blow_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
+        AnalysisError::BlowOnBase { input: system.display(system.inputs[input].name), at: place(system, 0) }
+    }
+
     pub fn code(&self) -> Code {
         Code(match self {
             AnalysisError::TooManyCoordinates { .. } => "vib::limit::modes",
             AnalysisError::SingularMass { .. } => "vib::mass::singular",
             AnalysisError::IndefiniteMass { .. } => "vib::mass::indefinite",
+            AnalysisError::TooManyStates { .. } => "vib::limit::states",
+            AnalysisError::SignalTooLong { .. } => "vib::limit::signal",
+            AnalysisError::BlowOnBase { .. } => "vib::signal::base_impulse",
             AnalysisError::OutOfRange { .. } => "vib::limit::range",
         })
     }
@@ -48,6 +73,9 @@ impl AnalysisError {
             AnalysisError::TooManyCoordinates { at, .. }
             | AnalysisError::SingularMass { at, .. }
             | AnalysisError::IndefiniteMass { at, .. }
+            | AnalysisError::TooManyStates { at, .. }
+            | AnalysisError::SignalTooLong { at, .. }
+            | AnalysisError::BlowOnBase { at, .. }
             | AnalysisError::OutOfRange { at } => *at,
         }
     }
@@ -65,6 +93,18 @@ impl AnalysisError {
             AnalysisError::IndefiniteMass { coordinate, .. } => (
                 format!("the kinetic energy is negative for some motions of {coordinate}"),
                 "make each mass and each inertia greater than zero",
+            ),
+            AnalysisError::TooManyStates { count, limit, .. } => (
+                format!("the motion in time has {count} states; it is computed up to {limit}"),
+                "make the model smaller, or let fewer inputs carry signals",
+            ),
+            AnalysisError::SignalTooLong { input, .. } => (
+                format!("the chirp of `{input}` has more cycles than can be followed"),
+                "shorten its duration or lower its frequencies",
+            ),
+            AnalysisError::BlowOnBase { input, .. } => (
+                format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),
+                "prescribe a `step` or a `pulse`, or apply the impulse as a force",
             ),
             AnalysisError::OutOfRange { .. } => (
                 "the stiffnesses and masses lie too far apart: a number beyond the range of binary64 came up"

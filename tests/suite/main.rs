@@ -14,6 +14,7 @@ mod poles;
 mod properties;
 mod published;
 mod readme;
+mod response;
 mod specification;
 mod systems;
 mod transfer;

@@ -1,0 +1,343 @@
+//! Signals of time as solutions of linear equations: a harmonic is the state of an undamped oscillator, everything else is
+//! piecewise a polynomial, the state of a chain of integrators. Steps, ramps, pulses, harmonics and tables are exact; a
+//! chirp is a sequence of Taylor polynomials with a bounded remainder. In: what the model declares, in SI.
+//! Out: breakpoints and coefficients. Every signal is zero before t = 0. Clause: spec.md, "Response".
+
+use crate::base::{Ball, Number};
+use std::cmp::Ordering;
+
+/// A signal of time; SI, angles in radians, frequencies in Hz.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Signal {
+    Step {
+        value: Number,
+        at: Number,
+    },
+    /// `value` is the time integral.
+    Impulse {
+        value: Number,
+        at: Number,
+    },
+    /// From 0 at `from` to `value` at `to`, which it keeps.
+    Ramp {
+        value: Number,
+        from: Number,
+        to: Number,
+    },
+    Pulse {
+        value: Number,
+        from: Number,
+        to: Number,
+    },
+    /// value sin(2 pi frequency t + phase) from t = 0 on
+    Harmonic {
+        value: Number,
+        frequency: Number,
+        phase: Number,
+    },
+    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration))) for 0 <= t <= duration
+    Chirp {
+        value: Number,
+        from: Number,
+        to: Number,
+        duration: Number,
+    },
+    /// Times ascending and values, kept before the first and after the last; between them a line or a natural cubic spline.
+    Table {
+        times: Vec<Number>,
+        values: Vec<Number>,
+        spline: bool,
+    },
+}
+
+/// u(t) = sum c_k (t - at)^k / k! from `at` to the next piece's.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    pub at: Number,
+    /// u, u', u'', ... at `at`
+    pub derivatives: Vec<Number>,
+    /// Whether u and u' may jump here; where a smooth signal is cut into pieces, they do not.
+    pub jump: bool,
+}
+
+/// A signal made ready.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// amplitude sin(omega t + phase)
+    Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball },
+    /// Zero before the first piece. `error` bounds |u - piece|, |u' - piece'| and |u'' - piece''|.
+    Pieces { order: usize, pieces: Vec<Piece>, error: [f64; 3] },
+    /// A blow at one time.
+    Impulse { value: Ball, at: Number },
+}
+
+/// What stops a signal: more pieces than memory is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyPieces;
+
+/// Degree of a chirp's polynomials.
+const CHIRP_DEGREE: usize = 15;
+/// Phase that one polynomial of a chirp covers, rad.
+const CHIRP_PHASE: f64 = 0.25;
+const MOST_PIECES: usize = 1_000_000;
+
+impl Signal {
+    /// The signal as sources; a chirp is cut so that `step`, if given, is a multiple of its pieces.
+    pub fn source(&self, step: Option<&Number>) -> Result<Source, TooManyPieces> {
+        Ok(match self {
+            Signal::Step { value, at } => polynomial(vec![jump(at, &[value])]),
+            Signal::Impulse { value, at } => Source::Impulse { value: value.to_ball(), at: at.clone() },
+            Signal::Ramp { value, from, to } => ramp(value, from, to),
+            Signal::Pulse { value, from, to } => polynomial(vec![jump(from, &[value]), jump(to, &[&Number::ZERO])]),
+            Signal::Harmonic { value, frequency, phase } => harmonic(value, frequency, phase),
+            Signal::Chirp { value, from, to, duration } => chirp(value, from, to, duration, step)?,
+            Signal::Table { times, values, spline } => polynomial(table(times, values, *spline)),
+        })
+    }
+}
+
+impl Source {
+    /// States that the source needs.
+    pub fn order(&self) -> usize {
+        match self {
+            Source::Harmonic { .. } => 2,
+            Source::Pieces { order, .. } => *order,
+            Source::Impulse { .. } => 0,
+        }
+    }
+
+    /// When something happens.
+    pub fn events(&self) -> Vec<Number> {
+        match self {
+            Source::Harmonic { .. } => vec![Number::ZERO],
+            Source::Pieces { pieces, .. } => pieces.iter().map(|piece| piece.at.clone()).collect(),
+            Source::Impulse { at, .. } => vec![at.clone()],
+        }
+    }
+}
+
+impl Piece {
+    /// u and u' at a later time.
+    pub fn after(&self, time: &Number) -> [Number; 2] {
+        let t = time - &self.at;
+        [taylor(&self.derivatives, &t), taylor(self.derivatives.get(1..).unwrap_or_default(), &t)]
+    }
+}
+
+impl Piece {
+    /// All derivatives at a time from `at` on.
+    pub fn at_time(&self, time: &Number) -> Vec<Ball> {
+        let t = time - &self.at;
+        (0..self.derivatives.len()).map(|k| taylor(&self.derivatives[k..], &t).to_ball()).collect()
+    }
+}
+
+/// sum d_k t^k / k!
+fn taylor(derivatives: &[Number], t: &Number) -> Number {
+    let mut sum = Number::ZERO;
+    for (k, d) in derivatives.iter().enumerate().rev() {
+        let scaled = &(&sum * t) / &Number::from(k as i64 + 1);
+        sum = &scaled + d;
+    }
+    sum
+}
+
+fn jump(at: &Number, derivatives: &[&Number]) -> Piece {
+    Piece { at: at.clone(), derivatives: derivatives.iter().map(|&d| d.clone()).collect(), jump: true }
+}
+
+/// Pieces that begin before t = 0 are moved to it.
+fn polynomial(pieces: Vec<Piece>) -> Source {
+    let order = pieces.iter().map(|piece| piece.derivatives.len()).max().unwrap_or(0);
+    let mut kept: Vec<Piece> = Vec::new();
+    for piece in pieces {
+        if !piece.at.is_negative() {
+            kept.push(piece);
+            continue;
+        }
+        let at_zero = Number::ZERO;
+        let shift = &at_zero - &piece.at;
+        let derivatives = (0..piece.derivatives.len()).map(|k| taylor(&piece.derivatives[k..], &shift)).collect();
+        kept.clear();
+        kept.push(Piece { at: at_zero, derivatives, jump: true });
+    }
+    Source::Pieces { order, pieces: kept, error: [0.0; 3] }
+}
+
+fn ramp(value: &Number, from: &Number, to: &Number) -> Source {
+    match value.checked_div(&(to - from)) {
+        Some(slope) => polynomial(vec![jump(from, &[&Number::ZERO, &slope]), jump(to, &[value])]),
+        None => polynomial(vec![jump(from, &[value])]),
+    }
+}
+
+fn harmonic(value: &Number, frequency: &Number, phase: &Number) -> Source {
+    let omega = &(&Number::pi() * &Number::from(2)) * frequency;
+    // A phase without digits left is one of unknown sine and cosine.
+    let unknown = || (Number::Ball(Ball::from(0.0).widen(1.0)), Number::Ball(Ball::from(0.0).widen(1.0)));
+    let (sine, cosine) = phase.sin_cos().unwrap_or_else(unknown);
+    Source::Harmonic {
+        amplitude: value.to_ball(),
+        omega: omega.to_ball(),
+        sine: sine.to_ball(),
+        cosine: cosine.to_ball(),
+    }
+}
+
+/// Polynomials of degree 15 that each cover a quarter of a radian at most. With phase rate w <= W on the piece of length h,
+/// |d^k/dt^k| of exp(i phase) is below k! e^(1.1 W r) / r^k on a circle of radius r = 16 / W around its start (the rate grows
+/// by less than a tenth on it, else the pieces are shorter), so the remainder is below 2 (e^1.1 W h / 16)^16 < 1e-20.
+fn chirp(
+    value: &Number,
+    from: &Number,
+    to: &Number,
+    duration: &Number,
+    step: Option<&Number>,
+) -> Result<Source, TooManyPieces> {
+    let two_pi = &Number::pi() * &Number::from(2);
+    let (w0, w1) = (&two_pi * from, &two_pi * to);
+    let Some(sweep) = (&w1 - &w0).checked_div(duration) else { return Ok(polynomial(Vec::new())) };
+    let fastest = w0.abs().to_f64().max(w1.abs().to_f64());
+    // Within 16 / W the phase may bend by sweep r^2 / 2: counted as a faster rate.
+    let bent = fastest + (8.0 * sweep.abs().to_f64()).sqrt() * 2.0;
+    let length = pieces_length(duration, step, CHIRP_PHASE / bent)?;
+    let count = (duration.to_f64() / length.to_f64()).ceil() as usize;
+    if count > MOST_PIECES {
+        return Err(TooManyPieces);
+    }
+    let mut pieces: Vec<Piece> = Vec::with_capacity(count + 1);
+    for i in 0..count {
+        let at = &length * &Number::from(i as i64);
+        let rate = &w0 + &(&sweep * &at);
+        let phase = &(&(&w0 + &rate) * &at) / &Number::from(2);
+        let derivatives = chirp_derivatives(value.to_ball(), &phase, rate.to_ball(), sweep.to_ball());
+        pieces.push(Piece { at, derivatives, jump: i == 0 });
+    }
+    pieces.push(Piece { at: duration.clone(), derivatives: vec![Number::ZERO], jump: true });
+    let size = value.abs().to_f64();
+    // The derivatives of the remainder lose a factor 16 / h each.
+    let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;
+    let rise = 17.0 / length.to_f64();
+    Ok(Source::Pieces { order: CHIRP_DEGREE + 1, pieces, error: [lost, lost * rise, lost * rise * rise] })
+}
+
+/// A length not above `most` that divides the step, or the duration.
+fn pieces_length(duration: &Number, step: Option<&Number>, most: f64) -> Result<Number, TooManyPieces> {
+    let whole = step.unwrap_or(duration);
+    let parts = (whole.to_f64() / most).ceil().max(1.0);
+    if parts < MOST_PIECES as f64 { Ok(whole / &Number::from(parts as i64)) } else { Err(TooManyPieces) }
+}
+
+/// Derivatives of value sin(phase + rate t + sweep t^2 / 2) at t = 0: with E = exp(i phase(t)), E' = i (rate + sweep t) E, so
+/// E_(k+1) = i (rate E_k + k sweep E_(k-1)).
+fn chirp_derivatives(value: Ball, phase: &Number, rate: Ball, sweep: Ball) -> Vec<Number> {
+    let Some((sine, cosine)) = phase.sin_cos() else {
+        return vec![Number::Ball(Ball::ZERO.widen(f64::INFINITY)); CHIRP_DEGREE + 1];
+    };
+    let mut e = vec![(cosine.to_ball(), sine.to_ball())];
+    for k in 0..CHIRP_DEGREE {
+        let (re, im) = e[k];
+        let (mut x, mut y) = (rate * re, rate * im);
+        if k > 0 {
+            let factor = sweep * Ball::from(k as f64);
+            (x, y) = (x + factor * e[k - 1].0, y + factor * e[k - 1].1);
+        }
+        e.push((-y, x));
+    }
+    e.into_iter().map(|(_, im)| Number::Ball(value * im)).collect()
+}
+
+/// Lines or cubics between the rows.
+fn table(times: &[Number], values: &[Number], spline: bool) -> Vec<Piece> {
+    let n = times.len();
+    let Some((first, last)) = values.first().zip(values.last()) else { return Vec::new() };
+    let bends = if spline { spline_bends(times, values) } else { vec![Number::ZERO; n] };
+    let mut pieces = vec![jump(&Number::ZERO, &[first])];
+    for i in 0..n.saturating_sub(1) {
+        let h = &times[i + 1] - &times[i];
+        let slope = &(&values[i + 1] - &values[i]) / &h;
+        if !spline {
+            pieces.push(jump(&times[i], &[&values[i], &slope]));
+            continue;
+        }
+        let bend = &(&bends[i] + &bends[i]) + &bends[i + 1];
+        let start = &slope - &(&(&h * &bend) / &Number::from(6));
+        let third = &(&bends[i + 1] - &bends[i]) / &h;
+        let mut piece = jump(&times[i], &[&values[i], &start, &bends[i], &third]);
+        piece.jump = i == 0;
+        pieces.push(piece);
+    }
+    pieces.push(jump(&times[n - 1], &[last]));
+    pieces
+}
+
+/// Second derivatives of the natural cubic spline (zero at both ends): a diagonally dominant tridiagonal system
+/// (de Boor, *A Practical Guide to Splines*, chapter IV).
+fn spline_bends(times: &[Number], values: &[Number]) -> Vec<Number> {
+    let n = times.len();
+    let mut bends = vec![Number::ZERO; n];
+    if n < 3 {
+        return bends;
+    }
+    let h: Vec<Ball> = (1..n).map(|i| (&times[i] - &times[i - 1]).to_ball()).collect();
+    let slope: Vec<Ball> = (1..n).map(|i| (&values[i] - &values[i - 1]).to_ball() / h[i - 1]).collect();
+    let six = Ball::from(6.0);
+    let (mut upper, mut right) = (vec![Ball::ZERO; n], vec![Ball::ZERO; n]);
+    for i in 1..n - 1 {
+        let pivot = Ball::from(2.0) * (h[i - 1] + h[i]) - h[i - 1] * upper[i - 1];
+        upper[i] = h[i] / pivot;
+        right[i] = (six * (slope[i] - slope[i - 1]) - h[i - 1] * right[i - 1]) / pivot;
+    }
+    let mut next = Ball::ZERO;
+    for i in (1..n - 1).rev() {
+        next = right[i] - upper[i] * next;
+        bends[i] = Number::Ball(next);
+    }
+    bends
+}
+
+/// a before b, by their enclosures where these overlap.
+pub fn order(a: &Number, b: &Number) -> Ordering {
+    a.compare(b).unwrap_or(Ordering::Equal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(source: &Source, t: &str) -> f64 {
+        let Source::Pieces { pieces, .. } = source else { panic!("pieces") };
+        let t = Number::from(t);
+        let piece = pieces.iter().rev().find(|piece| order(&piece.at, &t) != Ordering::Greater);
+        piece.map_or(0.0, |piece| piece.after(&t)[0].to_f64())
+    }
+
+    #[test]
+    fn a_chirp_follows_its_formula() {
+        let n = |text: &str| Number::from(text);
+        let chirp = Signal::Chirp { value: n("3"), from: n("1"), to: n("5"), duration: n("10") };
+        let source = chirp.source(None).expect("few pieces");
+        for t in ["0.1", "3.3", "9.99"] {
+            let x = t.parse::<f64>().expect("a number");
+            let phase = 2.0 * std::f64::consts::PI * (x + 0.2 * x * x);
+            assert!((value(&source, t) - 3.0 * phase.sin()).abs() < 1e-12, "{t}");
+        }
+        assert_eq!(value(&source, "10.5"), 0.0);
+    }
+
+    #[test]
+    fn a_spline_keeps_a_line_and_its_ends() {
+        let numbers = |list: &[&str]| list.iter().map(|&text| Number::from(text)).collect::<Vec<_>>();
+        let line = Signal::Table { times: numbers(&["0", "1", "3"]), values: numbers(&["0", "2", "6"]), spline: true };
+        let source = line.source(None).expect("three pieces");
+        assert!((value(&source, "2.5") - 5.0).abs() < 1e-15);
+        assert!((value(&source, "9") - 6.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_ramp_rises_and_stays() {
+        let n = |text: &str| Number::from(text);
+        let ramp = Signal::Ramp { value: n("4"), from: n("1"), to: n("3") }.source(None).expect("two pieces");
+        assert_eq!([value(&ramp, "0.5"), value(&ramp, "1.5"), value(&ramp, "7")], [0.0, 1.0, 4.0]);
+    }
+}

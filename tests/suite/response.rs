@@ -1,0 +1,330 @@
+//! The motion in time: the hard cases, published cases and closed forms, each with its bound.
+
+use super::systems::{Builder, HardCase, number};
+use super::transfer::with_every_pair;
+use vibc::analysis::{Signal, respond};
+use vibc::base::{Ball, Number, Rational};
+use vibc::system::{CoordinateId, Input, LinearSystem, Nature};
+
+fn n(text: &str) -> Number {
+    number(text)
+}
+
+/// Displacement and velocity of each coordinate as outputs, a force on each as input.
+fn observed(system: LinearSystem) -> LinearSystem {
+    let mut system = with_every_pair(system);
+    for i in 0..system.n() {
+        let mut velocity = system.outputs[i].clone();
+        velocity.p.swap(0, 1);
+        system.outputs.push(velocity);
+    }
+    system
+}
+
+/// Checks the references `x[..]@t=` and `v[..]@t=` of a case, with a prefix: digits of the largest at each time.
+fn check_case(name: &str, prefix: &str, initial: &[&str], drive: Option<Signal>, digits: f64) {
+    let case = HardCase::load(name);
+    let mut system = observed(case.system.clone());
+    system.initial = (initial.iter().enumerate()).map(|(i, x)| (CoordinateId(i as u32), n(x), Number::ZERO)).collect();
+    let drives: Vec<Vec<Signal>> = vec![drive.into_iter().collect()];
+    let names = case.system.coordinate_names();
+    let texts = times(&case, prefix);
+    assert!(!texts.is_empty(), "{name} {prefix}");
+    let at: Vec<Number> = texts.iter().map(|text| exact(text)).collect();
+    let history = respond(&system, &drives, &at).expect("a motion");
+    for (text, values) in texts.iter().zip(&history.values) {
+        for (offset, letter) in [(0, "x"), (names.len(), "v")] {
+            let truths: Vec<Number> = (names.iter())
+                .map(|c| case.reference(&format!("{prefix}{letter}[{c}]@t={text}")).expect("all coordinates"))
+                .collect();
+            let size = truths.iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max);
+            for (i, truth) in truths.iter().enumerate() {
+                check(
+                    &format!("{name} {prefix}{letter}[{}]@t={text}", names[i]),
+                    values[offset + i],
+                    truth,
+                    size,
+                    digits,
+                );
+            }
+        }
+    }
+}
+
+fn times(case: &HardCase, prefix: &str) -> Vec<String> {
+    let mut texts: Vec<String> = Vec::new();
+    for reference in case.json["reference"].as_array().expect("a list") {
+        let id = reference["id"].as_str().expect("an id");
+        let Some((_, time)) =
+            id.strip_prefix(prefix).filter(|id| id.starts_with("x[")).and_then(|id| id.split_once("@t="))
+        else {
+            continue;
+        };
+        if texts.iter().all(|known| known != time) {
+            texts.push(time.to_string());
+        }
+    }
+    texts.sort_by(|a, b| exact(a).to_f64().total_cmp(&exact(b).to_f64()));
+    texts
+}
+
+/// The literal as rounded to binary64.
+fn exact(text: &str) -> Number {
+    Number::from(Rational::from_f64(text.parse().expect("a number")).expect("finite"))
+}
+
+fn check(what: &str, value: Ball, truth: &Number, size: f64, digits: f64) {
+    let (error, holds) = super::systems::error(value, truth, 1e-34 * size);
+    assert!(holds, "{what}: error {error:e}, bound {:e}", value.rad);
+    assert!(error <= 10f64.powf(-digits) * size, "{what}: {} digits", -(error / size).log10());
+    assert!(value.rad <= 10f64.powf(-digits) * size, "{what}: bound {:e}", value.rad / size);
+}
+
+/// amplitude cos(omega t) as a harmonic in Hz.
+fn cosine(amplitude: &str, omega: &str) -> Signal {
+    Signal::Harmonic {
+        value: exact(amplitude),
+        frequency: &exact(omega) / &(&Number::pi() * &Number::from(2)),
+        phase: &Number::pi() / &Number::from(2),
+    }
+}
+
+#[test]
+fn through_critical_damping() {
+    check_case("o12_critical_sdof", "", &["1"], None, 15.0);
+    check_case("o13_near_critical_sdof", "", &["1"], None, 15.0);
+    check_case("o32_nearcritical_2dof", "", &["1", "0"], None, 15.0);
+}
+
+#[test]
+fn damping_that_is_not_proportional() {
+    check_case("o15_nonproportional_2dof", "", &["1", "0"], None, 15.0);
+}
+
+#[test]
+fn a_million_periods_keep_their_phase() {
+    check_case("o27_long_phase", "", &["1", "0"], None, 15.0);
+}
+
+#[test]
+fn rates_nine_decades_apart() {
+    check_case("o28_stiff_transient", "", &["1", "0"], None, 15.0);
+}
+
+#[test]
+fn exact_resonance_and_a_beat_of_a_thousand_years() {
+    check_case("o30_resonant_forcing", "res_", &[], Some(cosine("1", "2")), 15.0);
+    check_case("o30_resonant_forcing", "beat_", &[], Some(cosine("1", "2.0000000002")), 15.0);
+}
+
+#[test]
+fn a_tiny_force_beside_a_preload() {
+    check_case("o22_preload_tiny_dynamics", "dyn_", &[], Some(cosine("1e-12", "10")), 15.0);
+}
+
+#[test]
+fn a_cart_with_a_pendulum_under_a_harmonic_force() {
+    check_case("o29_seed_cart", "", &["0", "0.125"], Some(cosine("3", "6")), 15.0);
+}
+
+/// m x'' + c x' + k x = f, displacement and velocity observed; released from x0 with v0.
+fn oscillator(m: &str, c: &str, k: &str, x0: &str, v0: &str) -> LinearSystem {
+    let mut b = Builder::numbered(1);
+    b.mass(0, &n(m));
+    b.stiffness("spring", Nature::Property, &n(k), &[(0, Number::ONE)]);
+    damper(&mut b, c, None, 0);
+    let mut system = observed(b.finish());
+    system.initial = vec![(CoordinateId(0), n(x0), n(v0))];
+    system
+}
+
+fn damper(b: &mut Builder, c: &str, from: Option<usize>, to: usize) {
+    let label = b.label("damper");
+    let source = b.c.source(label);
+    let row = [(CoordinateId(to as u32), Number::ONE)].into_iter();
+    let row = row.chain(from.map(|i| (CoordinateId(i as u32), Number::from(-1))));
+    b.c.push(source, Nature::Property, n(c), row);
+}
+
+/// x and v of an oscillator at some times.
+fn motion(system: &LinearSystem, drive: Vec<Signal>, times: &[&str]) -> Vec<Vec<Ball>> {
+    let times: Vec<Number> = times.iter().map(|t| n(t)).collect();
+    let history = respond(system, &[drive], &times).expect("a motion");
+    assert!(history.values.iter().flatten().all(|value| value.rad < 1e-15), "{:?}", history.values);
+    history.values
+}
+
+fn near(value: Ball, expected: f64, relative: f64) {
+    assert!((value.to_f64() - expected).abs() <= relative * expected.abs(), "{value:?}, not {expected}");
+}
+
+/// S05 of the published cases (VM71), recomputed there to 12 digits.
+#[test]
+fn a_released_mass_with_four_dampers() {
+    let expected = [
+        ("3.52636", 0.474197550091),
+        ("1.76318", 0.189984425663),
+        ("0.352636", -0.521085224393),
+        ("0", -0.996885351246),
+    ];
+    for (c, x) in expected {
+        let system = oscillator("0.02590673", c, "30", "1", "0");
+        near(motion(&system, Vec::new(), &["0.09"])[0][0], x, 1e-11);
+    }
+}
+
+/// S08 (VM74): a blow of 10 on a resting mass.
+#[test]
+fn a_blow() {
+    let blow = || vec![Signal::Impulse { value: n("10"), at: Number::ZERO }];
+    let free = motion(&oscillator("0.5", "0", "200", "0", "0"), blow(), &["0", "0.08", "0.1"]);
+    near(free[0][1], 20.0, 1e-15);
+    near(free[1][0], 0.999573603042, 1e-11);
+    near(free[2][0], 0.909297426826, 1e-11);
+    near(motion(&oscillator("0.5", "14", "200", "0", "0"), blow(), &["0.1"])[0][0], 0.341804301226, 1e-11);
+}
+
+/// S09 (VM75): a force that comes on, and then a pulse as the difference of two of them.
+#[test]
+fn a_force_that_comes_on() {
+    let step = |at: &str| Signal::Step { value: n("200"), at: n(at) };
+    near(motion(&oscillator("0.5", "0", "200", "0", "0"), vec![step("0")], &["0.2"])[0][0], 1.65364362086, 1e-11);
+    let damped = oscillator("0.5", "10", "200", "0", "0");
+    near(motion(&damped, vec![step("0")], &["0.2"])[0][0], 1.15312276841, 1e-11);
+    let pulse = Signal::Pulse { value: n("200"), from: n("0.3"), to: n("0.45") };
+    let off = Signal::Step { value: n("-200"), at: n("0.45") };
+    let (a, b) = (motion(&damped, vec![pulse], &["0.4", "2"]), motion(&damped, vec![step("0.3"), off], &["0.4", "2"]));
+    for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
+        assert!((*a - *b).contains_zero());
+    }
+}
+
+/// C05 (VM182): two masses, 50 on the first for 1.8 s.
+#[test]
+fn a_pulse_on_two_masses() {
+    let mut b = Builder::numbered(2);
+    b.mass(0, &n("2"));
+    b.mass(1, &n("2"));
+    b.spring(None, 1, &n("16"));
+    b.spring(Some(1), 0, &n("6"));
+    let system = observed(b.finish());
+    let pulse = vec![Signal::Pulse { value: n("50"), from: Number::ZERO, to: n("1.8") }];
+    let y = motion(&system, pulse, &["1.3", "2.4"]);
+    for (value, expected) in [(y[0][0], 14.4771506332843), (y[0][1], 3.98714923370)] {
+        near(value, expected, 1e-11);
+    }
+    for (value, expected) in [(y[1][0], 18.3216436917909), (y[1][1], 6.13659864878)] {
+        near(value, expected, 1e-11);
+    }
+}
+
+/// C11 (SDLD22): a unit force during a second on the fourth of eight masses, recomputed to 12 digits.
+#[test]
+fn a_pulse_on_a_chain() {
+    let mut b = Builder::numbered(8);
+    for i in 0..8 {
+        b.mass(i, &n("10"));
+    }
+    for i in 0..=8usize {
+        let (from, to) = (i.checked_sub(1).filter(|_| i < 8), i.min(7));
+        b.spring(from, to, &n("100000"));
+        damper(&mut b, "50", from, to);
+    }
+    let system = observed(b.finish());
+    let mut drives = vec![Vec::new(); 8];
+    drives[3] = vec![Signal::Pulse { value: Number::ONE, from: Number::ZERO, to: Number::ONE }];
+    let times = ["0.090", "0.184", "0.272", "1.452"].map(n);
+    let history = respond(&system, &drives, &times).expect("a motion");
+    let expected = [4.02320253820e-5, 4.01919354435e-6, 3.90032003172e-5, -2.65500629277e-5];
+    for (values, expected) in history.values.iter().zip(expected) {
+        near(values[3], expected, 1e-10);
+        assert!(values[3].relative_error() < 1e-20);
+    }
+}
+
+/// Problem 6 of the course: after the shot, five periods leave exp(-10 pi zeta / sqrt(1 - zeta^2)) = 0.73 of the amplitude.
+#[test]
+fn the_mortar_swings_out() {
+    let x0 = &(&n("25") * &n("9.81")) / &n("15791");
+    let mut system = oscillator("10000", "251.33", "15791", "0", "0");
+    system.initial = vec![(CoordinateId(0), x0.clone(), n("0.375"))];
+    let (w2, a) = (1.5791f64, 251.33 / 20000.0);
+    let wd = (w2 - a * a).sqrt();
+    let closed =
+        |t: f64| (-a * t).exp() * (x0.to_f64() * (wd * t).cos() + (0.375 + a * x0.to_f64()) / wd * (wd * t).sin());
+    let rows = motion(&system, Vec::new(), &["1", "7.5", "60"]);
+    for (row, t) in rows.iter().zip([1.0, 7.5, 60.0]) {
+        near(row[0], closed(t), 1e-12);
+    }
+    let ratio = (-a * 10.0 * std::f64::consts::PI / wd).exp();
+    assert!((ratio - 0.73).abs() < 1e-3);
+}
+
+/// A free mass under a steady force, one that falls off a hill, and a massless plate in oil.
+#[test]
+fn rigid_diverging_and_creeping_motions() {
+    let step = || vec![Signal::Step { value: n("3"), at: Number::ZERO }];
+    let mut b = Builder::numbered(1);
+    b.mass(0, &n("2"));
+    let free = observed(b.finish());
+    let y = &motion(&free, step(), &["4"])[0];
+    assert!((y[0] - Ball::from(12.0)).contains_zero() && (y[1] - Ball::from(6.0)).contains_zero());
+
+    let falling = oscillator("1", "0", "-4", "1", "0");
+    let y = &motion(&falling, Vec::new(), &["1.5"])[0];
+    near(y[0], 3f64.cosh(), 1e-14);
+    near(y[1], 2.0 * 3f64.sinh(), 1e-14);
+
+    let mut b = Builder::numbered(1);
+    b.stiffness("spring", Nature::Property, &n("6"), &[(0, Number::ONE)]);
+    damper(&mut b, "2", None, 0);
+    let y = &motion(&observed(b.finish()), step(), &["0.7"])[0];
+    near(y[0], 0.5 * (1.0 - (-2.1f64).exp()), 1e-14);
+    near(y[1], 1.5 * (-2.1f64).exp(), 1e-14);
+}
+
+/// A base that jumps kicks the mass through the damper: dv = c J / m; one that rises in a ramp does not.
+#[test]
+fn a_base_that_jumps() {
+    let mut system = oscillator("2", "3", "8", "0", "0");
+    let at = |value: &str| vec![(CoordinateId(0), n(value))];
+    let name = system.inputs[0].name;
+    system.inputs = vec![Input { name, unit: "m", b: [at("8"), at("3"), Vec::new()] }];
+    let jump = Signal::Step { value: n("0.1"), at: n("0.5") };
+    let y = motion(&system, vec![jump], &["0.4999", "0.5"]);
+    assert!(y[0][0].is_zero() && y[0][1].is_zero());
+    near(y[1][1], 0.15, 1e-15);
+    let ramp = Signal::Ramp { value: n("0.1"), from: n("0.5"), to: n("0.6") };
+    assert!(motion(&system, vec![ramp], &["0.5"])[0][1].is_zero());
+}
+
+/// The same ramp as a signal, as a table, and (on a base) as a spline through points of a line.
+#[test]
+fn a_table_is_what_its_rows_say() {
+    let system = oscillator("1", "0.5", "9", "0", "0");
+    let ramp = Signal::Ramp { value: n("6"), from: Number::ZERO, to: n("2") };
+    let numbers = |list: &[&str]| list.iter().map(|text| n(text)).collect::<Vec<_>>();
+    let table =
+        |spline| Signal::Table { times: numbers(&["0", "0.7", "2"]), values: numbers(&["0", "2.1", "6"]), spline };
+    let times = ["0.3", "1.9", "5"];
+    let expected = motion(&system, vec![ramp], &times);
+    for spline in [false, true] {
+        let other = motion(&system, vec![table(spline)], &times);
+        for (a, b) in expected.iter().flatten().zip(other.iter().flatten()) {
+            assert!((*a - *b).contains_zero(), "{a:?} {b:?}");
+        }
+    }
+}
+
+/// A chirp is cut into pieces as the samples ask; two ways of cutting agree within their bounds.
+#[test]
+fn a_chirp_is_followed_to_its_bound() {
+    let system = oscillator("1", "0.5", "900", "0", "0");
+    let chirp = || vec![Signal::Chirp { value: n("2"), from: n("1"), to: n("10"), duration: n("3") }];
+    let fine = motion(&system, chirp(), &["0.1", "0.2", "0.3", "1.7", "4"]);
+    let rough = motion(&system, chirp(), &["0.3", "1.7", "4"]);
+    for (a, b) in fine[2..].iter().flatten().zip(rough.iter().flatten()) {
+        assert!((*a - *b).contains_zero(), "{a:?} {b:?}");
+        assert!(a.rad < 1e-15 && a.to_f64().abs() > 1e-6);
+    }
+}
