@@ -51,24 +51,41 @@ impl Basis {
     }
 
     /// The eigenvalues that are not exactly zero, one of each conjugate pair (im > 0) and the real ones.
-    /// `None` if the iteration does not end.
-    pub fn starts(&self) -> Option<Vec<Complex<f64>>> {
-        let matrix = self.state_matrix();
-        let sweeps = 100 * matrix.nrows();
-        let eigenvalues = Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues();
-        Some(eigenvalues.iter().filter(|z| z.im >= 0.0).map(|z| Complex::new(z.re, z.im)).collect())
+    ///
+    /// The QR method leaves errors of about 1e-16 of the largest eigenvalue, so the fast ones are taken from the state
+    /// matrix and the slow ones, as reciprocals, from its inverse. Empty if an iteration does not end.
+    pub fn starts(&self) -> Vec<Complex<f64>> {
+        let fast = eigenvalues(self.state_matrix());
+        let slow = self.inverse_state_matrix().and_then(eigenvalues);
+        let slow = slow.map(|list| list.into_iter().map(Complex::recip).filter(|z| z.is_finite()).collect());
+        match (fast, slow) {
+            (Some(fast), Some(slow)) => joined(fast, slow),
+            (Some(list), None) | (None, Some(list)) => list,
+            (None, None) => Vec::new(),
+        }
+        .into_iter()
+        .filter(|z| z.im >= 0.0)
+        .collect()
     }
 
-    /// Rows and columns: energies of the moving modes, then velocities of all that damping or stiffness acts on.
+    fn rigid(&self) -> usize {
+        self.free + self.dragged
+    }
+
+    /// |omega| and the sign of omega^2 of mode j beyond the rigid ones.
+    fn rate(&self, j: usize) -> (f64, f64) {
+        let omega_squared = self.omega_squared[self.rigid() + j];
+        (omega_squared.abs().sqrt(), omega_squared.signum())
+    }
+
+    /// Rows and columns: energies of the moving modes, velocities of the dragged and of the moving ones.
     fn state_matrix(&self) -> DMatrix<f64> {
-        let rigid = self.free + self.dragged;
-        let (moving, velocities) = (self.n() - rigid, self.n() - self.free);
+        let (moving, velocities) = (self.n() - self.rigid(), self.n() - self.free);
         let mut matrix = DMatrix::zeros(moving + velocities, moving + velocities);
         for j in 0..moving {
-            let omega_squared = self.omega_squared[rigid + j];
-            let rate = omega_squared.abs().sqrt();
+            let (rate, sign) = self.rate(j);
             matrix[(j, moving + self.dragged + j)] = rate;
-            matrix[(moving + self.dragged + j, j)] = -omega_squared.signum() * rate;
+            matrix[(moving + self.dragged + j, j)] = -sign * rate;
         }
         for i in 0..velocities {
             for j in 0..velocities {
@@ -77,6 +94,68 @@ impl Basis {
         }
         matrix
     }
+
+    /// The inverse without a general inversion: velocities v_m = |omega|^-1 f, v_d = -C_dd^-1 (g_d + C_dm v_m), energies
+    /// e = -sgn |omega|^-1 (g_m + C_md v_d + C_mm v_m) for a right-hand side (f, g_d, g_m). `None` if C_dd is singular.
+    fn inverse_state_matrix(&self) -> Option<DMatrix<f64>> {
+        let (moving, dragged) = (self.n() - self.rigid(), self.dragged);
+        let c = |i: usize, j: usize| self.damping[(self.free + i, self.free + j)];
+        let c_dd = DMatrix::from_fn(dragged, dragged, c).try_inverse()?;
+        let c_dm = DMatrix::from_fn(dragged, moving, |i, j| c(i, dragged + j) / self.rate(j).0);
+        let c_mm = DMatrix::from_fn(moving, moving, |i, j| c(dragged + i, dragged + j) / self.rate(j).0);
+        let drag = &c_dd * &c_dm;
+        let mut inverse = DMatrix::zeros(2 * moving + dragged, 2 * moving + dragged);
+        for i in 0..moving {
+            let (rate, sign) = self.rate(i);
+            // C_md v_d is the transpose of C_dm, with the factor of the column taken back.
+            let c_md = |d: usize| c_dm[(d, i)] * rate;
+            for j in 0..moving {
+                let through: f64 = (0..dragged).map(|d| c_md(d) * drag[(d, j)]).sum();
+                inverse[(i, j)] = -sign / rate * (c_mm[(i, j)] - through);
+            }
+            for j in 0..dragged {
+                let through: f64 = (0..dragged).map(|d| c_md(d) * c_dd[(d, j)]).sum();
+                inverse[(i, moving + j)] = sign / rate * through;
+            }
+            inverse[(i, moving + dragged + i)] = -sign / rate;
+            inverse[(moving + dragged + i, i)] = 1.0 / rate;
+        }
+        for i in 0..dragged {
+            for j in 0..moving {
+                inverse[(moving + i, j)] = -drag[(i, j)];
+            }
+            for j in 0..dragged {
+                inverse[(moving + i, moving + j)] = -c_dd[(i, j)];
+            }
+        }
+        Some(inverse)
+    }
+}
+
+/// All eigenvalues, ascending in size; `None` if the iteration does not end or overflows.
+fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let sweeps = 100 * matrix.nrows();
+    let values = Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues();
+    let mut list: Vec<Complex<f64>> = values.iter().map(|z| Complex::new(z.re, z.im)).collect();
+    list.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+    Some(list)
+}
+
+/// The slow ones of one list before the fast ones of the other, cut where the two agree best.
+fn joined(fast: Vec<Complex<f64>>, mut slow: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
+    slow.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+    if slow.len() != fast.len() {
+        return fast;
+    }
+    let apart = |i: usize| slow.get(i).zip(fast.get(i)).map_or(0.0, |(a, b)| (*a - *b).one_norm() / b.one_norm());
+    // Before a conjugate (im > 0, sorted last) there is no cut.
+    let whole = |i: usize| slow.get(i).is_none_or(|z| z.im <= 0.0) && fast.get(i).is_none_or(|z| z.im <= 0.0);
+    let cost = |i: usize| if i == 0 { apart(0) } else { apart(i - 1).max(apart(i)) };
+    let cut = (0..=fast.len()).filter(|&i| whole(i)).min_by(|&i, &j| cost(i).total_cmp(&cost(j))).unwrap_or(0);
+    slow[..cut].iter().chain(&fast[cut..]).copied().collect()
 }
 
 /// The rigid motions made orthonormal with respect to M (Gram-Schmidt, free ones first).

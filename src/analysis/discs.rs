@@ -2,11 +2,11 @@
 //! motions. Out: for each pair a radius, and which discs are certified only together. Clause: spec.md 11.6 derives it:
 //!
 //! With z = (x, v), v = s x, the symmetric linearisation L(s) = s [C M; M 0] + [K 0; 0 -M] has L(s) z_j =
-//! (Q(s_j) x_j, 0) + (s - s_j) B z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and
+//! (Q(s_j) x_j, 0) + (s - s_j) [C M; M 0] z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and
 //!   B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j,   R_ij = x_i^T r_j,   r_j = Q(s_j) x_j,
-//! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. B is close to the identity and R is as
-//! small as the residuals, so Gershgorin's discs of D - T are small. R is bounded from residuals in ball arithmetic; B
-//! needs few digits. Binary64 sums carry an explicit bound of their rounding.
+//! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. Symmetry makes
+//! (s_j - s_i) B_ij = R_ij - R_ji, so off its diagonal B is as small as the residuals are, T too, and Gershgorin's discs
+//! of D - T are small. Residuals are balls; sums of binary64 carry an explicit bound of their rounding.
 
 use super::complex::Complex;
 use super::pencil::{Application, Pencil};
@@ -38,25 +38,27 @@ struct Near {
     size: f64,
 }
 
-/// What B and R need of one vector z = (x, v): stretches of the terms of M and C, scaled by a factor of binary64.
+/// One vector z = (x, v), scaled by a factor of binary64.
 struct Column {
+    x: Vec<Near>,
+    /// Stretches of the terms of M under x and under v, and of C under x.
     mx: Vec<Near>,
     mv: Vec<Near>,
     cx: Vec<Near>,
-    x: Vec<Near>,
 }
 
 /// All columns, conjugates behind their originals: which pair each belongs to, and where its conjugate is.
 struct Columns {
     list: Vec<Column>,
-    /// Columns before this one span the motions of poles that are exactly zero.
-    rigid: usize,
+    /// Columns before this one span the motions of poles that are exactly zero; beside each a rate t: v = +-t x.
+    rigid: Vec<f64>,
     /// Column of pair p, and of its conjugate (the same for a real pair).
     of_pair: Vec<(usize, usize)>,
     /// The factor that scales pair p.
     factors: Vec<Complex<f64>>,
     /// The column of the conjugate vector, up to a sign.
     mirror: Vec<usize>,
+    centres: Vec<Complex<Ball>>,
 }
 
 /// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
@@ -68,11 +70,9 @@ pub fn discs(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair], count: usize
     if columns.list.len() != count {
         return nothing;
     }
-    let deviation = deviation(pencil, &columns);
-    match perturbation(&columns, &deviation, &applied, pairs) {
-        Some(t) => gershgorin(&columns, &t, pairs),
-        None => nothing,
-    }
+    let r = residual_products(&columns, &applied, pairs);
+    let perturbation = deviation(pencil, &columns, &r).and_then(|b| perturbation(&columns, &b, &r));
+    perturbation.map_or(nothing, |t| gershgorin(&columns, &t))
 }
 
 impl Near {
@@ -106,16 +106,17 @@ impl Column {
         Column { mx: conj(&self.mx), mv: conj(&self.mv), cx: conj(&self.cx), x: conj(&self.x) }
     }
 
-    /// z = (a N, b N) of an exact rigid motion N.
-    fn of_motion(pencil: &Pencil, motion: &[Number], a: Complex<f64>, b: Complex<f64>) -> Column {
+    /// z = a (N, t N) of an exact rigid motion N.
+    fn of_motion(pencil: &Pencil, motion: &[Number], a: Complex<f64>, rate: f64) -> Column {
         let motion: Vec<Ball> = motion.iter().map(Number::to_ball).collect();
-        let scaled = |squares: &Squares, factor: Complex<f64>| -> Vec<Near> {
-            (0..squares.len()).map(|t| Near::of(Complex::real(moved(squares, t, &motion)), factor)).collect()
+        let scaled = |squares: &Squares, rate: f64| -> Vec<Near> {
+            let rate = Ball::from(rate);
+            (0..squares.len()).map(|t| Near::of(Complex::real(moved(squares, t, &motion) * rate), a)).collect()
         };
         Column {
-            mx: scaled(&pencil.m, a),
-            mv: scaled(&pencil.m, b),
-            cx: scaled(&pencil.c, a),
+            mx: scaled(&pencil.m, 1.0),
+            mv: scaled(&pencil.m, rate),
+            cx: scaled(&pencil.c, 1.0),
             x: motion.iter().map(|&x| Near::of(Complex::real(x), a)).collect(),
         }
     }
@@ -128,58 +129,77 @@ fn moved(squares: &Squares, t: usize, x: &[Ball]) -> Ball {
 }
 
 fn columns(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair], applied: &[Application]) -> Columns {
-    let mut list = rigid_columns(pencil, rigid, pairs);
-    let rigid = list.len();
-    let factors: Vec<_> = pairs.iter().zip(applied).map(|(pair, applied)| normaliser(pencil, pair, applied)).collect();
-    let (mut of_pair, mut mirror) = (Vec::with_capacity(pairs.len()), (0..rigid).collect::<Vec<usize>>());
-    for ((pair, applied), &factor) in pairs.iter().zip(applied).zip(&factors) {
-        let column = Column::of_pair(pair, applied, factor);
-        let at = list.len();
-        if pair.is_real() {
-            of_pair.push((at, at));
-            mirror.push(at);
-            list.push(column);
+    let (list, rates) = rigid_columns(pencil, rigid, pairs);
+    let factors = pairs.iter().zip(applied).map(|(pair, applied)| normaliser(pencil, pair, applied)).collect();
+    let mut columns = Columns {
+        mirror: (0..list.len()).collect(),
+        centres: vec![Complex::ZERO; list.len()],
+        list,
+        rigid: rates,
+        of_pair: Vec::with_capacity(pairs.len()),
+        factors,
+    };
+    for (p, (pair, applied)) in pairs.iter().zip(applied).enumerate() {
+        columns.push(pair, Column::of_pair(pair, applied, columns.factors[p]));
+    }
+    columns
+}
+
+impl Columns {
+    fn push(&mut self, pair: &Pair, column: Column) {
+        let at = self.list.len();
+        let conj = if pair.is_real() { at } else { at + 1 };
+        self.of_pair.push((at, conj));
+        self.mirror.push(conj);
+        self.centres.push(pair.s.to_ball());
+        if !pair.is_real() {
+            self.mirror.push(at);
+            self.centres.push(pair.s.conj().to_ball());
+            let mirrored = column.conj();
+            self.list.extend([column, mirrored]);
         } else {
-            of_pair.push((at, at + 1));
-            mirror.extend([at + 1, at]);
-            let conj = column.conj();
-            list.extend([column, conj]);
+            self.list.push(column);
         }
     }
-    Columns { list, rigid, of_pair, factors, mirror }
+
+    /// A lower bound of the distance of two centres.
+    fn gap(&self, i: usize, k: usize) -> f64 {
+        let d = self.centres[i] - self.centres[k];
+        Complex::new(d.re.mignitude(), d.im.mignitude()).abs() * (2.0 - UP)
+    }
+
+    /// A lower bound of |s_k|.
+    fn size(&self, k: usize) -> f64 {
+        let s = self.centres[k];
+        Complex::new(s.re.mignitude(), s.im.mignitude()).abs() * (2.0 - UP)
+    }
 }
 
 /// 1 / sqrt(x^T (2 s M + C) x), so that B_jj is about one. Any factor is right; this one makes the bounds small.
 fn normaliser(pencil: &Pencil, pair: &Pair, applied: &Application) -> Complex<f64> {
-    let s = pair.s.to_f64();
-    let sum = |squares: &Squares, stretches: &[Complex<Ball>]| {
-        squares.weights.iter().zip(stretches).fold(Complex::ZERO, |sum, (w, t)| {
-            let t = t.mid().to_f64();
-            sum + (t * t).scale(w.to_f64())
-        })
-    };
-    let b = s.scale(2.0) * sum(&pencil.m, &applied.m_stretch) + sum(&pencil.c, &applied.c_stretch);
+    let b = pencil.slope(pair.s.to_f64(), applied);
     let root = b.sqrt();
     if root == Complex::ZERO || !root.is_finite() { Complex::real(1.0) } else { root.recip() }
 }
 
 /// A free motion N spans (N, 0) and (0, N), here as (N, tN) and i (N, -tN): B is the identity on them with a proper factor.
-/// A dragged motion spans (N, 0).
-fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair]) -> Vec<Column> {
+/// A dragged motion spans (N, 0). Beside each column its t.
+fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair]) -> (Vec<Column>, Vec<f64>) {
     let rate = typical_rate(pairs);
-    let mut list = Vec::new();
+    let (mut list, mut rates) = (Vec::new(), Vec::new());
     for motion in &rigid.free {
-        let inertia = square(&pencil.m, motion).abs();
-        let (a, b) = ((0.5 / inertia / rate).sqrt(), (0.5 / inertia * rate).sqrt());
-        list.push(Column::of_motion(pencil, motion, Complex::real(a), Complex::real(b)));
-        list.push(Column::of_motion(pencil, motion, Complex::new(0.0, a), Complex::new(0.0, -b)));
+        let a = (0.5 / square(&pencil.m, motion).abs() / rate).sqrt();
+        list.push(Column::of_motion(pencil, motion, Complex::real(a), rate));
+        list.push(Column::of_motion(pencil, motion, Complex::new(0.0, a), -rate));
+        rates.extend([rate, rate]);
     }
     for motion in &rigid.dragged {
         let factor = Complex::real(square(&pencil.c, motion)).sqrt().recip();
         let factor = if factor.is_finite() { factor } else { Complex::real(1.0) };
-        list.push(Column::of_motion(pencil, motion, factor, Complex::ZERO));
+        list.push(Column::of_motion(pencil, motion, factor, 0.0));
+        rates.push(0.0);
     }
-    list
+    (list, rates)
 }
 
 /// sum w (a . x)^2 in binary64.
@@ -224,20 +244,52 @@ impl Table {
     }
 }
 
-/// Bounds of |B - I|, which is symmetric.
-fn deviation(pencil: &Pencil, columns: &Columns) -> Table {
+/// What is known of B: lower bounds of its diagonal, and bounds G_ij of |B_ij| / |B_ii| off it.
+struct Deviation {
+    diagonal: Vec<f64>,
+    off: Table,
+    /// The largest row sum of G.
+    theta: f64,
+}
+
+/// `None` if B may be singular.
+fn deviation(pencil: &Pencil, columns: &Columns, r: &Table) -> Option<Deviation> {
     let n = columns.list.len();
-    let mut table = Table::new(n);
+    let diagonal: Vec<f64> = (0..n)
+        .map(|i| {
+            let (value, error) = product(pencil, &columns.list[i], &columns.list[i]);
+            value.abs() * (2.0 - UP) - error
+        })
+        .collect();
+    let mut off = Table::new(n);
     for j in 0..n {
-        for i in 0..=j {
-            let (value, error) = product(pencil, &columns.list[i], &columns.list[j]);
-            let value = if i == j { value - Complex::real(1.0) } else { value };
-            let bound = (value.abs() + error) * UP;
-            table.set(i, j, bound);
-            table.set(j, i, bound);
+        for i in 0..j {
+            let bound = coupling(pencil, columns, r, i, j);
+            off.set(i, j, bound / diagonal[i] * UP);
+            off.set(j, i, bound / diagonal[j] * UP);
         }
     }
-    table
+    let theta = (0..n).map(|i| (0..n).map(|j| off.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
+    // What is not a number proves nothing, and the maximum passes over it.
+    let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|&d| d > 0.0);
+    regular.then_some(Deviation { diagonal, off, theta })
+}
+
+/// A bound of |B_ij|, i < j: from the residuals where the poles are apart, from the terms where they are not.
+fn coupling(pencil: &Pencil, columns: &Columns, r: &Table, i: usize, j: usize) -> f64 {
+    let rigid = &columns.rigid;
+    if i >= rigid.len() {
+        let gap = columns.gap(i, j);
+        if gap > 1e-6 * columns.size(j) {
+            return (r.at(i, j) + r.at(j, i)) / gap * UP;
+        }
+    } else if j >= rigid.len() {
+        // With K N = 0, and C N = 0 or t = 0: N^T r_j = s_j^2 N^T M x_j + s_j N^T C x_j, and R_ij = a N^T r_j.
+        let size = columns.size(j);
+        return r.at(i, j) * (1.0 + rigid[i] / size) / size * UP * UP;
+    }
+    let (value, error) = product(pencil, &columns.list[i], &columns.list[j]);
+    (value.abs() + error) * UP
 }
 
 /// B_ij and a bound of its error.
@@ -261,91 +313,72 @@ fn product(pencil: &Pencil, a: &Column, b: &Column) -> (Complex<f64>, f64) {
     (sum, error * UP)
 }
 
-/// Bounds of |T| = |B^-1 R|, |B^-1| <= I + G + G^2 + ..., G >= |B - I|. `None` if B may be singular.
-fn perturbation(columns: &Columns, g: &Table, applied: &[Application], pairs: &[Pair]) -> Option<Table> {
-    let n = g.n;
-    let theta = (0..n).map(|i| (0..n).map(|j| g.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
-    // What is not a number proves nothing, and the maximum above passes over it.
-    if theta >= 0.5 || !g.is_finite() {
-        return None;
-    }
+/// Bounds of |T| = |B^-1 R|: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
+fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Table> {
+    let n = r.n;
     let mut t = Table::new(n);
-    for (p, pair) in pairs.iter().enumerate() {
-        let (at, conj) = columns.of_pair[p];
-        let r = residual_products(columns, &applied[p], at, columns.factors[p]);
-        let first: Vec<f64> = (0..n).map(|i| r.iter().zip(g.column(i)).map(|(r, g)| r * g).sum::<f64>() * UP).collect();
-        // The rest G (I - G)^-1 (G R) is at most theta / (1 - theta) times the largest entry of G R.
-        let rest = first.iter().copied().fold(0.0, f64::max) * (theta / (1.0 - theta)) * UP;
+    for &(at, conj) in &columns.of_pair {
+        let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, d)| r / d * UP).collect();
+        let first: Vec<f64> =
+            (0..n).map(|i| (0..n).map(|j| b.off.at(i, j) * scaled[j]).sum::<f64>() * UP).collect();
+        // The rest G (1 - G)^-1 (G R) is at most theta / (1 - theta) times the largest entry of G R.
+        let rest = first.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
         for i in 0..n {
-            let bound = (r[i] + first[i] + rest) * UP;
+            let bound = (scaled[i] + first[i] + rest) * UP;
             t.set(i, at, bound);
-            if !pair.is_real() {
-                t.set(columns.mirror[i], conj, bound);
-            }
+            t.set(columns.mirror[i], conj, bound);
         }
     }
     t.is_finite().then_some(t)
 }
 
-/// Bounds of |x_i^T r_k| for all i.
-fn residual_products(columns: &Columns, applied: &Application, k: usize, factor: Complex<f64>) -> Vec<f64> {
-    let force: Vec<Near> = applied.force.iter().map(|&f| Near::of(f, factor)).collect();
-    let gamma = (4 * force.len() + 16) as f64 * U;
-    let mut bounds: Vec<f64> = columns
-        .list
-        .iter()
-        .map(|column| {
-            let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
-            for (x, f) in column.x.iter().zip(&force) {
-                sum = sum + x.value * f.value;
-                error += x.size * f.error + x.error * f.size + gamma * x.size * f.size;
-            }
-            (sum.abs() + error * UP) * UP
-        })
-        .collect();
-    // x_k^T Q(s_k) x_k as a sum of energies is the sharper bound of the diagonal.
-    let energy = Near::of(applied.energy, factor * factor);
-    bounds[k] = bounds[k].min(energy.size + 8.0 * U * energy.size);
-    bounds
+/// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
+fn residual_products(columns: &Columns, applied: &[Application], pairs: &[Pair]) -> Table {
+    let mut table = Table::new(columns.list.len());
+    for (p, applied) in applied.iter().enumerate().take(pairs.len()) {
+        let (at, conj) = columns.of_pair[p];
+        let factor = columns.factors[p];
+        let force: Vec<Near> = applied.force.iter().map(|&f| Near::of(f, factor)).collect();
+        for (i, column) in columns.list.iter().enumerate() {
+            let bound = dot(&column.x, &force);
+            table.set(i, at, bound);
+            table.set(columns.mirror[i], conj, bound);
+        }
+        // x_k^T Q(s_k) x_k as a sum of energies is the sharper bound of the diagonal.
+        let energy = Near::of(applied.energy, factor * factor);
+        let bound = table.at(at, at).min(energy.size * (1.0 + 8.0 * U));
+        table.set(at, at, bound);
+        table.set(conj, conj, bound);
+    }
+    table
+}
+
+/// A bound of |x . f|.
+fn dot(x: &[Near], f: &[Near]) -> f64 {
+    let gamma = (4 * f.len() + 16) as f64 * U;
+    let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
+    for (x, f) in x.iter().zip(f) {
+        sum = sum + x.value * f.value;
+        error += x.size * f.error + x.error * f.size + gamma * x.size * f.size;
+    }
+    (sum.abs() + error * UP) * UP
 }
 
 /// Radii from the columns of D - T. Disjoint discs hold one pole each, and may then be shrunk: scaling column k by tau and
 /// row k by 1 / tau is a similarity, and while disc k stays clear of the others it still holds exactly its own.
-fn gershgorin(columns: &Columns, t: &Table, pairs: &[Pair]) -> Vec<Disc> {
-    let first = columns.rigid;
-    let n = columns.list.len();
+fn gershgorin(columns: &Columns, t: &Table) -> Vec<Disc> {
+    let (first, n) = (columns.rigid.len(), columns.list.len());
     let radii: Vec<f64> = (0..n).map(|k| t.column(k)[first..].iter().sum::<f64>() * UP).collect();
-    let centres = centres(columns, pairs);
-    // Poles at zero are exactly there, but their discs must stay clear as well: the others are no zeros.
-    let gap = |i: usize, k: usize| gap(&centres[i], &centres[k]);
+    let gap = |i: usize, k: usize| columns.gap(i, k);
     let clusters = clusters(first, n, |i, k| gap(i, k) <= (radii[i] + radii[k]) * UP);
-    columns
-        .of_pair
-        .iter()
-        .map(|&(k, conj)| {
-            let radius = match clusters[k] {
-                None => shrunk(t, &radii, first, k, &gap),
-                cluster => union_radius(&clusters, cluster, &radii, &centres, k),
-            };
-            Disc { radius, clusters: [clusters[k], clusters[conj]] }
-        })
-        .collect()
-}
-
-/// The centre of each column's disc.
-fn centres(columns: &Columns, pairs: &[Pair]) -> Vec<Complex<Ball>> {
-    let mut centres = vec![Complex::ZERO; columns.list.len()];
-    for (pair, &(at, conj)) in pairs.iter().zip(&columns.of_pair) {
-        centres[conj] = pair.s.conj().to_ball();
-        centres[at] = pair.s.to_ball();
-    }
-    centres
-}
-
-/// A lower bound of the distance of two centres.
-fn gap(a: &Complex<Ball>, b: &Complex<Ball>) -> f64 {
-    let d = *a - *b;
-    Complex::new(d.re.mignitude(), d.im.mignitude()).abs() * (2.0 - UP)
+    let disc = |&(k, conj): &(usize, usize)| {
+        let radius = match clusters[k] {
+            None => shrunk(t, &radii, first, k, &gap),
+            cluster => union_radius(&clusters, cluster, &radii, &columns.centres, k),
+        };
+        Disc { radius, clusters: [clusters[k], clusters[conj]] }
+    };
+    columns.of_pair.iter().map(disc).collect()
 }
 
 /// The radius of disc k under the best tau: with tau = 2 max T_ki / (gap - radii) each other disc grows by less than its gap.

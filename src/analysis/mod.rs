@@ -1,6 +1,7 @@
 //! Linear system to answers: modes, poles, and what they say about stability. Each answer carries its error bound and the
 //! route that found it. Nothing here knows the language or the scene. Clause: spec.md, "Modes" and "Poles".
 
+mod aberth;
 pub mod answer;
 mod certificate;
 mod companion;

@@ -62,6 +62,19 @@ impl Pencil {
         push(&self.k, Complex::real(Ball::ONE), x, force, energy, |_| ());
         result
     }
+
+    /// x^T (2 s M + C) x in binary64, from the stretches.
+    pub fn slope(&self, s: Complex<f64>, applied: &Application) -> Complex<f64> {
+        s.scale(2.0) * square(&self.m, &applied.m_stretch) + square(&self.c, &applied.c_stretch)
+    }
+}
+
+/// sum w t^2
+fn square(squares: &Squares, stretches: &[Complex<Ball>]) -> Complex<f64> {
+    squares.weights.iter().zip(stretches).fold(Complex::ZERO, |sum, (w, t)| {
+        let t = t.mid().to_f64();
+        sum + (t * t).scale(w.to_f64())
+    })
 }
 
 /// Adds z (sum w a a^T) x to the force and z sum w (a . x)^2 to the energy.

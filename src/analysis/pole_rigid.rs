@@ -1,111 +1,91 @@
-//! The rigid motions of an independent part, exactly: K x = 0 on rational numbers. Those that C does not feel either
-//! (C x = 0) move on for ever and are a double pole at zero; the others come to rest at any place, which is a single
-//! pole at zero. In: the part's terms. Out: a basis of each kind, or nothing where a term is no rational number.
-//! Clause: spec.md 11.6.
+//! The rigid motions of an independent part, exactly: K x = 0. Those that no damper feels either move on for ever and are a
+//! double pole at zero; the others come to rest at any place, which is a single pole at zero. In: the part as a system.
+//! Out: a basis of each kind, of rational vectors that are verified exactly. Clause: spec.md 11.7.
 
-use super::pole_parts::Part;
+use super::structure::null_space;
 use crate::base::{Number, Rational};
-use crate::system::{Form, LinearSystem};
+use crate::system::{CoordinateId, Form, LinearSystem, Nature};
 
-/// Exact bases of the null space of K.
+/// Bases of the null space of K.
 #[derive(Clone, Debug, Default)]
 pub struct RigidMotions {
-    /// K x = 0 and C x = 0
+    /// K x = 0, and no damper is stretched.
     pub free: Vec<Vec<Number>>,
-    /// K x = 0, and independent of the free ones after C.
+    /// K x = 0; independent of the free ones.
     pub dragged: Vec<Vec<Number>>,
 }
 
-type Rows = Vec<Vec<Rational>>;
+/// The rigid motions of a part that has some.
+pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
+    let n = part.n();
+    let motions = null_space(&part.k, n).vectors;
+    let free = if part.k.terms().iter().all(|term| term.weight.is_positive()) {
+        null_space(&with_dampers(part), n).vectors
+    } else {
+        let weights = null_space(&felt(part, &motions), motions.len()).vectors;
+        weights.iter().map(|weights| combination(&motions, weights, n)).collect()
+    };
+    let dragged = completing(&free, &motions);
+    RigidMotions { free: exact(free), dragged: exact(dragged) }
+}
 
-/// The rigid motions; `None` where a term of K or C is not rational, so that nothing is decided.
-pub fn rigid_motions(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<RigidMotions> {
-    let n = part.coordinates.len();
-    let k = assemble(&system.k, &part.k, local, n)?;
-    let c = assemble(&system.c, &part.c, local, n)?;
-    let motions = null_space(k, n);
-    if motions.is_empty() {
-        return Some(RigidMotions::default());
+fn exact(vectors: Vec<Vec<Rational>>) -> Vec<Vec<Number>> {
+    vectors.into_iter().map(|vector| vector.into_iter().map(Number::from).collect()).collect()
+}
+
+/// The positive terms of K and the dampers' rows with the weight one: together they annihilate what neither feels.
+fn with_dampers(part: &LinearSystem) -> Form {
+    let mut form = part.k.clone();
+    push_rows(&mut form, part, |row| row.to_vec());
+    form
+}
+
+/// The dampers' rows on the weights of motions: what they stretch when sum y_j N_j moves.
+fn felt(part: &LinearSystem, motions: &[Vec<Rational>]) -> Form {
+    let mut form = Form::new();
+    push_rows(&mut form, part, |row| {
+        let stretch = |motion: &Vec<Rational>| {
+            row.iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &Number::from(motion[i.index()].clone())))
+        };
+        motions.iter().enumerate().map(|(j, motion)| (CoordinateId(j as u32), stretch(motion))).collect()
+    });
+    form
+}
+
+type Row = Vec<(CoordinateId, Number)>;
+
+fn push_rows(form: &mut Form, part: &LinearSystem, of: impl Fn(&[(CoordinateId, Number)]) -> Row) {
+    for term in part.c.terms() {
+        let source = form.source(part.c.source_name(term.source));
+        form.push(source, Nature::Property, Number::ONE, of(part.c.row(term)));
     }
-    // C N y = 0 picks the free ones among the motions N y; unit vectors complete them.
-    let felt: Rows = c.iter().map(|row| motions.iter().map(|motion| dot(row, motion)).collect()).collect();
-    let (free, pivots) = null_space_and_pivots(felt, motions.len());
-    let free = free.iter().map(|weights| exact(combination(&motions, weights, n))).collect();
-    let dragged = pivots.iter().map(|&pivot| exact(motions[pivot].clone())).collect();
-    Some(RigidMotions { free, dragged })
 }
 
-fn exact(vector: Vec<Rational>) -> Vec<Number> {
-    vector.into_iter().map(Number::from).collect()
-}
-
-fn combination(vectors: &Rows, weights: &[Rational], n: usize) -> Vec<Rational> {
+fn combination(vectors: &[Vec<Rational>], weights: &[Rational], n: usize) -> Vec<Rational> {
     (0..n).map(|i| vectors.iter().zip(weights).fold(Rational::ZERO, |sum, (v, w)| &sum + &(&v[i] * w))).collect()
 }
 
-fn dot(a: &[Rational], b: &[Rational]) -> Rational {
-    a.iter().zip(b).fold(Rational::ZERO, |sum, (x, y)| if x.is_zero() || y.is_zero() { sum } else { &sum + &(x * y) })
-}
-
-/// sum w a a^T of the chosen terms.
-fn assemble(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Rows> {
-    let mut matrix = vec![vec![Rational::ZERO; n]; n];
-    for &index in terms {
-        let term = &form.terms()[index as usize];
-        let weight = term.weight.exact()?;
-        for (i, a) in form.row(term) {
-            let weighted = weight * a.exact()?;
-            for (j, b) in form.row(term) {
-                let entry = &mut matrix[local[i.index()] as usize][local[j.index()] as usize];
-                *entry = &*entry + &(&weighted * b.exact()?);
+/// Those of the motions that are independent of the free ones and of each other: each is reduced by what was kept before.
+fn completing(free: &[Vec<Rational>], motions: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
+    let mut reduced: Vec<(usize, Vec<Rational>)> = Vec::new();
+    let mut kept = Vec::new();
+    for (at, vector) in free.iter().chain(motions).enumerate() {
+        let mut rest = vector.clone();
+        for (pivot, row) in &reduced {
+            let factor = rest[*pivot].clone();
+            if !factor.is_zero() {
+                rest.iter_mut().zip(row).for_each(|(x, r)| *x = &*x - &(&factor * r));
             }
         }
-    }
-    Some(matrix)
-}
-
-fn null_space(rows: Rows, columns: usize) -> Rows {
-    null_space_and_pivots(rows, columns).0
-}
-
-/// Gauss-Jordan elimination: a basis of the null space, one vector for each column without a pivot, and the pivots' columns.
-fn null_space_and_pivots(mut rows: Rows, columns: usize) -> (Rows, Vec<usize>) {
-    let mut pivots = Vec::new();
-    for column in 0..columns {
-        let rank = pivots.len();
-        let Some(found) = (rank..rows.len()).find(|&r| !rows[r][column].is_zero()) else { continue };
-        rows.swap(rank, found);
-        clear(&mut rows, rank, column);
-        pivots.push(column);
-    }
-    let basis = (0..columns).filter(|column| !pivots.contains(column)).map(|column| {
-        let mut vector = vec![Rational::ZERO; columns];
-        vector[column] = Rational::ONE;
-        for (row, &pivot) in pivots.iter().enumerate() {
-            vector[pivot] = -&rows[row][column];
-        }
-        vector
-    });
-    (basis.collect(), pivots)
-}
-
-/// Scales the pivot to one and clears its column in all other rows.
-fn clear(rows: &mut Rows, pivot: usize, column: usize) {
-    let head = rows[pivot][column].clone();
-    for entry in &mut rows[pivot] {
-        *entry = &*entry / &head;
-    }
-    let source = rows[pivot].clone();
-    for (r, row) in rows.iter_mut().enumerate() {
-        if r != pivot && !row[column].is_zero() {
-            let factor = row[column].clone();
-            for (entry, s) in row.iter_mut().zip(&source) {
-                if !s.is_zero() {
-                    *entry = &*entry - &(&factor * s);
-                }
-            }
+        let Some(pivot) = rest.iter().position(|x| !x.is_zero()) else { continue };
+        let head = rest[pivot].clone();
+        rest.iter_mut().for_each(|x| *x = &*x / &head);
+        reduced.push((pivot, rest));
+        if at >= free.len() {
+            kept.push(vector.clone());
         }
     }
+    kept
 }
 
 #[cfg(test)]
@@ -113,10 +93,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_null_space_is_what_the_matrix_annihilates() {
-        let rows: Rows = [[1, -1, 0], [-1, 2, -1], [0, -1, 1]].map(|row| row.map(Rational::from).to_vec()).to_vec();
-        let (basis, pivots) = null_space_and_pivots(rows.clone(), 3);
-        assert_eq!((basis.len(), pivots), (1, vec![0, 1]));
-        assert!(rows.iter().all(|row| dot(row, &basis[0]).is_zero()));
+    fn free_motions_are_completed_by_independent_ones() {
+        let vector = |entries: [i64; 3]| entries.map(Rational::from).to_vec();
+        let motions = [vector([1, 0, 0]), vector([0, 1, 1]), vector([1, 1, 1])];
+        assert_eq!(completing(&[vector([2, 2, 2])], &motions[..2]), [vector([1, 0, 0])]);
+        assert_eq!(completing(&[], &motions), motions[..2]);
     }
 }

@@ -4,6 +4,7 @@
 //! Independent parts are taken one by one. Without damping the poles are +-i omega; one coordinate is a quadratic; damping
 //! C = alpha M + beta K makes a quadratic of each mode; what is left is refined from the companion matrix.
 
+use super::aberth::aberth;
 use super::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route};
 use super::companion::Basis;
 use super::complex::Complex;
@@ -13,7 +14,7 @@ use super::pencil::Pencil;
 use super::pole_parts::{Part, as_system, independent};
 use super::pole_proportional::{Proportional, proportional};
 use super::pole_quadratic::{Root, Roots, roots};
-use super::pole_rigid::rigid_motions;
+use super::pole_rigid::{RigidMotions, rigid_motions};
 use super::refinement::{Pair, refine};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{Form, LinearSystem};
@@ -94,18 +95,36 @@ fn diagonal(form: &Form, terms: &[u32]) -> Number {
 /// Companion, refinement, discs.
 fn general(system: &LinearSystem, part: &Part, local: &[u32], modes: &Modes, found: &mut Found) {
     let pencil = Pencil::of(system, part, local);
-    let rigid = rigid_motions(system, part, local).unwrap_or_default();
+    let rigid = if modes.list.iter().any(|mode| mode.kind == ModeKind::Rigid) {
+        rigid_motions(&as_system(system, part, local))
+    } else {
+        RigidMotions::default()
+    };
     let basis = Basis::of(&pencil, modes, &rigid);
     (0..basis.zeros()).for_each(|_| found.zero());
-    let starts = basis.starts().unwrap_or_default();
-    let pairs: Vec<Pair> =
-        starts.iter().enumerate().filter_map(|(seed, &start)| refine(&pencil, &basis, start, seed)).collect();
-    let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
+    let starts = basis.starts();
+    let (mut pairs, mut discs) = certified(&pencil, &basis, &rigid, &starts);
+    if discs.iter().any(|disc| disc.radius.is_infinite()) || discs.is_empty() {
+        (pairs, discs) = certified(&pencil, &basis, &rigid, &aberth(&basis, &starts));
+    }
     let dissipative = pencil.c.all_positive() && pencil.m.all_positive();
     let first = found.next_cluster;
     for (pair, disc) in pairs.iter().zip(&discs) {
         found.refined(pair, disc, dissipative, first);
     }
+}
+
+/// Each start refined, and the discs of what comes out.
+fn certified(
+    pencil: &Pencil,
+    basis: &Basis,
+    rigid: &RigidMotions,
+    starts: &[Complex<f64>],
+) -> (Vec<Pair>, Vec<Disc>) {
+    let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(pencil, basis, start, seed));
+    let pairs: Vec<Pair> = refined.collect();
+    let discs = discs(pencil, rigid, &pairs, 2 * pencil.n);
+    (pairs, discs)
 }
 
 /// Poles as they are found.

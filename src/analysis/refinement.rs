@@ -54,7 +54,25 @@ pub fn refine(pencil: &Pencil, basis: &Basis, start: Complex<f64>, seed: usize) 
         }
         last = size;
     }
+    // Rounding keeps a real pole that was found from beside the axis a little off it.
+    let off_axis = pair.s.im.to_f64().abs();
+    if !real && off_axis < 1e-18 * pair.s.to_f64().abs() {
+        return refine(pencil, basis, Complex::real(pair.s.re.to_f64()), seed);
+    }
+    balance_energies(pencil, &mut pair);
     Some(pair)
+}
+
+/// s <- s - x^T Q(s) x / x^T Q'(s) x: Rayleigh's quotient. The energies of stiff springs that hardly stretch are second-order
+/// small, so a slow pole beside fast ones gets all its digits, which the forces of those springs would drown.
+fn balance_energies(pencil: &Pencil, pair: &mut Pair) {
+    let applied = pencil.apply(pair.s, &pair.x);
+    let slope = pencil.slope(pair.s.to_f64(), &applied);
+    let step = -(applied.energy.mid().to_f64() * slope.recip());
+    // Near a double pole the slope vanishes and the quotient says nothing.
+    if step.one_norm() < 1e-10 * pair.s.to_f64().one_norm() {
+        pair.s = pair.s + step.into();
+    }
 }
 
 /// x = Phi y, in double-double.
@@ -88,7 +106,7 @@ fn norm(y: &[Complex<f64>]) -> f64 {
 }
 
 /// Phi^T Q(s) Phi as s^2 + C~ s + Omega^2.
-fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
+pub fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
     let damped = s.scale(basis.damping[(i, j)]);
     if i == j { s * s + damped + Complex::real(basis.omega_squared[i]) } else { damped }
 }
@@ -155,7 +173,7 @@ impl Newton {
 }
 
 /// LU with partial pivoting.
-struct Factors {
+pub struct Factors {
     lu: Matrix<Complex<f64>>,
     order: Vec<usize>,
 }
@@ -163,7 +181,7 @@ struct Factors {
 impl Factors {
     /// `None` for a matrix that is not finite. A pivot of zero becomes a very small one: the matrix of an eigenvalue is
     /// singular, and that is what inverse iteration lives on.
-    fn of(mut lu: Matrix<Complex<f64>>) -> Option<Factors> {
+    pub fn of(mut lu: Matrix<Complex<f64>>) -> Option<Factors> {
         let n = lu.rows();
         let largest = (0..n).flat_map(|j| lu.column(j)).map(|z| z.one_norm()).fold(0.0, f64::max);
         if !largest.is_finite() {
@@ -188,7 +206,7 @@ impl Factors {
         Some(Factors { lu, order })
     }
 
-    fn solve(&self, b: &mut [Complex<f64>]) {
+    pub fn solve(&self, b: &mut [Complex<f64>]) {
         let n = b.len();
         let mut x: Vec<Complex<f64>> = self.order.iter().map(|&i| b[i]).collect();
         for j in 0..n {
