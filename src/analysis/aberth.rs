@@ -6,7 +6,7 @@
 use super::companion::Basis;
 use super::complex::Complex;
 use super::dense::Matrix;
-use super::refinement::{Factors, modal};
+use super::refinement::Factors;
 
 /// Far more than the dozen that bad starts take.
 const MOST_SWEEPS: usize = 60;
@@ -55,6 +55,12 @@ fn correction(basis: &Basis, values: &[Complex<f64>], i: usize) -> Complex<f64> 
     let zeros = inverse(s).scale(basis.zeros() as f64);
     let step = inverse(slope - zeros - others);
     if step.is_finite() { step } else { Complex::ZERO }
+}
+
+/// s^2 + C~ s + Omega^2
+fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
+    let damped = s.scale(basis.damping[(i, j)]);
+    if i == j { s * s + damped + Complex::real(basis.omega_squared[i]) } else { damped }
 }
 
 /// p'(s) / p(s) for p = det Q; `None` where s is a pole to the last bit.

@@ -11,7 +11,8 @@ use super::complex::Complex;
 use super::dense::Matrix;
 use super::pencil::Pencil;
 use super::pole_rigid::RigidMotions;
-use crate::base::Number;
+use super::squares::Squares;
+use crate::base::{Ball, Dd};
 use nalgebra::{DMatrix, Schur};
 
 /// Modes as a basis: binary64 columns, and C~ in it.
@@ -21,6 +22,10 @@ pub struct Basis {
     pub shapes: Matrix<f64>,
     pub free: usize,
     pub dragged: usize,
+    /// w (a . N) of the terms of M, and of C, for each rigid motion N: the forces on it without those of springs, which do
+    /// not feel it.
+    pub rigid_inertia: Vec<Vec<Dd>>,
+    pub rigid_drag: Vec<Vec<Dd>>,
     /// omega^2, zero for rigid motions.
     pub omega_squared: Vec<f64>,
     /// Phi^T C Phi; rows of free motions are zero.
@@ -30,7 +35,9 @@ pub struct Basis {
 impl Basis {
     /// `modes` are all n modes of the part.
     pub fn of(pencil: &Pencil, modes: &Modes, rigid: &RigidMotions) -> Basis {
-        let mut columns = rigid_columns(pencil, rigid);
+        let rigid_columns = rigid_columns(pencil, rigid);
+        let mut columns: Vec<Vec<f64>> =
+            rigid_columns.iter().map(|column| column.iter().map(|x| x.to_f64()).collect()).collect();
         let mut omega_squared = vec![0.0; columns.len()];
         for mode in modes.list.iter().filter(|mode| mode.kind != ModeKind::Rigid) {
             columns.push(mode.shape.clone());
@@ -38,7 +45,15 @@ impl Basis {
         }
         let shapes = Matrix::from_fn(pencil.n, columns.len(), |i, j| columns[j][i]);
         let damping = damping(pencil, &shapes, rigid.free.len());
-        Basis { shapes, free: rigid.free.len(), dragged: rigid.dragged.len(), omega_squared, damping }
+        Basis {
+            shapes,
+            free: rigid.free.len(),
+            dragged: rigid.dragged.len(),
+            rigid_inertia: rigid_columns.iter().map(|x| forces(&pencil.m, x)).collect(),
+            rigid_drag: rigid_columns.iter().map(|x| forces(&pencil.c, x)).collect(),
+            omega_squared,
+            damping,
+        }
     }
 
     pub fn n(&self) -> usize {
@@ -68,7 +83,8 @@ impl Basis {
         .collect()
     }
 
-    fn rigid(&self) -> usize {
+    /// The number of rigid motions.
+    pub fn rigid(&self) -> usize {
         self.free + self.dragged
     }
 
@@ -159,35 +175,36 @@ fn joined(fast: Vec<Complex<f64>>, mut slow: Vec<Complex<f64>>) -> Vec<Complex<f
 }
 
 /// The rigid motions made orthonormal with respect to M (Gram-Schmidt, free ones first).
-fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions) -> Vec<Vec<f64>> {
-    let mut columns: Vec<Vec<f64>> = Vec::new();
+fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions) -> Vec<Vec<Dd>> {
+    let mut columns: Vec<Vec<Dd>> = Vec::new();
     for motion in rigid.free.iter().chain(&rigid.dragged) {
-        let mut x: Vec<f64> = motion.iter().map(Number::to_f64).collect();
+        let mut x: Vec<Dd> = motion.iter().map(|number| number.to_ball().mid).collect();
         // Twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 6.9).
         for _ in 0..2 {
             for column in &columns {
                 let part = inertia(pencil, column, &x);
-                x.iter_mut().zip(column).for_each(|(x, c)| *x -= part * c);
+                x.iter_mut().zip(column).for_each(|(x, &c)| *x -= part * c);
             }
         }
-        let length = inertia(pencil, &x, &x).sqrt();
-        x.iter_mut().for_each(|x| *x /= length);
+        let scale = inertia(pencil, &x, &x).sqrt().recip();
+        x.iter_mut().for_each(|x| *x = *x * scale);
         columns.push(x);
     }
     columns
 }
 
 /// x^T M y
-fn inertia(pencil: &Pencil, x: &[f64], y: &[f64]) -> f64 {
-    (0..pencil.m.len())
-        .map(|t| {
-            let (indices, values) = pencil.m.row(t);
-            pencil.m.weights[t].to_f64() * dot(indices, values, x) * dot(indices, values, y)
-        })
-        .sum()
+fn inertia(pencil: &Pencil, x: &[Dd], y: &[Dd]) -> Dd {
+    let forces = forces(&pencil.m, x);
+    (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch(t, y).mid)
 }
 
-fn dot(indices: &[u32], values: &[crate::base::Ball], x: &[f64]) -> f64 {
+/// w (a . x) of each term.
+fn forces(squares: &Squares, x: &[Dd]) -> Vec<Dd> {
+    (0..squares.len()).map(|t| squares.weights[t].mid * squares.stretch(t, x).mid).collect()
+}
+
+fn dot(indices: &[u32], values: &[Ball], x: &[f64]) -> f64 {
     indices.iter().zip(values).map(|(&i, a)| a.mid.hi * x[i as usize]).sum()
 }
 

@@ -319,8 +319,7 @@ fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Table> {
     let mut t = Table::new(n);
     for &(at, conj) in &columns.of_pair {
         let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, d)| r / d * UP).collect();
-        let first: Vec<f64> =
-            (0..n).map(|i| (0..n).map(|j| b.off.at(i, j) * scaled[j]).sum::<f64>() * UP).collect();
+        let first: Vec<f64> = (0..n).map(|i| (0..n).map(|j| b.off.at(i, j) * scaled[j]).sum::<f64>() * UP).collect();
         // The rest G (1 - G)^-1 (G R) is at most theta / (1 - theta) times the largest entry of G R.
         let rest = first.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
         for i in 0..n {

@@ -31,9 +31,10 @@ pub struct Application {
     pub force: Vec<Complex<Ball>>,
     /// x^T Q(s) x, term by term
     pub energy: Complex<Ball>,
-    /// a . x of the terms of M and of C
+    /// a . x of the terms of M, of C and of K
     pub m_stretch: Vec<Complex<Ball>>,
     pub c_stretch: Vec<Complex<Ball>>,
+    pub k_stretch: Vec<Complex<Ball>>,
 }
 
 impl Pencil {
@@ -55,11 +56,12 @@ impl Pencil {
             energy: Complex::ZERO,
             m_stretch: Vec::with_capacity(self.m.len()),
             c_stretch: Vec::with_capacity(self.c.len()),
+            k_stretch: Vec::with_capacity(self.k.len()),
         };
         let (force, energy) = (&mut result.force, &mut result.energy);
         push(&self.m, s * s, x, force, energy, |t| result.m_stretch.push(t));
         push(&self.c, s, x, force, energy, |t| result.c_stretch.push(t));
-        push(&self.k, Complex::real(Ball::ONE), x, force, energy, |_| ());
+        push(&self.k, Complex::real(Ball::ONE), x, force, energy, |t| result.k_stretch.push(t));
         result
     }
 

@@ -115,12 +115,7 @@ fn general(system: &LinearSystem, part: &Part, local: &[u32], modes: &Modes, fou
 }
 
 /// Each start refined, and the discs of what comes out.
-fn certified(
-    pencil: &Pencil,
-    basis: &Basis,
-    rigid: &RigidMotions,
-    starts: &[Complex<f64>],
-) -> (Vec<Pair>, Vec<Disc>) {
+fn certified(pencil: &Pencil, basis: &Basis, rigid: &RigidMotions, starts: &[Complex<f64>]) -> (Vec<Pair>, Vec<Disc>) {
     let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(pencil, basis, start, seed));
     let pairs: Vec<Pair> = refined.collect();
     let discs = discs(pencil, rigid, &pairs, 2 * pencil.n);

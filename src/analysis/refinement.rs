@@ -7,7 +7,7 @@ use super::companion::Basis;
 use super::complex::Complex;
 use super::dense::Matrix;
 use super::pencil::{Pencil, Vector};
-use crate::base::Dd;
+use crate::base::{Ball, Dd};
 
 /// An approximate pole and its vector, as exactly these numbers.
 #[derive(Clone, Debug)]
@@ -36,9 +36,7 @@ pub fn refine(pencil: &Pencil, basis: &Basis, start: Complex<f64>, seed: usize) 
     let mut newton = Newton::at(basis, start, &y)?;
     let mut last = f64::INFINITY;
     for _ in 0..MOST_STEPS {
-        let force = pencil.apply(pair.s, &pair.x).force;
-        let force: Vec<Complex<f64>> = force.iter().map(|z| z.mid().to_f64()).collect();
-        let (dy, ds) = newton.step(basis, &force)?;
+        let (dy, ds) = newton.step(residual(pencil, basis, &pair))?;
         apply_step(basis, &mut pair, &mut y, &dy, ds);
         let s = pair.s.to_f64();
         let size = (ds.abs() / s.abs()).max(norm(&dy) / norm(&y));
@@ -105,18 +103,62 @@ fn norm(y: &[Complex<f64>]) -> f64 {
     y.iter().map(|z| z.one_norm()).fold(0.0, f64::max)
 }
 
-/// Phi^T Q(s) Phi as s^2 + C~ s + Omega^2.
-pub fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
-    let damped = s.scale(basis.damping[(i, j)]);
-    if i == j { s * s + damped + Complex::real(basis.omega_squared[i]) } else { damped }
+/// Phi^T Q(s) Phi = s^2 + C~ s + Omega^2, where the rows of free motions, which are s^2 alone, are divided by s^2 and those of
+/// dragged ones by s: the equations are N^T M x = 0 and N^T (s M + C) x = 0, without the forces of springs.
+fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
+    let (unit, damping) = (if i == j { 1.0 } else { 0.0 }, basis.damping[(i, j)]);
+    if i < basis.free {
+        return Complex::real(unit);
+    }
+    if i < basis.rigid() {
+        return s.scale(unit) + Complex::real(damping);
+    }
+    (s * s + Complex::real(basis.omega_squared[i])).scale(unit) + s.scale(damping)
 }
 
-/// Two steps of inverse iteration from a scrambled vector (a smooth one can be orthogonal to what is sought).
+/// The derivative of `modal` with respect to s, times y.
+fn modal_slope(basis: &Basis, s: Complex<f64>, y: &[Complex<f64>], i: usize) -> Complex<f64> {
+    if i < basis.free {
+        return Complex::ZERO;
+    }
+    if i < basis.rigid() {
+        return y[i];
+    }
+    let damped = y.iter().enumerate().fold(Complex::ZERO, |sum, (j, y)| sum + y.scale(basis.damping[(i, j)]));
+    s.scale(2.0) * y[i] + damped
+}
+
+/// Phi^T Q(s) x, rows divided as in `modal`.
+fn residual(pencil: &Pencil, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>> {
+    let applied = pencil.apply(pair.s, &pair.x);
+    let force: Vec<Complex<f64>> = applied.force.iter().map(|z| z.mid().to_f64()).collect();
+    let of_row = |j: usize| {
+        if j < basis.free {
+            return weighted(&basis.rigid_inertia[j], &applied.m_stretch).to_f64();
+        }
+        if j < basis.rigid() {
+            let inertia = weighted(&basis.rigid_inertia[j], &applied.m_stretch);
+            let drag = weighted(&basis.rigid_drag[j], &applied.c_stretch);
+            return (pair.s * inertia + drag).to_f64();
+        }
+        basis.shapes.column(j).iter().zip(&force).fold(Complex::ZERO, |sum, (&a, &f)| sum + f.scale(a))
+    };
+    (0..basis.n()).map(of_row).collect()
+}
+
+/// sum factor_t stretch_t
+fn weighted(factors: &[Dd], stretches: &[Complex<Ball>]) -> Complex<Dd> {
+    factors.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.mid().scale(f))
+}
+
+/// Two steps of inverse iteration from a scrambled vector (a smooth one can be orthogonal to what is sought). No pole but
+/// zero moves a free motion.
 fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<Complex<f64>>> {
     let n = basis.n();
     let factors = Factors::of(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
     let mut y: Vec<Complex<f64>> = (0..n).map(|i| Complex::real(scrambled(i + 977 * seed))).collect();
     for _ in 0..2 {
+        y[..basis.free].fill(Complex::ZERO);
         factors.solve(&mut y);
         let size = norm(&y);
         if !(size.is_finite() && size > 0.0) {
@@ -141,34 +183,22 @@ struct Newton {
 impl Newton {
     fn at(basis: &Basis, s: Complex<f64>, y: &[Complex<f64>]) -> Option<Newton> {
         let n = basis.n();
-        let slope: Vec<Complex<f64>> = (0..n)
-            .map(|i| {
-                let damped = (0..n).fold(Complex::ZERO, |sum, j| sum + y[j].scale(basis.damping[(i, j)]));
-                s.scale(2.0) * y[i] + damped
-            })
-            .collect();
         let matrix = Matrix::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
             (false, false) => modal(basis, s, i, j),
-            (false, true) => slope[i],
+            (false, true) => modal_slope(basis, s, y, i),
             (true, false) => y[j].conj(),
             (true, true) => Complex::ZERO,
         });
         Some(Newton { factors: Factors::of(matrix)? })
     }
 
-    /// The corrections of y and s for a residual Q(s) x.
-    fn step(&self, basis: &Basis, force: &[Complex<f64>]) -> Option<(Vec<Complex<f64>>, Complex<f64>)> {
-        let n = basis.n();
-        let mut rhs: Vec<Complex<f64>> = (0..n)
-            .map(|j| {
-                let shape = basis.shapes.column(j);
-                -shape.iter().zip(force).fold(Complex::ZERO, |sum, (&a, &f)| sum + f.scale(a))
-            })
-            .collect();
-        rhs.push(Complex::ZERO);
-        self.factors.solve(&mut rhs);
-        let ds = rhs.pop()?;
-        Some((rhs, ds))
+    /// The corrections of y and s for a residual Phi^T Q(s) x.
+    fn step(&self, mut residual: Vec<Complex<f64>>) -> Option<(Vec<Complex<f64>>, Complex<f64>)> {
+        residual.iter_mut().for_each(|r| *r = -*r);
+        residual.push(Complex::ZERO);
+        self.factors.solve(&mut residual);
+        let ds = residual.pop()?;
+        Some((residual, ds))
     }
 }
 
