@@ -40,6 +40,7 @@ mod test_systems;
 pub mod transfer;
 mod transfer_exact;
 mod transfer_inverse;
+pub mod transfer_table;
 mod triple;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
@@ -51,3 +52,4 @@ pub use shape::{Normalise, normalise};
 pub use signal::Signal;
 pub use stability::stability;
 pub use transfer::{Disc, Frequency, Gain, Transfer};
+pub use transfer_table::{Feature, FeatureKind, Sweep, Table, table};

@@ -1,7 +1,7 @@
 //! Transfer functions: the hard cases with their bounds, and closed forms.
 
 use super::systems::{Builder, HardCase, number};
-use vibc::analysis::{Frequency, Gain, Transfer};
+use vibc::analysis::{self, FeatureKind, Frequency, Gain, Sweep, Table, Transfer};
 use vibc::base::{Number, Rational};
 use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
 
@@ -191,4 +191,63 @@ fn a_chain_of_eight_masses_has_its_published_receptance() {
         assert!(error <= 2e-7 * re.hypot(im), "{f} Hz: {disc:?}");
         assert!(disc.relative_error() < 1e-17, "{f} Hz: {:e}", disc.relative_error());
     }
+}
+
+/// The default table of one pair.
+fn table_of(system: &LinearSystem, input: usize, output: usize) -> Table {
+    let modes = analysis::modes(system).expect("a regular system");
+    let poles = analysis::poles(system, &modes).expect("poles");
+    let sweep = Sweep { inputs: vec![input], outputs: vec![output], ..Sweep::default() };
+    analysis::table(&Transfer::of(system), &poles, &sweep)
+}
+
+/// An antiresonance nine decades deep between two peaks of damping ratio 2e-10, none of them on a grid.
+#[test]
+fn the_default_table_misses_nothing() {
+    let system = with_every_pair(HardCase::load("o25_absorber_antiresonance").system);
+    let table = table_of(&system, 0, 0);
+    let kinds: Vec<FeatureKind> = table.features.iter().map(|feature| feature.kind).collect();
+    assert_eq!(kinds, [FeatureKind::Peak, FeatureKind::Antiresonance, FeatureKind::Peak]);
+    let omega = |i: usize| table.features[i].frequency.to_f64() * 2.0 * std::f64::consts::PI;
+    assert!((omega(1) - 10.0).abs() < 1e-12, "{:?}", omega(1));
+    assert!((omega(0) - 8.543089535574104).abs() < 1e-12);
+    let deep = table.features[1].gain.disc().expect("finite").value.to_f64().abs();
+    // At 10 rad/s: H = 1 / (k_eff), with the absorber's dynamic stiffness 1e9 at resonance: 1e-9 or below.
+    assert!(deep < 1.1e-9, "{deep:e}");
+    let (low, high) = table.features[0].half_power.expect("a width");
+    let width = (high - low) * std::f64::consts::PI;
+    assert!((width / 1.539653345e-9 - 1.0).abs() < 1e-3, "{width:e}");
+    assert!(table.rows.windows(2).all(|w| w[0].frequency.to_f64() < w[1].frequency.to_f64()));
+}
+
+/// The peak of an oscillator is at omega sqrt(1 - 2 zeta^2) with the gain 1 / (2 k zeta sqrt(1 - zeta^2)).
+#[test]
+fn a_peak_is_at_its_maximum() {
+    let mut b = Builder::numbered(1);
+    b.mass(0, &number("1"));
+    b.spring(None, 0, &number("100"));
+    let label = b.label("c");
+    let source = b.c.source(label);
+    b.c.push(source, vibc::system::Nature::Property, number("4"), [(CoordinateId(0), Number::ONE)]);
+    let table = table_of(&with_every_pair(b.finish()), 0, 0);
+    let zeta = 0.2f64;
+    let peak = &table.features[0];
+    let omega = peak.frequency.to_f64() * 2.0 * std::f64::consts::PI;
+    assert!((omega - 10.0 * (1.0 - 2.0 * zeta * zeta).sqrt()).abs() < 1e-7, "{omega}");
+    let gain = peak.gain.disc().expect("finite").gain().to_f64();
+    assert!((gain * 200.0 * zeta * (1.0 - zeta * zeta).sqrt() - 1.0).abs() < 1e-14);
+    assert_eq!(table.features.len(), 1);
+}
+
+/// Without damping the peaks are infinite, at the poles.
+#[test]
+fn undamped_peaks_are_infinite() {
+    let system = with_every_pair(HardCase::load("o26_pole_zero_cancel").system);
+    let peaks = |input, output| {
+        let table = table_of(&system, input, output);
+        table.features.into_iter().filter(|f| f.kind == FeatureKind::Peak).map(|f| f.gain).collect::<Vec<_>>()
+    };
+    assert_eq!(peaks(0, 0), [Gain::Infinite; 3]);
+    // The middle mass sees nothing of the second mode.
+    assert_eq!(peaks(1, 1), [Gain::Infinite; 2]);
 }
