@@ -52,4 +52,4 @@ pub use shape::{Normalise, normalise};
 pub use signal::Signal;
 pub use stability::stability;
 pub use transfer::{Disc, Frequency, Gain, Transfer};
-pub use transfer_table::{Feature, FeatureKind, Sweep, Table, table};
+pub use transfer_table::{Feature, FeatureKind, Row, Sweep, Table, table};

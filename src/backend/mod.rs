@@ -8,6 +8,8 @@ pub mod json;
 pub mod report;
 #[cfg(test)]
 mod samples;
+pub mod simulation;
+pub mod transfer;
 
 use crate::analysis::{Modes, Normalise, Poles, Stability};
 use crate::lower::Rest;

@@ -328,3 +328,14 @@ fn a_chirp_is_followed_to_its_bound() {
         assert!(a.rad < 1e-15 && a.to_f64().abs() > 1e-6);
     }
 }
+
+#[test]
+fn motions_are_printed() {
+    let system = oscillator("0.5", "10", "200", "0.01", "0");
+    let times = vibc::analysis::grid(&n("0.5"), &n("0.125"));
+    let step = Signal::Step { value: n("200"), at: n("0.25") };
+    let history = respond(&system, &[vec![step]], &times).expect("a motion");
+    insta::assert_snapshot!(vibc::backend::simulation::csv(&system, &history));
+    insta::assert_snapshot!(vibc::backend::simulation::json("oscillator", &system, &history));
+    insta::assert_snapshot!(vibc::backend::simulation::text("oscillator", &system, &history));
+}

@@ -251,3 +251,30 @@ fn undamped_peaks_are_infinite() {
     // The middle mass sees nothing of the second mode.
     assert_eq!(peaks(1, 1), [Gain::Infinite; 2]);
 }
+
+/// What a user sees of the absorber: text, and the form of the CSV and the JSON.
+#[test]
+fn tables_are_printed() {
+    let system = with_every_pair(HardCase::load("o25_absorber_antiresonance").system);
+    let table = table_of(&system, 0, 0);
+    insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
+    let modes = analysis::modes(&system).expect("a regular system");
+    let poles = analysis::poles(&system, &modes).expect("poles");
+    let at = ["0", "1.5", "1.6"].map(number).to_vec();
+    let sweep = Sweep { inputs: vec![0], outputs: vec![0, 1], at, ..Sweep::default() };
+    let table = analysis::table(&Transfer::of(&system), &poles, &sweep);
+    insta::assert_snapshot!(vibc::backend::transfer::csv(&system, &table));
+    insta::assert_snapshot!(vibc::backend::transfer::json(&system, &table));
+    insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
+    // An undamped system at rest with a rigid motion.
+    let mut b = Builder::numbered(1);
+    b.mass(0, &number("2"));
+    let free = with_every_pair(b.finish());
+    let sweep = Sweep { inputs: vec![0], outputs: vec![0], at: vec![Number::ZERO, Number::ONE], ..Sweep::default() };
+    let modes = analysis::modes(&free).expect("a regular system");
+    let poles = analysis::poles(&free, &modes).expect("poles");
+    insta::assert_snapshot!(vibc::backend::transfer::csv(
+        &free,
+        &analysis::table(&Transfer::of(&free), &poles, &sweep)
+    ));
+}

@@ -6,7 +6,7 @@ mod matrices;
 mod modes;
 mod poles;
 mod rest;
-mod table;
+pub(super) mod table;
 
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{ModeKind, Share, Stability};

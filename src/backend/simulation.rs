@@ -1,0 +1,120 @@
+//! The motion in time as CSV, JSON and text. Clause: spec.md, "Response".
+
+use super::decimal::{certain, certain_number, upper};
+use super::report::table::{Align, Table};
+use crate::analysis::History;
+use crate::base::{Ball, Dd};
+use crate::system::LinearSystem;
+
+const INDENT: usize = 2;
+const DIGITS: usize = 6;
+
+/// `time_s` and a column for each output, named as in the model; a row a sample. What is unknown is an empty field.
+pub fn csv(system: &LinearSystem, history: &History) -> String {
+    let mut text = String::from("time_s");
+    for output in &system.outputs {
+        text.push(',');
+        text += &system.display(output.name);
+    }
+    text.push('\n');
+    for (time, values) in history.times.iter().zip(&history.values) {
+        text += &shortest(time.to_f64());
+        for value in values {
+            text.push(',');
+            if value.is_finite() {
+                text += &shortest(value.to_f64() + 0.0);
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...]}]}`; the bound is absolute and holds for
+/// every value of its output as printed.
+pub fn json(model: &str, system: &LinearSystem, history: &History) -> String {
+    let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
+        .map(|(i, output)| JsonOutput {
+            name: system.display(output.name),
+            unit: output.unit,
+            error_bound: Some(worst_error(history, i)).filter(|bound| bound.is_finite()),
+            values: history.values.iter().map(|row| finite(&row[i])).collect(),
+        })
+        .collect();
+    let report = JsonHistory {
+        vibc: env!("CARGO_PKG_VERSION"),
+        model,
+        time_s: history.times.iter().map(|time| time.to_f64()).collect(),
+        outputs,
+    };
+    serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
+}
+
+#[derive(serde::Serialize)]
+struct JsonHistory<'a> {
+    vibc: &'static str,
+    model: &'a str,
+    time_s: Vec<f64>,
+    outputs: Vec<JsonOutput>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonOutput {
+    name: String,
+    unit: &'static str,
+    error_bound: Option<f64>,
+    values: Vec<Option<f64>>,
+}
+
+/// The range of each output and where it ends, with the largest error.
+pub fn text(model: &str, system: &LinearSystem, history: &History) -> String {
+    let until = history.times.last().map_or("0".into(), |time| certain_number(time, DIGITS));
+    let mut text = format!("{model} · motion until {until} s, {} samples\n", history.times.len());
+    let mut table = Table::new()
+        .column("output", "", Align::Left)
+        .column("unit", "", Align::Left)
+        .column("least", "", Align::Point)
+        .column("at [s]", "", Align::Point)
+        .column("largest", "", Align::Point)
+        .column("at [s]", "", Align::Point)
+        .column("at the end", "", Align::Point)
+        .column("error ≤", "", Align::Right);
+    for (i, output) in system.outputs.iter().enumerate() {
+        table.row(cells(system.display(output.name), output.unit, history, i));
+    }
+    text += &table.text(INDENT);
+    text
+}
+
+fn cells(name: String, unit: &str, history: &History, output: usize) -> Vec<String> {
+    let value = |sample: usize| history.values[sample][output];
+    let by = |better: fn(f64, f64) -> bool| {
+        (0..history.values.len())
+            .reduce(|best, i| if better(value(i).to_f64(), value(best).to_f64()) { i } else { best })
+    };
+    let time = |sample: usize| certain_number(&history.times[sample], DIGITS);
+    let mut cells = vec![name, unit.to_string()];
+    for extreme in [by(|a, b| a < b), by(|a, b| a > b)] {
+        cells.extend(extreme.map_or(["".into(), "".into()], |i| [certain(&value(i), DIGITS), time(i)]));
+    }
+    cells.push(history.values.len().checked_sub(1).map_or(String::new(), |i| certain(&value(i), DIGITS)));
+    cells.push(upper(worst_error(history, output)));
+    cells
+}
+
+/// The largest |printed - true| of an output.
+fn worst_error(history: &History, output: usize) -> f64 {
+    let error = |row: &Vec<Ball>| {
+        let value = row[output];
+        value.rad + (value.mid - Dd::from(value.to_f64())).abs().to_f64()
+    };
+    history.values.iter().map(error).fold(0.0, f64::max) * (1.0 + 1e-12)
+}
+
+fn finite(value: &Ball) -> Option<f64> {
+    value.is_finite().then(|| value.to_f64() + 0.0)
+}
+
+fn shortest(x: f64) -> String {
+    serde_json::to_string(&x).expect("a finite number has a JSON form")
+}
