@@ -3,6 +3,7 @@
 mod bounds;
 mod command_line;
 mod diagnostics;
+mod exact;
 mod hard_cases;
 mod hard_cases_damped;
 mod house;

@@ -61,6 +61,13 @@ impl Builder {
         self.c.push(source, Nature::Property, c.clone(), row.map(|(i, a)| (CoordinateId(i as u32), a)));
     }
 
+    /// A term w a a^T of M.
+    pub fn coupled_mass(&mut self, mass: &Number, row: &[(usize, Number)]) {
+        let source = self.m.source(Label { name: self.coordinates[0].name.name, motion: "" });
+        let row = row.iter().map(|(i, a)| (CoordinateId(*i as u32), a.clone()));
+        self.m.push(source, Nature::Property, mass.clone(), row);
+    }
+
     /// A term w a a^T of K.
     pub fn stiffness(&mut self, name: &str, nature: Nature, weight: &Number, row: &[(usize, Number)]) {
         let label = self.label(name);
@@ -88,6 +95,42 @@ impl Builder {
             outputs: Vec::new(),
             initial: Vec::new(),
         }
+    }
+}
+
+/// Numbers for random systems, the same on every machine.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Random {
+        Random(seed)
+    }
+
+    /// SplitMix64.
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    /// A positive decimal of four digits (powers of two would make plain elimination exact), its exponent spread over so
+    /// many decades about 1.
+    pub fn decimal(&mut self, decades: f64) -> Number {
+        let mantissa = 1000 + self.below(9000);
+        let exponent = self.below(decades as usize + 1) as i64 - decades as i64 / 2;
+        number(&format!("{mantissa}e{}", exponent - 3))
+    }
+
+    /// A decimal from -1 to 1.
+    pub fn signed(&mut self) -> Number {
+        let size = number(&format!("{}e-4", 1 + self.below(9999)));
+        if self.below(2) == 0 { size } else { -&size }
     }
 }
 
