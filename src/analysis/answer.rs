@@ -44,9 +44,11 @@ impl Route {
 }
 
 /// The undamped modes, ascending in omega^2 (divergences first, then rigid motions, then oscillations).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Modes {
     pub list: Vec<Mode>,
+    /// Motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
+    pub infinite: usize,
 }
 
 /// A mode of M q'' + K q = 0.

@@ -8,7 +8,7 @@ use crate::system::{CoordinateId, LinearSystem};
 pub enum AnalysisError {
     /// More coordinates than the methods for general matrices take.
     TooManyCoordinates { count: usize, limit: usize, at: Span },
-    /// Motions without inertia: the coordinates concerned, by name, and where the first is declared.
+    /// Motions without inertia that nothing holds: the coordinates concerned, by name, and where the first is declared.
     SingularMass { coordinates: Vec<String>, at: Span },
     /// A mass or an inertia that is negative in some motion of this coordinate.
     IndefiniteMass { coordinate: String, at: Span },
@@ -87,8 +87,11 @@ impl AnalysisError {
                 "make the model smaller, or take parts apart that do not act on each other",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (
-                format!("motions of {} have no inertia, so they have no frequency", coordinates.join(", ")),
-                "give each moving body a mass and, where it turns, an inertia greater than zero",
+                format!(
+                    "{} can move without inertia and without force, so the motion is not determined",
+                    coordinates.join(", ")
+                ),
+                "give what moves a mass (an inertia where it turns), or hold it by springs to what has one or to the ground",
             ),
             AnalysisError::IndefiniteMass { coordinate, .. } => (
                 format!("the kinetic energy is negative for some motions of {coordinate}"),

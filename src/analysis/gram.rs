@@ -92,17 +92,6 @@ impl Gram<'_> {
         Precise { value, radius: Norms::radius(gamma, norms(i), norms(j), self.floor) }
     }
 
-    /// sum |w| b^2 of column i: what the column's energy would be if nothing cancelled.
-    pub fn absolute_energy(&self, i: usize) -> f64 {
-        self.norms[i].size * self.norms[i].size
-    }
-
-    /// w b^2 of each term in the motion of column i.
-    pub fn energies(&self, i: usize) -> impl Iterator<Item = f64> + '_ {
-        let weights = self.terms.weights.iter();
-        weights.zip(self.stretches.column(i)).map(|(w, b)| w.value.hi() * b.value.hi() * b.value.hi())
-    }
-
     pub fn is_finite(&self) -> bool {
         let n = self.mid.columns();
         (0..n).all(|j| self.mid.column(j).iter().all(|x| x.is_finite()) && self.radius(j, j).is_finite())

@@ -3,7 +3,7 @@
 //! adds hardly anything, and no rounding of an assembled matrix. Clause: spec.md 11.5.
 
 use super::complex::Complex;
-use super::pole_parts::Part;
+use super::parts::Part;
 use super::squares::Squares;
 use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;

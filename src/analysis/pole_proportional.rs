@@ -2,7 +2,7 @@
 //! s^2 + (alpha + beta omega^2) s + omega^2 of its own. In: the terms of an independent part. Out: alpha and beta, or
 //! nothing where C is not of that form or a number is not rational. Clause: spec.md 11.4.
 
-use super::pole_parts::Part;
+use super::parts::Part;
 use crate::base::{Number, Rational};
 use crate::system::{Form, LinearSystem};
 use std::collections::BTreeMap;

@@ -43,7 +43,7 @@ pub fn cart() -> ModalAnswer {
         model: "cart".into(),
         system,
         rest: as_drawn(2),
-        modes: Modes { list: modes },
+        modes: Modes { list: modes, infinite: 0 },
         poles: Poles { list: poles },
         stability: Stability::Stable,
     }
@@ -76,7 +76,7 @@ pub fn free_pair() -> ModalAnswer {
         model: "free pair".into(),
         system,
         rest: as_drawn(2),
-        modes: Modes { list: vec![rigid, shaking] },
+        modes: Modes { list: vec![rigid, shaking], infinite: 0 },
         poles: Poles { list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)] },
         stability: Stability::Neutral,
     }
@@ -100,7 +100,7 @@ pub fn upright_rod() -> ModalAnswer {
         proven: true,
         steps: 4,
     };
-    answer.modes = Modes { list: vec![falling] };
+    answer.modes = Modes { list: vec![falling], infinite: 0 };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
     answer.poles =
         Poles { list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)] };

@@ -96,7 +96,12 @@ fn levers(random: &mut Random, n: usize, decades: f64, mixed: bool) -> LinearSys
 }
 
 fn assert_tight(seen: &Seen) {
-    assert!(2 * seen.loose <= seen.bounds, "{} of {} bounds are more than ten times the error", seen.loose, seen.bounds);
+    assert!(
+        2 * seen.loose <= seen.bounds,
+        "{} of {} bounds are more than ten times the error",
+        seen.loose,
+        seen.bounds
+    );
 }
 
 #[test]

@@ -30,9 +30,8 @@ impl ExactPencil {
     /// its leading minors, which Bareiss' elimination yields. `None` if one of them is zero.
     pub fn below(&self, s: &BigRational) -> Option<usize> {
         let n = self.k.len();
-        let mut t: Vec<Vec<BigInt>> = (0..n)
-            .map(|i| (0..n).map(|j| &self.k[i][j] * s.denom() - &self.m[i][j] * s.numer()).collect())
-            .collect();
+        let mut t: Vec<Vec<BigInt>> =
+            (0..n).map(|i| (0..n).map(|j| &self.k[i][j] * s.denom() - &self.m[i][j] * s.numer()).collect()).collect();
         let (mut previous, mut changes) = (BigInt::one(), 0);
         for p in 0..n {
             let pivot = t[p][p].clone();

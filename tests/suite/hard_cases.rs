@@ -91,3 +91,12 @@ fn near_buckling_the_digits_and_the_sign_are_certain() {
         assert!(modes.list.iter().all(|mode| mode.kind == ModeKind::Oscillation), "{name}");
     }
 }
+
+#[test]
+fn massless_nodes_are_eliminated_or_named() {
+    let modes = check_frequencies("o17_massless_series", 28.0);
+    assert_eq!(modes.infinite, 1);
+    let error = analysis::modes(&HardCase::load("o33_floating_massless").system).expect_err("a and b float");
+    assert_eq!(error.to_diagnostic().code.0, "vib::mass::singular");
+    assert!(error.to_diagnostic().message.starts_with("a, b "), "{error:?}");
+}

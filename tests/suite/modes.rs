@@ -93,12 +93,61 @@ fn a_rigid_motion_in_an_irrational_direction_is_exactly_zero() {
 }
 
 #[test]
-fn motions_without_inertia_are_named() {
-    let mut b = Builder::new(&["a.x", "b.x"]);
+fn a_massless_node_passes_its_springs_in_series() {
+    // 3 N/m and 6 N/m in series are 2 N/m: omega = 1 for 2 kg. The node follows by 6 / 9.
+    let mut b = Builder::new(&["a.x", "node.x"]);
+    b.mass(0, &number("2"));
+    b.spring(None, 1, &number("3"));
+    b.spring(Some(0), 1, &number("6"));
+    let modes = analysis::modes(&b.finish()).expect("a regular system");
+    assert_eq!((modes.list.len(), modes.infinite), (1, 1));
+    let mode = &modes.list[0];
+    assert_eq!(mode.omega.to_f64(), 1.0);
+    assert!((mode.shape[1] / mode.shape[0] - 2.0 / 3.0).abs() < 1e-15);
+    let strain: f64 = mode.strain.iter().map(|share| share.part).sum();
+    assert!((strain - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_bob_on_a_massless_rod_has_one_frequency() {
+    // A point of 2 kg at 1.5 m on a body without mass of its own: it heaves on a spring and turns without inertia.
+    let mut b = Builder::new(&["y", "turn"]);
+    b.coupled_mass(&number("2"), &[(0, number("1")), (1, number("1.5"))]);
+    b.spring(None, 0, &number("8"));
+    b.stiffness("hinge", Nature::Property, &number("9"), &[(1, number("1"))]);
+    let modes = analysis::modes(&b.finish()).expect("a regular system");
+    // Flexibilities at the point add: 1/8 + 1.5^2/9 = 3/8, so omega^2 = 8/3/2.
+    assert_eq!((modes.list.len(), modes.infinite), (1, 1));
+    assert!((modes.list[0].omega_squared.to_f64() - 4.0 / 3.0).abs() < 1e-15);
+}
+
+#[test]
+fn massless_motions_that_nothing_holds_are_named() {
+    let mut b = Builder::new(&["a.x", "b.x", "c.x"]);
     b.mass(0, &number("1"));
-    b.spring(None, 0, &number("1"));
-    b.spring(Some(0), 1, &number("1"));
-    let error = analysis::modes(&b.finish()).expect_err("b has no mass");
-    assert!(matches!(&error, AnalysisError::SingularMass { coordinates, .. } if coordinates == &["b.x"]), "{error:?}");
+    b.spring(None, 0, &number("10"));
+    b.spring(Some(1), 2, &number("5"));
+    let error = analysis::modes(&b.finish()).expect_err("b and c float");
+    assert!(
+        matches!(&error, AnalysisError::SingularMass { coordinates, .. } if coordinates == &["b.x", "c.x"]),
+        "{error:?}"
+    );
     assert_eq!(error.to_diagnostic().code.0, "vib::mass::singular");
+}
+
+#[test]
+fn independent_parts_are_solved_apart_and_listed_together() {
+    let mut b = Builder::numbered(5);
+    (0..5).for_each(|i| b.mass(i, &number("1")));
+    // Two equal oscillators, one stiffer pair that floats.
+    b.spring(None, 0, &number("4"));
+    b.spring(None, 3, &number("4"));
+    b.spring(Some(1), 4, &number("8"));
+    b.spring(None, 2, &number("1"));
+    let modes = analysis::modes(&b.finish()).expect("a regular system");
+    let omega: Vec<f64> = modes.list.iter().map(|mode| mode.omega.to_f64()).collect();
+    assert_eq!(omega, [0.0, 1.0, 2.0, 2.0, 4.0]);
+    let clusters: Vec<_> = modes.list.iter().map(|mode| mode.cluster).collect();
+    assert_eq!(clusters, [None, None, Some(0), Some(0), None]);
+    assert_eq!(modes.list[2].shape, [1.0, 0.0, 0.0, 0.0, 0.0]);
 }

@@ -1,6 +1,6 @@
-//! The independent parts of a system: coordinates that no term of M, C or K joins move by themselves, and each part has
-//! poles of its own. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
-//! Clause: spec.md 11.2.
+//! The independent parts of a system: coordinates that no term joins move by themselves, and each part has modes and poles of
+//! its own. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
+//! Clauses: spec.md 10.2, 11.2.
 
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -15,8 +15,27 @@ pub struct Part {
 
 /// The parts in the order of their first coordinates.
 pub fn independent(system: &LinearSystem) -> Vec<Part> {
-    let mut joined = Joined::new(system.n());
-    for form in [&system.m, &system.c, &system.k] {
+    let mut parts = joined_by(system.n(), &[&system.m, &system.c, &system.k]);
+    let number = numbers(system.n(), &parts);
+    distribute(&system.m, &number, &mut parts, |part| &mut part.m);
+    distribute(&system.c, &number, &mut parts, |part| &mut part.c);
+    distribute(&system.k, &number, &mut parts, |part| &mut part.k);
+    parts
+}
+
+/// The same where dampers do not count: parts of M q'' + K q = 0.
+pub fn independent_undamped(system: &LinearSystem) -> Vec<Part> {
+    let mut parts = joined_by(system.n(), &[&system.m, &system.k]);
+    let number = numbers(system.n(), &parts);
+    distribute(&system.m, &number, &mut parts, |part| &mut part.m);
+    distribute(&system.k, &number, &mut parts, |part| &mut part.k);
+    parts
+}
+
+/// The coordinates that the forms join.
+fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
+    let mut joined = Joined::new(n);
+    for form in forms {
         for term in form.terms() {
             let row = form.row(term);
             for pair in row.windows(2) {
@@ -29,10 +48,16 @@ pub fn independent(system: &LinearSystem) -> Vec<Part> {
     for (coordinate, &part) in number.iter().enumerate() {
         parts[part].coordinates.push(coordinate as u32);
     }
-    distribute(&system.m, &number, &mut parts, |part| &mut part.m);
-    distribute(&system.c, &number, &mut parts, |part| &mut part.c);
-    distribute(&system.k, &number, &mut parts, |part| &mut part.k);
     parts
+}
+
+/// For each coordinate the index of its part.
+fn numbers(n: usize, parts: &[Part]) -> Vec<usize> {
+    let mut number = vec![0; n];
+    for (index, part) in parts.iter().enumerate() {
+        part.coordinates.iter().for_each(|&coordinate| number[coordinate as usize] = index);
+    }
+    number
 }
 
 /// A part as a system of its own: without inputs and outputs, its coordinates numbered by `local`.
@@ -49,7 +74,8 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
     }
 }
 
-fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
+/// The terms chosen, their coordinates numbered by `local`.
+pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();
     for &index in terms {
         let term = &form.terms()[index as usize];
