@@ -15,6 +15,9 @@ use super::triple::{Precise, Triple};
 use crate::base::{Number, Rational};
 use crate::system::{CoordinateId, Form, Nature};
 
+/// Coordinates and factors.
+type Row = Vec<(usize, Number)>;
+
 /// A system with its massless motions eliminated.
 pub struct Condensed {
     pub m: Form,
@@ -28,14 +31,14 @@ pub struct Condensed {
 /// s = -sum w_t p_t (r_t . q') / W as a row; none if no term holds s.
 struct Step {
     at: usize,
-    row: Option<Vec<(usize, Number)>>,
+    row: Option<Row>,
 }
 
 /// A square of K under elimination.
 #[derive(Clone)]
 struct Square {
     weight: Number,
-    row: Vec<(usize, Number)>,
+    row: Row,
 }
 
 /// A motion without inertia cannot be eliminated by itself: the coordinate that stands for it.
@@ -126,7 +129,7 @@ fn with_own_coordinates(vectors: &[Vec<Rational>]) -> Vec<(usize, Vec<Number>)> 
 fn in_new_coordinates(k: &Form, term: &crate::system::Term, vectors: &[(usize, Vec<Number>)]) -> Square {
     let row = k.row(term);
     let kept = row.iter().filter(|(i, _)| vectors.iter().all(|(at, _)| *at != i.index()));
-    let mut new: Vec<(usize, Number)> = kept.map(|(i, a)| (i.index(), a.clone())).collect();
+    let mut new: Row = kept.map(|(i, a)| (i.index(), a.clone())).collect();
     for (at, v) in vectors {
         let image = row.iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &v[i.index()]));
         if !image.is_zero() {
@@ -141,37 +144,44 @@ fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Undetermined>
     let (touched, rest): (Vec<Square>, Vec<Square>) =
         squares.drain(..).partition(|square| square.row.iter().any(|e| e.0 == at));
     *squares = rest;
-    let split: Vec<(Number, Number, Vec<(usize, Number)>)> =
-        touched.into_iter().map(|square| apart(square, at)).collect();
-    let whole = split.iter().fold(Number::ZERO, |sum, (w, p, _)| &sum + &(w * &p.square()));
+    let split: Vec<Split> = touched.into_iter().map(|square| Split::of(square, at)).collect();
+    let whole = split.iter().fold(Number::ZERO, |sum, t| &sum + &(&t.weight * &t.factor.square()));
     if split.is_empty() {
         return Ok(Step { at, row: None });
     }
     let inverse = whole.recip().ok_or(Undetermined(at))?;
-    for (t, (w, p, r)) in split.iter().enumerate() {
-        for (v, q, s) in &split[t + 1..] {
-            let row = combined(p, s, &-q, r);
+    for (index, t) in split.iter().enumerate() {
+        for u in &split[index + 1..] {
+            let row = combined(&t.factor, &u.rest, &-&u.factor, &t.rest);
             if !row.is_empty() {
-                squares.push(Square { weight: &(w * v) * &inverse, row });
+                squares.push(Square { weight: &(&t.weight * &u.weight) * &inverse, row });
             }
         }
     }
-    let row = split.iter().fold(Vec::new(), |sum: Vec<(usize, Number)>, (w, p, r)| {
-        combined(&Number::ONE, &sum, &-&(&(w * p) * &inverse), r)
-    });
+    let row = split
+        .iter()
+        .fold(Row::new(), |sum, t| combined(&Number::ONE, &sum, &-&(&(&t.weight * &t.factor) * &inverse), &t.rest));
     Ok(Step { at, row: Some(row) })
 }
 
-/// Weight, factor at the coordinate, and the rest of the row.
-fn apart(square: Square, at: usize) -> (Number, Number, Vec<(usize, Number)>) {
-    let (own, rest): (Vec<_>, Vec<_>) = square.row.into_iter().partition(|(i, _)| *i == at);
-    let factor = own.into_iter().map(|(_, a)| a).next().unwrap_or(Number::ZERO);
-    (square.weight, factor, rest)
+/// A square w (p s + r . q')^2, taken apart.
+struct Split {
+    weight: Number,
+    factor: Number,
+    rest: Row,
+}
+
+impl Split {
+    fn of(square: Square, at: usize) -> Split {
+        let (own, rest): (Row, Row) = square.row.into_iter().partition(|(i, _)| *i == at);
+        let factor = own.into_iter().map(|(_, a)| a).next().unwrap_or(Number::ZERO);
+        Split { weight: square.weight, factor, rest }
+    }
 }
 
 /// a x + b y of sparse rows, without entries that are exactly zero.
-fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Vec<(usize, Number)> {
-    let mut sum: Vec<(usize, Number)> = x.iter().map(|(i, x)| (*i, a * x)).collect();
+fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Row {
+    let mut sum: Row = x.iter().map(|(i, x)| (*i, a * x)).collect();
     for (i, y) in y {
         let part = b * y;
         match sum.iter_mut().find(|(j, _)| j == i) {
