@@ -17,7 +17,7 @@ pub fn blank(n: usize) -> LinearSystem {
     let inputs = (0..n).map(|i| Input { name: names[i], unit: "N", b: [at(i), Vec::new(), Vec::new()] });
     let outputs = (0..n).map(|i| Output {
         name: names[i],
-        unit: "m",
+        unit: "m".into(),
         p: [at(i), Vec::new(), Vec::new()],
         d: [Vec::new(), Vec::new(), Vec::new()],
     });

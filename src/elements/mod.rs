@@ -1,2 +1,27 @@
 //! One file a kind of element: what it adds to energy, dissipation and load, and its first and second derivatives.
 //! Clause: spec.md, "Linearisation".
+//!
+//! An element sees the relative displacement of its two ends and nothing else; how the ends move with the coordinates is
+//! the business of `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
+//! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
+
+pub mod damper;
+pub mod force;
+pub mod scalar;
+pub mod spring;
+pub mod stretch;
+pub mod vector;
+
+pub use damper::Damper;
+pub use force::{DeadForce, Pull};
+pub use scalar::Scalar;
+pub use spring::Spring;
+pub use stretch::{Stretch, Stretched};
+pub use vector::Vector;
+
+/// A signed square `weight (direction . delta)^2` of a second derivative, of a relative displacement delta.
+#[derive(Clone, Debug)]
+pub struct Square<S> {
+    pub weight: S,
+    pub direction: Vector<S>,
+}

@@ -1,1 +1,29 @@
-//! One file a kind of joint: the freedoms it leaves, or the constraint it closes. Clause: spec.md, "Freedoms".
+//! One file a kind of joint: the freedoms it leaves between the two parts it ties, or the constraint it closes.
+//! Clause: spec.md, "Freedoms".
+
+pub mod pivot;
+pub mod slide;
+pub mod weld;
+
+use crate::base::Vec3;
+use crate::model::scene::JointKind;
+
+/// What a joint leaves free between a part and the part that carries it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relative {
+    /// The point of the carried part that the joint holds; `None` where any will do.
+    pub anchor: Option<Vec3>,
+    /// Whether the carried part turns on its own.
+    pub turns: bool,
+    /// The direction in which it slides.
+    pub slide: Option<Vec3>,
+}
+
+/// The freedoms that a joint of the tree leaves.
+pub fn freedoms(kind: &JointKind) -> Relative {
+    match kind {
+        JointKind::Pivot { at } => pivot::freedoms(at),
+        JointKind::Slide { along } => slide::freedoms(along),
+        JointKind::Weld => weld::freedoms(),
+    }
+}

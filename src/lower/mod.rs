@@ -1,15 +1,78 @@
 //! Scene to linear system: joint tree, rest, exact second-order linearisation, assembly. The only place where scene and
 //! system meet. Clause: spec.md, "Freedoms", "Rest", "Linearisation".
+//!
+//! # Steps
+//! 1. [`tree`]: which part carries which
+//! 2. [`kinematics`]: how points move with the coordinates
+//! 3. [`rest`]: where everything stays
+//! 4. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
 
+pub mod assembly;
+pub mod error;
+pub mod initial;
+pub mod kinematics;
+pub mod loads;
 pub mod rest;
+pub mod tree;
 
 pub use rest::Rest;
 
+use crate::base::Diagnostics;
+use crate::model::CheckedScene;
+use crate::model::scene::Scene;
 use crate::system::LinearSystem;
+use error::LowerError;
+use kinematics::Kinematics;
 
 /// What lowering makes of a scene.
 #[derive(Clone, Debug)]
 pub struct Lowered {
     pub system: LinearSystem,
     pub rest: Rest,
+}
+
+/// A lowered scene, unless there are errors.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub lowered: Option<Lowered>,
+    pub diagnostics: Diagnostics,
+}
+
+/// The linear system of a scene about its rest.
+pub fn lower(scene: &CheckedScene) -> Outcome {
+    let mut diagnostics = Diagnostics::new();
+    let lowered = match lowered(scene.scene()) {
+        Ok(lowered) => Some(lowered),
+        Err(errors) => {
+            diagnostics.extend(errors.iter().map(LowerError::to_diagnostic));
+            None
+        }
+    };
+    Outcome { lowered, diagnostics }
+}
+
+fn lowered(scene: &Scene) -> Result<Lowered, Vec<LowerError>> {
+    refuse(scene)?;
+    let tree = tree::build(scene)?;
+    if !tree.closing.is_empty() {
+        let closed = |joint| LowerError::closed_loop(scene, &tree.closed_by(scene, joint));
+        return Err(tree.closing.iter().copied().map(closed).collect());
+    }
+    let kinematics = Kinematics::new(scene, tree);
+    kinematics.check(scene)?;
+    let (rest, state) = rest::find(scene, &kinematics)?;
+    let system = assembly::assemble(scene, &kinematics, &state)?;
+    Ok(Lowered { system, rest })
+}
+
+/// What is declared and not built yet.
+fn refuse(scene: &Scene) -> Result<(), Vec<LowerError>> {
+    let mut refused = Vec::new();
+    if let Some(couple) = scene.couples.first() {
+        refused.push(LowerError::NotAvailable { what: "a coupling", span: couple.span });
+    }
+    if let Some(span) = scene.rest_as_drawn {
+        refused.push(LowerError::NotAvailable { what: "`rest as drawn`", span });
+    }
+    if refused.is_empty() { Ok(()) } else { Err(refused) }
 }

@@ -114,6 +114,13 @@ impl Form {
         Form::default()
     }
 
+    /// Makes room for so many more terms with so many entries together.
+    pub fn reserve(&mut self, terms: usize, entries: usize) {
+        self.names.reserve(terms);
+        self.terms.reserve(terms);
+        self.entries.reserve(entries);
+    }
+
     /// Registers what terms come from, by its name in the model; returns the index for [`Form::push`].
     pub fn source(&mut self, name: Label) -> u32 {
         self.names.push(name);
@@ -198,7 +205,7 @@ pub struct Input {
 #[derive(Clone, Debug)]
 pub struct Output {
     pub name: Label,
-    pub unit: &'static str,
+    pub unit: String,
     pub p: [Vec<(CoordinateId, Number)>; 3],
     /// Feed-through of inputs (a base's own motion in a relative output): input index and value.
     pub d: [Vec<(u32, Number)>; 3],

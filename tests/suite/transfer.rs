@@ -12,7 +12,7 @@ pub fn with_every_pair(mut system: LinearSystem) -> LinearSystem {
         let at = vec![(CoordinateId(i as u32), Number::ONE)];
         system.inputs.push(Input { name, unit: "N", b: [at.clone(), Vec::new(), Vec::new()] });
         let d = [Vec::new(), Vec::new(), Vec::new()];
-        system.outputs.push(Output { name, unit: "m", p: [at, Vec::new(), Vec::new()], d });
+        system.outputs.push(Output { name, unit: "m".into(), p: [at, Vec::new(), Vec::new()], d });
     }
     system
 }
@@ -146,7 +146,7 @@ fn the_isolation_table_passes_a_quarter() {
 
 fn with_output(mut system: LinearSystem, name: Label) -> LinearSystem {
     let p = [vec![(CoordinateId(0), Number::ONE)], Vec::new(), Vec::new()];
-    system.outputs.push(Output { name, unit: "m", p, d: [Vec::new(), Vec::new(), Vec::new()] });
+    system.outputs.push(Output { name, unit: "m".into(), p, d: [Vec::new(), Vec::new(), Vec::new()] });
     system
 }
 

@@ -1,0 +1,146 @@
+//! The numbers that mechanics is written in: binary64 for steps that only steer, [`Number`] for what is kept.
+
+use crate::base::{Ball, Dd, Number};
+use std::fmt::Debug;
+
+/// A field with roots and sines. Operations are methods, since references to generic operands read worse.
+pub trait Scalar: Clone + Debug {
+    fn zero() -> Self;
+    fn one() -> Self;
+    fn of(number: &Number) -> Self;
+    fn plus(&self, other: &Self) -> Self;
+    fn minus(&self, other: &Self) -> Self;
+    fn times(&self, other: &Self) -> Self;
+    fn over(&self, other: &Self) -> Self;
+    fn negated(&self) -> Self;
+    /// Square root of a number that is not negative.
+    fn root(&self) -> Self;
+    fn sin_cos(&self) -> (Self, Self);
+    /// Certainly zero: what is multiplied with it can be left out.
+    fn is_zero(&self) -> bool;
+    fn to_f64(&self) -> f64;
+}
+
+impl Scalar for f64 {
+    fn zero() -> f64 {
+        0.0
+    }
+
+    fn one() -> f64 {
+        1.0
+    }
+
+    fn of(number: &Number) -> f64 {
+        number.to_f64()
+    }
+
+    #[inline]
+    fn plus(&self, other: &f64) -> f64 {
+        self + other
+    }
+
+    #[inline]
+    fn minus(&self, other: &f64) -> f64 {
+        self - other
+    }
+
+    #[inline]
+    fn times(&self, other: &f64) -> f64 {
+        self * other
+    }
+
+    #[inline]
+    fn over(&self, other: &f64) -> f64 {
+        self / other
+    }
+
+    #[inline]
+    fn negated(&self) -> f64 {
+        -self
+    }
+
+    #[inline]
+    fn root(&self) -> f64 {
+        self.sqrt()
+    }
+
+    /// By the ball functions: those of the standard library are not the same on all machines, and how many steps the
+    /// search for the rest takes is reported.
+    fn sin_cos(&self) -> (f64, f64) {
+        let (sine, cosine) = Number::Ball(Ball::from(*self)).sin_cos().unwrap_or((Number::ZERO, Number::ONE));
+        (sine.to_f64(), cosine.to_f64())
+    }
+
+    #[inline]
+    fn is_zero(&self) -> bool {
+        *self == 0.0
+    }
+
+    #[inline]
+    fn to_f64(&self) -> f64 {
+        *self
+    }
+}
+
+/// A number of which nothing is known.
+fn unknown() -> Number {
+    Number::Ball(Ball::new(Dd::ZERO, f64::INFINITY))
+}
+
+impl Scalar for Number {
+    fn zero() -> Number {
+        Number::ZERO
+    }
+
+    fn one() -> Number {
+        Number::ONE
+    }
+
+    fn of(number: &Number) -> Number {
+        number.clone()
+    }
+
+    #[inline]
+    fn plus(&self, other: &Number) -> Number {
+        self + other
+    }
+
+    #[inline]
+    fn minus(&self, other: &Number) -> Number {
+        self - other
+    }
+
+    #[inline]
+    fn times(&self, other: &Number) -> Number {
+        self * other
+    }
+
+    #[inline]
+    fn over(&self, other: &Number) -> Number {
+        self / other
+    }
+
+    #[inline]
+    fn negated(&self) -> Number {
+        -self
+    }
+
+    fn root(&self) -> Number {
+        self.sqrt().unwrap_or_else(unknown)
+    }
+
+    fn sin_cos(&self) -> (Number, Number) {
+        // Beyond the range of the reduction both lie somewhere in [-1, 1].
+        let anywhere = || Number::Ball(Ball::new(Dd::ZERO, 1.0));
+        Number::sin_cos(self).unwrap_or_else(|| (anywhere(), anywhere()))
+    }
+
+    #[inline]
+    fn is_zero(&self) -> bool {
+        Number::is_zero(self)
+    }
+
+    fn to_f64(&self) -> f64 {
+        Number::to_f64(self)
+    }
+}

@@ -1,0 +1,134 @@
+//! What a spring or damper between two ends feels: its stretch e as a function of the relative displacement delta (second
+//! end minus first) or of the relative turn of its ends. Clause: spec.md, "Linearisation".
+//!
+//! - line: e = |d| - |D|, d = D + delta, D the line as drawn; grad e = d / |d|, grad^2 e = (1 - d d^T / |d|^2) / |d|
+//! - along a fixed direction a: e = a . delta / |a|; grad^2 e = 0
+//! - torsion: e = the relative turn; grad^2 e = 0
+//!
+//! Directions stay as long as they are and their squared length is kept beside them, so that the squares
+//! `(k / |d|^2) (d . delta)^2` are rational wherever the scene is.
+
+use super::{Scalar, Square, Vector};
+
+/// The geometry of an element.
+#[derive(Clone, Debug)]
+pub enum Stretch<S> {
+    /// The distance of two points; the vector between them as drawn, second minus first.
+    Line { drawn: Vector<S> },
+    /// The displacement along a fixed direction.
+    Along { direction: Vector<S> },
+    /// The relative turn.
+    Torsion,
+}
+
+/// A stretch at a state of its ends.
+#[derive(Clone, Debug)]
+pub enum Stretched<S> {
+    /// grad e = direction / sqrt(length_squared); `curved` where grad^2 e is not zero.
+    Displacement { change: S, direction: Vector<S>, length_squared: S, curved: bool },
+    /// e is the relative turn itself.
+    Turn { change: S },
+}
+
+impl<S: Scalar> Stretch<S> {
+    /// The stretch at a relative displacement `delta` and a relative turn.
+    pub fn at(&self, delta: &Vector<S>, turn: &S) -> Stretched<S> {
+        match self {
+            Stretch::Line { drawn } => line(drawn, delta),
+            Stretch::Along { direction } => {
+                let length_squared = direction.norm_squared();
+                let change = over_length(direction.dot(delta), &length_squared);
+                Stretched::Displacement { change, direction: direction.clone(), length_squared, curved: false }
+            }
+            Stretch::Torsion => Stretched::Turn { change: turn.clone() },
+        }
+    }
+}
+
+/// |d| - |D| = (2 D + delta) . delta / (|d| + |D|): no cancellation, and exactly zero as drawn.
+fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
+    let direction = drawn.plus(delta);
+    let length_squared = direction.norm_squared();
+    let gain = drawn.plus(&direction).dot(delta);
+    let change =
+        if gain.is_zero() { S::zero() } else { gain.over(&length_squared.root().plus(&drawn.norm_squared().root())) };
+    Stretched::Displacement { change, direction, length_squared, curved: true }
+}
+
+/// value / sqrt(length_squared), exact where the value is zero.
+pub fn over_length<S: Scalar>(value: S, length_squared: &S) -> S {
+    if value.is_zero() { value } else { value.over(&length_squared.root()) }
+}
+
+impl<S: Scalar> Stretched<S> {
+    pub fn change(&self) -> &S {
+        match self {
+            Stretched::Displacement { change, .. } | Stretched::Turn { change } => change,
+        }
+    }
+
+    /// The squares of `tension grad^2 e`: tension / |d|^3 (d x delta)^2. None where the tension is zero.
+    pub fn tension_squares(&self, tension: &S) -> Option<[Square<S>; 3]> {
+        match self {
+            Stretched::Displacement { direction, length_squared, curved: true, .. } if !tension.is_zero() => {
+                let weight = tension.over(&length_squared.times(&length_squared.root()));
+                Some(direction.cross_rows().map(|direction| Square { weight: weight.clone(), direction }))
+            }
+            _ => None,
+        }
+    }
+
+    /// tension grad e: the force on the second end against the stretch, with the opposite sign. `None` for a torsion.
+    pub fn force(&self, tension: &S) -> Option<Vector<S>> {
+        match self {
+            Stretched::Displacement { direction, length_squared, .. } => {
+                Some(direction.scaled(&over_length(tension.clone(), length_squared)))
+            }
+            Stretched::Turn { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Number;
+
+    fn vector(x: f64, y: f64) -> Vector<f64> {
+        Vector { x, y, z: 0.0 }
+    }
+
+    #[test]
+    fn a_line_stretches_as_its_length_does() {
+        let stretch = Stretch::Line { drawn: vector(3.0, 4.0) };
+        let Stretched::Displacement { change, direction, length_squared, .. } = stretch.at(&vector(2.0, 8.0), &0.0)
+        else {
+            panic!("a line is a displacement");
+        };
+        assert_eq!((change, direction, length_squared), (8.0, vector(5.0, 12.0), 169.0));
+    }
+
+    #[test]
+    fn the_gradient_and_curvature_of_a_line_are_those_of_its_length() {
+        // Central differences of |d| with a step of 1e-5: error h^2/6 |d'''| + eps/h, about 1e-10, for the first.
+        let stretch = Stretch::Line { drawn: vector(0.3, -1.1) };
+        let at = |x: f64, y: f64| *stretch.at(&vector(x, y), &0.0).change();
+        let (x, y, h) = (0.2, 0.4, 1e-5);
+        let state = stretch.at(&vector(x, y), &0.0);
+        let force = state.force(&1.0).expect("a line pulls");
+        assert!((force.x - (at(x + h, y) - at(x - h, y)) / (2.0 * h)).abs() < 1e-9);
+        assert!((force.y - (at(x, y + h) - at(x, y - h)) / (2.0 * h)).abs() < 1e-9);
+        let squares = state.tension_squares(&1.0).expect("a line is curved");
+        let curvature: f64 = squares.iter().map(|s| s.weight * s.direction.x * s.direction.x).sum();
+        // The second difference: eps/h^2 is 1e-6.
+        assert!((curvature - (at(x + h, y) - 2.0 * at(x, y) + at(x - h, y)) / (h * h)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn as_drawn_nothing_leaves_the_rationals() {
+        let drawn = Vector { x: Number::ONE, y: Number::ONE, z: Number::ZERO };
+        let state = Stretch::Line { drawn }.at(&Vector::zero(), &Number::ZERO);
+        assert_eq!(state.change(), &Number::ZERO);
+        assert!(state.tension_squares(&Number::ZERO).is_none());
+    }
+}

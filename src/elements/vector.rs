@@ -1,0 +1,87 @@
+//! Vectors of three components of any [`Scalar`], and turns about an axis.
+
+use super::Scalar;
+use crate::base::Vec3;
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vector<S> {
+    pub x: S,
+    pub y: S,
+    pub z: S,
+}
+
+impl<S: Scalar> Vector<S> {
+    pub fn zero() -> Vector<S> {
+        Vector { x: S::zero(), y: S::zero(), z: S::zero() }
+    }
+
+    /// x, y and z.
+    pub fn axes() -> [Vector<S>; 3] {
+        let axis = |i: usize| {
+            let component = |j: usize| if i == j { S::one() } else { S::zero() };
+            Vector { x: component(0), y: component(1), z: component(2) }
+        };
+        [axis(0), axis(1), axis(2)]
+    }
+
+    pub fn of(v: &Vec3) -> Vector<S> {
+        Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) }
+    }
+
+    fn map(&self, f: impl Fn(&S) -> S) -> Vector<S> {
+        Vector { x: f(&self.x), y: f(&self.y), z: f(&self.z) }
+    }
+
+    pub fn plus(&self, o: &Vector<S>) -> Vector<S> {
+        Vector { x: self.x.plus(&o.x), y: self.y.plus(&o.y), z: self.z.plus(&o.z) }
+    }
+
+    pub fn minus(&self, o: &Vector<S>) -> Vector<S> {
+        Vector { x: self.x.minus(&o.x), y: self.y.minus(&o.y), z: self.z.minus(&o.z) }
+    }
+
+    pub fn negated(&self) -> Vector<S> {
+        self.map(S::negated)
+    }
+
+    pub fn scaled(&self, s: &S) -> Vector<S> {
+        self.map(|component| component.times(s))
+    }
+
+    pub fn dot(&self, o: &Vector<S>) -> S {
+        self.x.times(&o.x).plus(&self.y.times(&o.y)).plus(&self.z.times(&o.z))
+    }
+
+    pub fn cross(&self, o: &Vector<S>) -> Vector<S> {
+        Vector {
+            x: self.y.times(&o.z).minus(&self.z.times(&o.y)),
+            y: self.z.times(&o.x).minus(&self.x.times(&o.z)),
+            z: self.x.times(&o.y).minus(&self.y.times(&o.x)),
+        }
+    }
+
+    pub fn norm_squared(&self) -> S {
+        self.dot(self)
+    }
+
+    /// Certainly zero.
+    pub fn is_zero(&self) -> bool {
+        self.x.is_zero() && self.y.is_zero() && self.z.is_zero()
+    }
+
+    /// The rows of the matrix of `delta -> self x delta`.
+    pub fn cross_rows(&self) -> [Vector<S>; 3] {
+        [
+            Vector { x: S::zero(), y: self.z.negated(), z: self.y.clone() },
+            Vector { x: self.z.clone(), y: S::zero(), z: self.x.negated() },
+            Vector { x: self.y.negated(), y: self.x.clone(), z: S::zero() },
+        ]
+    }
+
+    /// Turned about the unit vector `axis` by the angle with this sine and cosine (Rodrigues):
+    /// v cos + (a x v) sin + a (a . v) (1 - cos).
+    pub fn turned(&self, axis: &Vector<S>, sine: &S, cosine: &S) -> Vector<S> {
+        let along = axis.scaled(&axis.dot(self).times(&S::one().minus(cosine)));
+        self.scaled(cosine).plus(&axis.cross(self).scaled(sine)).plus(&along)
+    }
+}

@@ -1,0 +1,8 @@
+//! A slide: the carried part moves along a direction fixed to the other and does not turn against it.
+
+use super::Relative;
+use crate::base::Vec3;
+
+pub fn freedoms(along: &Vec3) -> Relative {
+    Relative { anchor: None, turns: false, slide: Some(along.clone()) }
+}

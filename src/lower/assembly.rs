@@ -1,0 +1,520 @@
+//! The matrices about a rest, as sums of signed squares. In: a scene, its kinematics and a state; out: the linear system.
+//! Clause: spec.md, "Linearisation" and "The linear system".
+//!
+//! Rows run over all coordinates, the prescribed motions u of bases included. A square w r r^T with r = (r_q, r_u) adds
+//! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2.
+
+use super::error::LowerError;
+use super::initial;
+use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
+use super::loads::{self, Between};
+use crate::base::{Dimension, Name, Number, Words};
+use crate::elements::stretch::over_length;
+use crate::elements::{Damper, Spring, Stretch, Stretched, Vector};
+use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Law, Motion, MotionTerm, Output, Scene};
+use crate::system::{self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
+
+/// A row over all coordinates, free and prescribed.
+pub type Row = Vec<(Index, Number)>;
+
+type Sparse = Vec<(CoordinateId, Number)>;
+
+/// Order of the derivative that a matrix belongs to: K, C, M.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    Displacement = 0,
+    Velocity = 1,
+    Acceleration = 2,
+}
+
+/// The linear system about a state that is a rest.
+pub fn assemble(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    state: &State<Number>,
+) -> Result<LinearSystem, Vec<LowerError>> {
+    let mut assembly = Assembly::new(scene, kinematics, state);
+    assembly.inertia();
+    assembly.every_freedom_has_inertia()?;
+    assembly.gravity();
+    for element in &scene.elements {
+        assembly.element(element);
+    }
+    for input in &scene.inputs {
+        assembly.constant_load(input);
+    }
+    for (index, input) in scene.inputs.iter().enumerate() {
+        assembly.input(index, input);
+    }
+    let outputs = scene.outputs.iter().map(|output| assembly.output(output)).collect();
+    let initial = initial::initial(scene, &mut assembly)?;
+    Ok(assembly.finish(outputs, initial))
+}
+
+/// The system in the making, with room for what is worked out on the way.
+pub struct Assembly<'a> {
+    scene: &'a Scene,
+    kinematics: &'a Kinematics,
+    state: &'a State<Number>,
+    words: Words,
+    m: Form,
+    c: Form,
+    k: Form,
+    /// Columns of each input: B0, B1, B2.
+    columns: Vec<[Row; 3]>,
+    between: Between<Number>,
+    reach: Reach<Number>,
+    row: Row,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(scene: &'a Scene, kinematics: &'a Kinematics, state: &'a State<Number>) -> Assembly<'a> {
+        let mut m = Form::new();
+        let mut k = Form::new();
+        m.reserve(scene.bodies.len(), kinematics.n());
+        k.reserve(scene.elements.len(), 2 * scene.elements.len());
+        Assembly {
+            scene,
+            kinematics,
+            state,
+            words: scene.words.clone(),
+            m,
+            c: Form::new(),
+            k,
+            columns: vec![Default::default(); scene.inputs.len()],
+            between: Between::default(),
+            reach: Reach::default(),
+            row: Row::new(),
+        }
+    }
+
+    fn finish(self, outputs: Vec<system::Output>, initial: Vec<(CoordinateId, Number, Number)>) -> LinearSystem {
+        let inputs = self.scene.inputs.iter().zip(self.columns);
+        let inputs = inputs.map(|(input, columns)| system::Input {
+            name: input_label(self.scene, input),
+            unit: input_unit(input),
+            b: columns.map(summed),
+        });
+        LinearSystem {
+            words: self.words,
+            coordinates: self
+                .kinematics
+                .free
+                .iter()
+                .map(|freely| {
+                    let body = &self.scene.bodies[freely.body.index()];
+                    Coordinate {
+                        name: Label { name: body.name, motion: freely.motion },
+                        kind: freely.kind,
+                        span: body.span,
+                    }
+                })
+                .collect(),
+            m: self.m,
+            c: self.c,
+            k: self.k,
+            inputs: inputs.collect(),
+            outputs,
+            initial,
+        }
+    }
+
+    /// m |du|^2 of every centre and I dtheta^2 of every turning body.
+    fn inertia(&mut self) {
+        let mut path = Path::default();
+        for (index, body) in self.scene.bodies.iter().enumerate() {
+            let piece = self.kinematics.tree.bodies[index];
+            let source = self.m.source(plain(body.name));
+            if let Some(mass) = body.mass.as_ref().filter(|mass| !mass.is_zero()) {
+                loads::absolute(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut path);
+                self.reach.measure(self.kinematics, self.state, &path);
+                self.mass(source, mass);
+            }
+            if let (Some(inertia), Some(angle)) = (&body.inertia, self.kinematics.angle(piece)) {
+                self.row.clear();
+                self.row.push((angle, Number::ONE));
+                self.square(Order::Acceleration, source, Nature::Property, inertia);
+            }
+        }
+    }
+
+    /// m |du|^2: one square for a centre that moves along one direction, else one for each axis.
+    fn mass(&mut self, source: u32, mass: &Number) {
+        if let [(coordinate, column)] = &self.reach.columns[..] {
+            let weight = mass * &column.norm_squared();
+            self.row.clear();
+            self.row.push((*coordinate, Number::ONE));
+            return self.square(Order::Acceleration, source, Nature::Property, &weight);
+        }
+        for axis in Vector::axes() {
+            self.reach.row(&axis, &mut self.row);
+            self.square(Order::Acceleration, source, Nature::Property, mass);
+        }
+    }
+
+    fn every_freedom_has_inertia(&self) -> Result<(), Vec<LowerError>> {
+        let mut moved = vec![false; self.kinematics.n()];
+        for (coordinate, _) in self.m.terms().iter().flat_map(|term| self.m.row(term)) {
+            moved[coordinate.index()] = true;
+        }
+        let idle = |(freely, _): (&super::kinematics::Freely, &bool)| {
+            let body = &self.scene.bodies[freely.body.index()];
+            let name = self.words.display(body.name);
+            let turns = freely.kind == CoordinateKind::Rotation;
+            LowerError::NoInertia {
+                coordinate: format!("{name}.{}", freely.motion),
+                body: name,
+                span: body.span,
+                turns,
+            }
+        };
+        let idle: Vec<LowerError> =
+            self.kinematics.free.iter().zip(&moved).filter(|(_, moved)| !**moved).map(idle).collect();
+        if idle.is_empty() { Ok(()) } else { Err(idle) }
+    }
+
+    /// Curvature of the ways of all centres under their weights.
+    fn gravity(&mut self) {
+        if self.scene.gravity.is_zero() {
+            return;
+        }
+        let path = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
+        self.reach.measure(self.kinematics, self.state, &path);
+        let name = Name::plain(self.words.intern("gravity"));
+        let source = self.k.source(plain(name));
+        self.curvature(source, &Vector::of(&self.scene.gravity).negated());
+    }
+
+    fn element(&mut self, element: &Element) {
+        match &element.law {
+            Law::Spring { stiffness, rest } => {
+                let law = (stiffness, rest);
+                let spring = loads::spring(self.kinematics, &element.ends, &element.geometry, law, &mut self.between);
+                let stretched = self.stretched(&spring.stretch);
+                let source = self.k.source(plain(element.name));
+                self.slope_square(Order::Displacement, source, &spring.stiffness, &stretched);
+                self.tension(source, &spring, &stretched);
+            }
+            Law::Damper { damping } => {
+                let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
+                let damper = Damper { stretch, damping: damping.clone() };
+                let stretched = self.stretched(&damper.stretch);
+                let source = self.c.source(plain(element.name));
+                self.slope_square(Order::Velocity, source, &damper.damping, &stretched);
+            }
+        }
+    }
+
+    /// The stretch of the way in `between`, whose columns are then in `reach`.
+    fn stretched(&mut self, stretch: &Stretch<Number>) -> Stretched<Number> {
+        self.reach.measure(self.kinematics, self.state, &self.between.path);
+        stretch.at(&self.reach.displacement, &self.between.turn(self.state))
+    }
+
+    /// grad e as a row, to be divided by the root of the number returned.
+    fn slope(&mut self, stretched: &Stretched<Number>) -> Number {
+        match stretched {
+            Stretched::Displacement { direction, length_squared, .. } => {
+                self.reach.row(direction, &mut self.row);
+                length_squared.clone()
+            }
+            Stretched::Turn { .. } => {
+                self.between.turn_row(&mut self.row);
+                Number::ONE
+            }
+        }
+    }
+
+    /// w (grad e)(grad e)^T.
+    fn slope_square(&mut self, order: Order, source: u32, weight: &Number, stretched: &Stretched<Number>) {
+        let length_squared = self.slope(stretched);
+        if !self.row.is_empty() {
+            self.square(order, source, Nature::Property, &(weight / &length_squared));
+        }
+    }
+
+    /// T grad^2 e: of the stretch, and of the ways of its ends.
+    fn tension(&mut self, source: u32, spring: &Spring<Number>, stretched: &Stretched<Number>) {
+        let tension = spring.tension(stretched);
+        for square in stretched.tension_squares(&tension).into_iter().flatten() {
+            self.reach.row(&square.direction, &mut self.row);
+            self.square(Order::Displacement, source, Nature::Geometric, &square.weight);
+        }
+        if let Some(force) = stretched.force(&tension).filter(|force| !force.is_zero()) {
+            self.curvature(source, &force);
+        }
+    }
+
+    /// force . grad^2 u of the way in `reach`.
+    fn curvature(&mut self, source: u32, force: &Vector<Number>) {
+        let mut entries = Vec::new();
+        self.reach.curvature(force, |i, j, value| entries.push((i, j, value)));
+        for (i, j, value) in entries {
+            self.pair(source, i, j, &value);
+        }
+    }
+
+    /// value (e_i e_j^T + e_j e_i^T) to K, value e_i e_i^T for i = j: as squares, value/2 ((e_i + e_j)^2 - (e_i - e_j)^2).
+    fn pair(&mut self, source: u32, i: Index, j: Index, value: &Number) {
+        if i == j {
+            self.row.clear();
+            self.row.push((i, Number::ONE));
+            return self.square(Order::Displacement, source, Nature::Geometric, value);
+        }
+        if let (Some(free), Some(input)) = (self.free_of(i, j), self.input_of(i.max(j))) {
+            let entry = -&over_length(value.clone(), self.kinematics.length_squared(free).unwrap_or(&Number::ONE));
+            self.columns[input][0].push((free, entry));
+            return;
+        }
+        for sign in [1, -1] {
+            self.row.clear();
+            self.row.extend([(i, Number::ONE), (j, Number::from(sign))]);
+            let weight = value / &Number::from(2 * sign);
+            self.square(Order::Displacement, source, Nature::Geometric, &weight);
+        }
+    }
+
+    /// The free one of two coordinates of which the other is prescribed.
+    fn free_of(&self, i: Index, j: Index) -> Option<Index> {
+        let n = self.kinematics.n() as Index;
+        (i.min(j) < n && i.max(j) >= n).then_some(i.min(j))
+    }
+
+    fn input_of(&self, coordinate: Index) -> Option<usize> {
+        let prescribed = (coordinate as usize).checked_sub(self.kinematics.n())?;
+        Some(self.kinematics.prescribed_inputs[prescribed] as usize)
+    }
+
+    /// weight row row^T of the row at hand.
+    fn square(&mut self, order: Order, source: u32, nature: Nature, weight: &Number) {
+        let weight = self.measured(weight);
+        self.drive(order, &weight);
+        let n = self.kinematics.n() as Index;
+        let row = self.row.drain(..).filter(|(coordinate, _)| *coordinate < n);
+        let row = row.map(|(coordinate, value)| (CoordinateId(coordinate), value));
+        match order {
+            Order::Displacement => self.k.push(source, nature, weight, row),
+            Order::Velocity => self.c.push(source, nature, weight, row),
+            Order::Acceleration => self.m.push(source, nature, weight, row),
+        }
+    }
+
+    /// Goes over from coordinates measured in units of an irrational length to metres. Where the whole row is measured in
+    /// the same unit the weight takes it, and the square stays exact.
+    fn measured(&mut self, weight: &Number) -> Number {
+        if !self.kinematics.has_oblique() {
+            return weight.clone();
+        }
+        let length = |(coordinate, _): &(Index, Number)| self.kinematics.length_squared(*coordinate);
+        let first = self.row.first().and_then(length);
+        if let Some(first) = first
+            && self.row.iter().all(|entry| length(entry) == Some(first))
+        {
+            return weight / first;
+        }
+        measure(self.kinematics, &mut self.row);
+        weight.clone()
+    }
+
+    /// The part of a square that prescribed motions drive.
+    fn drive(&mut self, order: Order, weight: &Number) {
+        let n = self.kinematics.n() as Index;
+        for (driver, driving) in self.row.iter().filter(|(coordinate, _)| *coordinate >= n) {
+            let Some(input) = self.input_of(*driver) else { continue };
+            let factor = -&(weight * driving);
+            let entries = self.row.iter().filter(|(coordinate, _)| *coordinate < n);
+            self.columns[input][order as usize].extend(entries.map(|(free, value)| (*free, &factor * value)));
+        }
+    }
+
+    /// A constant load is part of rest: only its curvature is left.
+    fn constant_load(&mut self, input: &Input) {
+        let Some(load) = loads::constant(input) else { return };
+        let source = self.k.source(plain(input.name));
+        match &input.kind {
+            InputKind::Force { ends, direction } => {
+                let direction = Vector::of(direction);
+                let size = over_length(load, &direction.norm_squared());
+                for (end, sign) in ends.iter().zip([-1, 1]) {
+                    let end = self.kinematics.end(end);
+                    loads::absolute(self.kinematics, end, &mut self.between.path);
+                    self.reach.measure(self.kinematics, self.state, &self.between.path);
+                    self.curvature(source, &direction.scaled(&(&size * &Number::from(sign))));
+                }
+            }
+            InputKind::ForceBetween { ends } => {
+                let spring = loads::push(self.kinematics, ends, &load, &mut self.between);
+                let stretched = self.stretched(&spring.stretch);
+                self.tension(source, &spring, &stretched);
+            }
+            InputKind::Torque { .. } | InputKind::Base { .. } => {}
+        }
+    }
+
+    /// The column of a force or torque: the gradient of the motion on which it does work.
+    fn input(&mut self, index: usize, input: &Input) {
+        let mut column = match &input.kind {
+            InputKind::Force { ends, direction } => self.force_column(ends, &Vector::of(direction)),
+            InputKind::ForceBetween { ends } => {
+                let stretch = self.between.connect(self.kinematics, ends, &Geometry::Line);
+                let stretched = self.stretched(&stretch);
+                self.slope_row(&stretched)
+            }
+            InputKind::Torque { ends } => self.torque_column(ends),
+            InputKind::Base { .. } => return,
+        };
+        column.retain(|(coordinate, _)| (*coordinate as usize) < self.kinematics.n());
+        self.columns[index][0].append(&mut column);
+    }
+
+    fn force_column(&mut self, ends: &[Attachment], direction: &Vector<Number>) -> Row {
+        let mut column = Row::new();
+        for (end, sign) in ends.iter().zip([1, -1]) {
+            let row = self.displacement_row(self.kinematics.end(end), direction);
+            column.extend(row.into_iter().map(|(coordinate, value)| (coordinate, &value * &Number::from(sign))));
+        }
+        column
+    }
+
+    fn torque_column(&self, ends: &[Attachment]) -> Row {
+        let angle = |end: &Attachment| self.kinematics.angle(self.kinematics.tree.piece(end.part));
+        let ends = ends.iter().zip([1, -1]);
+        ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect()
+    }
+
+    /// Gradient of the displacement of a point along a direction, over all coordinates, in m and rad.
+    fn displacement_row(&mut self, end: End, direction: &Vector<Number>) -> Row {
+        loads::absolute(self.kinematics, end, &mut self.between.path);
+        self.reach.measure(self.kinematics, self.state, &self.between.path);
+        self.reach.row(direction, &mut self.row);
+        let length_squared = direction.norm_squared();
+        let mut row: Row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
+        measure(self.kinematics, &mut row);
+        row
+    }
+
+    /// grad e over all coordinates, in m and rad.
+    fn slope_row(&mut self, stretched: &Stretched<Number>) -> Row {
+        let length_squared = self.slope(stretched);
+        let mut row: Row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
+        measure(self.kinematics, &mut row);
+        row
+    }
+
+    /// A motion as a row and the derivative that it is of.
+    pub fn motion(&mut self, motion: &Motion) -> (u8, Row) {
+        match motion {
+            Motion::Point { part, at, direction, derivative } => {
+                let end = self.kinematics.point(*part, at.as_ref());
+                (*derivative, self.displacement_row(end, &Vector::of(direction)))
+            }
+            Motion::Turn { part, derivative } => {
+                let angle = self.kinematics.angle(self.kinematics.tree.piece(*part));
+                (*derivative, angle.map(|angle| (angle, Number::ONE)).into_iter().collect())
+            }
+            Motion::Force { element } => self.element_force(&self.scene.elements[element.index()]),
+            Motion::Stretch { element } => (0, self.element_slope(&self.scene.elements[element.index()])),
+        }
+    }
+
+    fn element_slope(&mut self, element: &Element) -> Row {
+        let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
+        let stretched = self.stretched(&stretch);
+        self.slope_row(&stretched)
+    }
+
+    /// Change of tension of a spring, force of a damper.
+    fn element_force(&mut self, element: &Element) -> (u8, Row) {
+        let (derivative, factor) = match &element.law {
+            Law::Spring { stiffness, .. } => (0, stiffness),
+            Law::Damper { damping } => (1, damping),
+        };
+        let slope = self.element_slope(element);
+        (derivative, slope.into_iter().map(|(i, value)| (i, &value * factor)).collect())
+    }
+
+    fn output(&mut self, output: &Output) -> system::Output {
+        let rows = self.combination(&output.terms).map(summed);
+        let n = self.kinematics.n();
+        let free = |row: &Sparse| row.iter().filter(|(i, _)| i.index() < n).cloned().collect();
+        let driven = |row: &Sparse| {
+            let prescribed = row.iter().filter(|(i, _)| i.index() >= n);
+            prescribed.map(|(i, v)| (self.kinematics.prescribed_inputs[i.index() - n], v.clone())).collect()
+        };
+        let (p, d) = (rows.each_ref().map(free), rows.each_ref().map(driven));
+        system::Output { name: plain(output.name), unit: output_unit(output), p, d }
+    }
+
+    /// A linear combination of motions: a row for each derivative.
+    fn combination(&mut self, terms: &[MotionTerm]) -> [Row; 3] {
+        let mut rows: [Row; 3] = Default::default();
+        for term in terms {
+            let (derivative, row) = self.motion(&term.motion);
+            let scaled = row.into_iter().map(|(i, value)| (i, &value * &term.coefficient));
+            rows[usize::from(derivative).min(2)].extend(scaled);
+        }
+        rows
+    }
+}
+
+/// Divides by the lengths in which oblique coordinates are measured.
+fn measure(kinematics: &Kinematics, row: &mut Row) {
+    for (coordinate, value) in row {
+        if let Some(length_squared) = kinematics.length_squared(*coordinate) {
+            *value = over_length(std::mem::replace(value, Number::ZERO), length_squared);
+        }
+    }
+}
+
+/// One entry for each coordinate, ascending, without zeros.
+fn summed(mut row: Row) -> Sparse {
+    row.sort_by_key(|(coordinate, _)| *coordinate);
+    let mut sums: Sparse = Vec::with_capacity(row.len());
+    for (coordinate, value) in row {
+        match sums.last_mut() {
+            Some((last, sum)) if last.0 == coordinate => *sum = &*sum + &value,
+            _ => sums.push((CoordinateId(coordinate), value)),
+        }
+    }
+    sums.retain(|(_, value)| !value.is_zero());
+    sums
+}
+
+fn plain(name: Name) -> Label {
+    Label { name, motion: "" }
+}
+
+/// A base with one motion has its plain name, one with several the motion's too.
+fn input_label(scene: &Scene, input: &Input) -> Label {
+    let motion = match input.kind {
+        InputKind::Base { base, translation } => {
+            let base = &scene.bases[base.index()];
+            let several = base.translations.len() + usize::from(base.turns) > 1;
+            match translation {
+                Some(which) if several => base.translations[which].motion,
+                None if several => "angle",
+                _ => "",
+            }
+        }
+        _ => "",
+    };
+    Label { name: input.name, motion }
+}
+
+fn input_unit(input: &Input) -> &'static str {
+    match input.kind {
+        InputKind::Force { .. } | InputKind::ForceBetween { .. } => "N",
+        InputKind::Torque { .. } => "N*m",
+        InputKind::Base { translation: Some(_), .. } => "m",
+        InputKind::Base { translation: None, .. } => "rad",
+    }
+}
+
+/// The usual unit; angles and their derivatives in radians.
+fn output_unit(output: &Output) -> String {
+    match (output.is_angle, output.dimension) {
+        (true, Dimension::NONE) => "rad".into(),
+        (true, Dimension::ANGULAR_VELOCITY) => "rad/s".into(),
+        (_, dimension) => dimension.usual_unit(),
+    }
+}

@@ -1,0 +1,206 @@
+//! What lowering finds wrong with a scene: facts, and what to say about them.
+
+use crate::base::{Code, Diagnostic, Span};
+use crate::model::scene::{BodyId, JointId, Scene};
+
+/// Bodies without a freedom clause that no joint ties to the ground.
+pub const LOOSE: Code = Code("vib::freedom::loose");
+/// Nothing in the scene can move.
+pub const NO_FREEDOM: Code = Code("vib::freedom::none");
+/// A freedom that moves no mass.
+pub const NO_INERTIA: Code = Code("vib::freedom::no_inertia");
+/// A body turns about a point that nothing says the place of.
+pub const UNKNOWN_PLACE: Code = Code("vib::position::unknown");
+/// Joints or couplings that close a loop, and what else is not built yet.
+pub const NOT_AVAILABLE: Code = Code("vib::feature::not_available");
+/// More row entries than there is room for.
+pub const TOO_DEEP: Code = Code("vib::limit::depth");
+/// No static rest.
+pub const NO_REST: Code = Code("vib::rest::not_found");
+/// Initial motions that contradict each other or do not say enough.
+pub const INITIAL: Code = Code("vib::initial::undetermined");
+
+/// At most this many places are shown beside the primary one.
+const SHOWN: usize = 6;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum LowerError {
+    /// Bodies that hang together and on nothing else.
+    Loose {
+        names: Vec<String>,
+        spans: Vec<Span>,
+    },
+    NoFreedom {
+        span: Span,
+    },
+    NoInertia {
+        coordinate: String,
+        body: String,
+        span: Span,
+        turns: bool,
+    },
+    UnknownPlace {
+        body: String,
+        span: Span,
+        used: Span,
+    },
+    /// Joints of a loop, the one that closes it first.
+    Loop {
+        joints: Vec<(String, Span)>,
+    },
+    NotAvailable {
+        what: &'static str,
+        span: Span,
+    },
+    TooDeep {
+        entries: u64,
+        span: Span,
+    },
+    NoRest {
+        span: Span,
+        left: Vec<Unbalanced>,
+        reason: NoRestReason,
+    },
+    Initial {
+        span: Span,
+        message: String,
+        help: &'static str,
+    },
+}
+
+/// A coordinate on which a force is left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unbalanced {
+    pub coordinate: String,
+    pub span: Span,
+    /// N or N m.
+    pub force: f64,
+    pub turns: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoRestReason {
+    /// The energy falls without end along a motion that nothing holds.
+    Falls,
+    /// The iteration did not settle within its number of steps.
+    NotSettled,
+}
+
+impl LowerError {
+    pub fn loose(scene: &Scene, bodies: &[BodyId]) -> LowerError {
+        let body = |id: &BodyId| &scene.bodies[id.index()];
+        LowerError::Loose {
+            names: bodies.iter().take(SHOWN).map(|id| scene.words.display(body(id).name)).collect(),
+            spans: bodies.iter().take(SHOWN).map(|id| body(id).span).collect(),
+        }
+    }
+
+    pub fn closed_loop(scene: &Scene, joints: &[JointId]) -> LowerError {
+        let joint = |id: &JointId| &scene.joints[id.index()];
+        let named = |id: &JointId| (scene.words.display(joint(id).name), joint(id).span);
+        LowerError::Loop { joints: joints.iter().take(SHOWN).map(named).collect() }
+    }
+
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        match self {
+            LowerError::Loose { names, spans } => loose(names, spans),
+            LowerError::NoFreedom { span } => Diagnostic::error(NO_FREEDOM, *span, "nothing in this scene can move")
+                .label("no body here has a freedom")
+                .help("give a body a freedom clause, such as `moves x`, or hang it on a pivot"),
+            LowerError::NoInertia { coordinate, body, span, turns } => no_inertia(coordinate, body, *span, *turns),
+            LowerError::UnknownPlace { body, span, used } => {
+                Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, and about which point is not known"))
+                    .label("the motion of this point depends on it")
+                    .related(*span, "declared here, without a place")
+                    .help(format!("give `{body}` a place: `at = (0, 0)`"))
+            }
+            LowerError::Loop { joints } => closed_loop(joints),
+            LowerError::NotAvailable { what, span } => {
+                Diagnostic::error(NOT_AVAILABLE, *span, format!("{what} is not available yet"))
+            }
+            LowerError::TooDeep { entries, span } => Diagnostic::error(
+                TOO_DEEP,
+                *span,
+                format!("this scene hangs so deep that its matrices would hold {entries} numbers"),
+            )
+            .label("bodies hang one under another down to here")
+            .help("use fewer links, or let bodies stand on the ground with a freedom clause"),
+            LowerError::NoRest { span, left, reason } => no_rest(*span, left, *reason),
+            LowerError::Initial { span, message, help } => {
+                Diagnostic::error(INITIAL, *span, message.clone()).help(*help)
+            }
+        }
+    }
+}
+
+fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
+    let message = match names {
+        [one] => format!("nothing holds `{one}`: it has no freedom clause, and no joint ties it to the ground"),
+        many => format!("nothing holds {}: no joint ties them to the ground", listed(many)),
+    };
+    let mut diagnostic = Diagnostic::error(LOOSE, spans[0], message).label("held by nothing");
+    for span in &spans[1..] {
+        diagnostic = diagnostic.related(*span, "and this one with it");
+    }
+    diagnostic.help(format!(
+        "say what it may do on the ground: `free`, `moves x`, `turns`, or tie it to the ground: `pivot p: ground@(0, 0) -- {}`",
+        names[0]
+    ))
+}
+
+fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnostic {
+    let (what, field) = if turns { ("inertia", "inertia = 0.1 kg*m^2") } else { ("mass", "mass = 1 kg") };
+    Diagnostic::error(NO_INERTIA, span, format!("`{coordinate}` moves no {what}"))
+        .label(format!("its freedom needs the {what} of what it carries"))
+        .help(format!("give `{body}`, or a body that it carries, `{field}`"))
+}
+
+fn closed_loop(joints: &[(String, Span)]) -> Diagnostic {
+    let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
+    let message = match names.as_slice() {
+        [one] => format!("`{one}` ties parts that are tied already: closed loops are not available yet"),
+        many => format!("{} make a closed loop: closed loops are not available yet", listed(many)),
+    };
+    let mut diagnostic = Diagnostic::error(NOT_AVAILABLE, joints[0].1, message).label("closes the loop");
+    for (_, span) in &joints[1..] {
+        diagnostic = diagnostic.related(*span, "part of the loop");
+    }
+    diagnostic
+}
+
+fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {
+    let forces: Vec<String> = left
+        .iter()
+        .take(SHOWN)
+        .map(|u| format!("`{}`: {:.3e} {}", u.coordinate, u.force, if u.turns { "N*m" } else { "N" }))
+        .collect();
+    let message = match reason {
+        NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
+        NoRestReason::NotSettled => format!("no rest found: {} did not settle", listed(&names(left))),
+    };
+    let mut diagnostic = Diagnostic::error(NO_REST, left.first().map_or(span, |u| u.span), message)
+        .label(format!("force left: {}", forces.join(", ")));
+    for unbalanced in left.iter().skip(1).take(SHOWN) {
+        diagnostic = diagnostic.related(unbalanced.span, format!("{:.3e} left on this one", unbalanced.force));
+    }
+    diagnostic.help(match reason {
+        NoRestReason::Falls => "hold it with a spring or a joint, or take away the load on it",
+        NoRestReason::NotSettled => "draw the scene nearer to its rest",
+    })
+}
+
+fn names(left: &[Unbalanced]) -> Vec<String> {
+    left.iter().map(|u| u.coordinate.clone()).collect()
+}
+
+/// `a`, `b` and `c`.
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
+    let rest = names.len().saturating_sub(SHOWN);
+    match (quoted.as_slice(), rest) {
+        ([], _) => "it".into(),
+        ([one], 0) => one.clone(),
+        ([most @ .., last], 0) => format!("{} and {last}", most.join(", ")),
+        (all, more) => format!("{} and {more} more", all.join(", ")),
+    }
+}

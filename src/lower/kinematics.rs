@@ -1,0 +1,672 @@
+//! How points move with the coordinates, and their exact first and second derivatives. Clause: spec.md, "Freedoms".
+//!
+//! Parts that do not turn against each other (welds, slides) share one angle: a *group*. The coordinate of a group is its
+//! absolute angle, so the displacement of a point from the drawing is a sum over the groups g on the way from the ground,
+//!
+//! ```text
+//! u(q) = sum_g (R_g - 1) v_g + sum_k s_k R_g(k) d_k
+//! ```
+//!
+//! with v_g the piece of the way that lies in group g as drawn and s_k the slides on the way. Hence, with
+//! w_g = R_g (v_g + sum of s_k d_k in g) and the axis a_g,
+//!
+//! ```text
+//! du/dtheta_g = a_g x w_g          d2u/dtheta_g^2 = a_g x (a_g x w_g)
+//! du/ds_k     = R_g d_k            d2u/dtheta_g ds_k = a_g x R_g d_k          all others zero.
+//! ```
+//!
+//! The ground is the group without an angle. Prescribed motions of bases are coordinates too: they come after the free ones.
+
+use super::error::LowerError;
+use super::tree::{GROUND, Owner, PieceId, Tree};
+use crate::base::{FileId, Number, Span, Vec3};
+use crate::elements::{Scalar, Vector};
+use crate::model::scene::{Attachment, BodyId, Freedom, Geometry, Input, InputKind, JointKind, Part, Scene};
+use crate::system::CoordinateKind;
+
+/// Index of a coordinate, free or prescribed.
+pub type Index = u32;
+
+/// The group of the ground.
+const NO_TURN: u32 = 0;
+
+#[derive(Clone, Debug)]
+pub struct Kinematics {
+    pub tree: Tree,
+    carriages: Vec<Carriage>,
+    groups: Vec<Group>,
+    slides: Vec<Slide>,
+    directions: Vec<Vec3>,
+    /// Free coordinates in order.
+    pub free: Vec<Freely>,
+    /// How many motions of bases follow the free coordinates.
+    pub prescribed: usize,
+    /// The input that each of them is.
+    pub prescribed_inputs: Vec<u32>,
+    /// Squared lengths of the directions of oblique slides, where that length is irrational: the coordinate is measured in
+    /// units of it until it is handed out, so that rows stay exact. Ascending by coordinate.
+    lengths_squared: Vec<(Index, Number)>,
+}
+
+/// A free coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Freely {
+    pub body: BodyId,
+    pub motion: &'static str,
+    pub kind: CoordinateKind,
+}
+
+/// Entries of all rows together: 800 MB of them.
+const MAX_ENTRIES: u64 = 20_000_000;
+
+/// A piece in its group.
+#[derive(Clone, Copy, Debug)]
+struct Carriage {
+    depth: u32,
+    group: u32,
+    first_slide: u32,
+    slides: u8,
+}
+
+#[derive(Clone, Debug)]
+struct Group {
+    /// Meaningless for the ground.
+    coordinate: Index,
+    axis: Vec3,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slide {
+    coordinate: Index,
+    direction: u32,
+}
+
+/// An end of an element: a point of a piece, or the point by which the piece is carried.
+#[derive(Clone, Copy, Debug)]
+pub struct End<'a> {
+    pub piece: PieceId,
+    pub at: Option<&'a Vec3>,
+}
+
+impl End<'_> {
+    pub const GROUND: End<'static> = End { piece: GROUND, at: None };
+}
+
+impl Kinematics {
+    pub fn new(scene: &Scene, tree: Tree) -> Kinematics {
+        Numbering::new(scene, tree).finish()
+    }
+
+    /// Number of free coordinates.
+    pub fn n(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Free and prescribed coordinates.
+    pub fn total(&self) -> usize {
+        self.free.len() + self.prescribed
+    }
+
+    pub fn end<'a>(&self, attachment: &'a Attachment) -> End<'a> {
+        End { piece: self.tree.piece(attachment.part), at: attachment.at.as_deref() }
+    }
+
+    pub fn point<'a>(&self, part: Part, at: Option<&'a Vec3>) -> End<'a> {
+        End { piece: self.tree.piece(part), at }
+    }
+
+    /// The angle coordinate of a piece, `None` where it does not turn.
+    pub fn angle(&self, piece: PieceId) -> Option<Index> {
+        let group = self.carriages[piece as usize].group;
+        (group != NO_TURN).then(|| self.groups[group as usize].coordinate)
+    }
+
+    /// Squared length of the direction in which a coordinate is measured; `None` for one.
+    pub fn length_squared(&self, coordinate: Index) -> Option<&Number> {
+        let found = self.lengths_squared.binary_search_by_key(&coordinate, |(index, _)| *index).ok()?;
+        Some(&self.lengths_squared[found].1)
+    }
+
+    pub fn has_oblique(&self) -> bool {
+        !self.lengths_squared.is_empty()
+    }
+
+    /// Whether the piece turns about a point that nothing says the place of.
+    pub fn turns_about_nowhere(&self, piece: PieceId) -> bool {
+        self.carriages[piece as usize].group != NO_TURN && self.tree.pieces[piece as usize].anchor.is_none()
+    }
+
+    /// What has to hold before anything can be measured.
+    pub fn check(&self, scene: &Scene) -> Result<(), Vec<LowerError>> {
+        if self.free.is_empty() {
+            let span = scene.bodies.first().map_or_else(|| Span::new(FileId(0), 0, 0), |body| body.span);
+            return Err(vec![LowerError::NoFreedom { span }]);
+        }
+        let nowhere = self.used_without_place(scene);
+        if !nowhere.is_empty() {
+            return Err(nowhere);
+        }
+        self.limit_entries(scene)
+    }
+
+    /// Points of parts that turn about a place that nothing tells.
+    fn used_without_place(&self, scene: &Scene) -> Vec<LowerError> {
+        if !(0..self.carriages.len()).any(|piece| self.turns_about_nowhere(piece as PieceId)) {
+            return Vec::new();
+        }
+        let elements = scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion);
+        let inputs = scene.inputs.iter().flat_map(|input| match &input.kind {
+            InputKind::Force { ends, .. } => &ends[..],
+            InputKind::ForceBetween { ends } => &ends[..],
+            InputKind::Torque { .. } | InputKind::Base { .. } => &[],
+        });
+        let joints = scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld);
+        let ends = joints.flat_map(|joint| &joint.ends).chain(elements.flat_map(|element| &element.ends)).chain(inputs);
+        let nowhere = |end: &&Attachment| end.at.is_some() && self.turns_about_nowhere(self.tree.piece(end.part));
+        ends.filter(nowhere).filter_map(|end| unknown_place(scene, end)).collect()
+    }
+
+    /// Rows are as long as the way from the ground is deep: their number is limited before they are made.
+    fn limit_entries(&self, scene: &Scene) -> Result<(), Vec<LowerError>> {
+        let widths = self.widths();
+        let width = |part| widths[self.tree.piece(part) as usize];
+        let bodies = (0..scene.bodies.len()).map(|body| 2 * width(Part::Body(BodyId(body as u32))));
+        let elements = scene.elements.iter().map(|element| self.apart(&element.ends, &widths));
+        let entries = bodies.chain(elements).fold(0u64, u64::saturating_add);
+        if entries <= MAX_ENTRIES {
+            return Ok(());
+        }
+        let deepest = (0..scene.bodies.len()).max_by_key(|&body| width(Part::Body(BodyId(body as u32))));
+        let span = scene.bodies[deepest.unwrap_or(0)].span;
+        Err(vec![LowerError::TooDeep { entries, span }])
+    }
+
+    /// How many coordinates move two ends against each other, at most.
+    fn apart(&self, ends: &[Attachment; 2], widths: &[u64]) -> u64 {
+        let [mut a, mut b] = [0, 1].map(|end| self.tree.piece(ends[end].part));
+        let sum = widths[a as usize] + widths[b as usize];
+        // Neighbours are the rule: a few steps find what they have in common.
+        for _ in 0..8 {
+            if a == b {
+                return sum - 2 * widths[a as usize] + 1;
+            }
+            let later = if a > b { &mut a } else { &mut b };
+            *later = self.tree.pieces[*later as usize].carrier;
+        }
+        sum
+    }
+
+    /// The number of coordinates on the way from the ground to each piece, the piece's own included.
+    fn widths(&self) -> Vec<u64> {
+        let mut widths = vec![0u64; self.carriages.len()];
+        for (index, carriage) in self.carriages.iter().enumerate().skip(1) {
+            let carrier = self.tree.pieces[index].carrier as usize;
+            let own_turn = u64::from(self.tree.pieces[index].turns);
+            widths[index] = widths[carrier] + own_turn + u64::from(carriage.slides);
+        }
+        widths
+    }
+
+    /// The way from one end to the other: what moves the second against the first.
+    pub fn way(&self, from: End, to: End, path: &mut Path<Number>) {
+        path.clear();
+        let mut walk = Walk { kinematics: self, path, last: [usize::MAX; 2] };
+        let mut ends = [from, to];
+        while ends[0].piece != ends[1].piece {
+            let deeper = usize::from(self.depth(ends[1].piece) >= self.depth(ends[0].piece));
+            ends[deeper] = walk.step(ends[deeper], deeper);
+        }
+        let group = self.carriages[ends[0].piece as usize].group;
+        for (side, end) in ends.iter().enumerate() {
+            walk.arm(group, end.at, self.tree.pieces[end.piece as usize].anchor.as_deref(), side);
+        }
+    }
+
+    fn depth(&self, piece: PieceId) -> u32 {
+        self.carriages[piece as usize].depth
+    }
+
+    fn own_slides(&self, piece: PieceId) -> &[Slide] {
+        let carriage = &self.carriages[piece as usize];
+        &self.slides[carriage.first_slide as usize..carriage.first_slide as usize + carriage.slides as usize]
+    }
+
+    /// What all bodies carry together: the mass-weighted sum of the ways to their centres, for a uniform field of gravity.
+    /// Linear in the number of pieces. Slides of the ground across the field are left out: it does no work on them.
+    pub fn weighted_way(&self, scene: &Scene, field: &Vec3) -> Path<Number> {
+        let mut carried = vec![Number::ZERO; self.carriages.len()];
+        let mut arms: Vec<Option<Vector<Number>>> = vec![None; self.groups.len()];
+        for (index, body) in scene.bodies.iter().enumerate() {
+            let piece = self.tree.bodies[index] as usize;
+            if let Some(mass) = &body.mass {
+                carried[piece] = &carried[piece] + mass;
+                self.add_moment(&mut arms, piece, body.centre.as_deref(), piece, mass);
+            }
+        }
+        let mut path = Path::default();
+        for piece in (1..self.carriages.len()).rev() {
+            let mass = std::mem::replace(&mut carried[piece], Number::ZERO);
+            if mass.is_zero() {
+                continue;
+            }
+            let carrier = self.tree.pieces[piece].carrier as usize;
+            let group = self.carriages[carrier].group;
+            for slide in self.own_slides(piece as PieceId) {
+                let direction = &self.directions[slide.direction as usize];
+                if group != NO_TURN || !direction.dot(field).is_zero() {
+                    let direction = Vector::of(direction).scaled(&mass);
+                    path.runs.push(Run { coordinate: slide.coordinate, group, direction });
+                }
+            }
+            self.add_moment(&mut arms, carrier, self.tree.pieces[piece].anchor.as_deref(), carrier, &mass);
+            carried[carrier] = &carried[carrier] + &mass;
+        }
+        path.turns =
+            arms.into_iter().enumerate().filter_map(|(g, arm)| Some(Turn { group: g as u32, arm: arm? })).collect();
+        path.runs.sort_by_key(|run| run.coordinate);
+        path
+    }
+
+    /// First moment of a mass at `at`, carried by `piece`, about the piece's anchor.
+    fn add_moment(
+        &self,
+        arms: &mut [Option<Vector<Number>>],
+        piece: usize,
+        at: Option<&Vec3>,
+        anchor_of: usize,
+        mass: &Number,
+    ) {
+        let group = self.carriages[piece].group;
+        if group == NO_TURN {
+            return;
+        }
+        if let (Some(at), Some(anchor)) = (at, &self.tree.pieces[anchor_of].anchor) {
+            let moment = Vector::of(&at.sub(anchor)).scaled(mass);
+            let sum = arms[group as usize].take().map_or_else(|| moment.clone(), |arm| arm.plus(&moment));
+            arms[group as usize] = Some(sum);
+        }
+    }
+}
+
+/// A walk towards the ground on two sides: side 1 counts positive, side 0 negative.
+struct Walk<'a> {
+    kinematics: &'a Kinematics,
+    path: &'a mut Path<Number>,
+    /// Where in the path's turns each side was last.
+    last: [usize; 2],
+}
+
+impl Walk<'_> {
+    /// One piece towards the ground: its own arm and slides; the point is then the one by which the carrier holds it.
+    fn step<'e>(&mut self, end: End<'e>, side: usize) -> End<'e>
+    where
+        Self: 'e,
+    {
+        let kinematics = self.kinematics;
+        let piece = &kinematics.tree.pieces[end.piece as usize];
+        let group = kinematics.carriages[end.piece as usize].group;
+        self.arm(group, end.at, piece.anchor.as_deref(), side);
+        let group = kinematics.carriages[piece.carrier as usize].group;
+        for slide in kinematics.own_slides(end.piece) {
+            let direction = Vector::of(&kinematics.directions[slide.direction as usize]);
+            let direction = if side == 1 { direction } else { direction.negated() };
+            self.path.runs.push(Run { coordinate: slide.coordinate, group, direction });
+        }
+        // A point without a place stays without one only in groups that do not turn.
+        End { piece: piece.carrier, at: piece.anchor.as_deref().or(end.at) }
+    }
+
+    /// Adds the arm from a piece's anchor to a point of it, to what this side or the other has in the same group.
+    fn arm(&mut self, group: u32, at: Option<&Vec3>, anchor: Option<&Vec3>, side: usize) {
+        let (Some(at), Some(anchor)) = (at, anchor) else { return };
+        if group == NO_TURN {
+            return;
+        }
+        let arm = Vector::of(&if side == 1 { at.sub(anchor) } else { anchor.sub(at) });
+        let turns = &mut self.path.turns;
+        let known = self.last.iter().find(|&&at| turns.get(at).is_some_and(|turn| turn.group == group));
+        match known {
+            Some(&at) => turns[at].arm = turns[at].arm.plus(&arm),
+            None => {
+                self.last[side] = turns.len();
+                turns.push(Turn { group, arm });
+            }
+        }
+    }
+}
+
+/// What moves one point against another: arms of groups and slides, as drawn.
+#[derive(Clone, Debug)]
+pub struct Path<S> {
+    turns: Vec<Turn<S>>,
+    runs: Vec<Run<S>>,
+}
+
+#[derive(Clone, Debug)]
+struct Turn<S> {
+    group: u32,
+    arm: Vector<S>,
+}
+
+#[derive(Clone, Debug)]
+struct Run<S> {
+    coordinate: Index,
+    group: u32,
+    direction: Vector<S>,
+}
+
+impl<S> Default for Path<S> {
+    fn default() -> Path<S> {
+        Path { turns: Vec::new(), runs: Vec::new() }
+    }
+}
+
+impl<S> Path<S> {
+    fn clear(&mut self) {
+        self.turns.clear();
+        self.runs.clear();
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.turns.is_empty() && self.runs.is_empty()
+    }
+}
+
+impl Path<Number> {
+    /// Whether all motion on this way is along one fixed direction.
+    pub fn keeps_to(&self, direction: &Vector<Number>) -> bool {
+        let along = |run: &Run<Number>| run.group == NO_TURN && run.direction.cross(direction).is_zero();
+        self.turns.is_empty() && self.runs.iter().all(along)
+    }
+
+    pub fn converted<S: Scalar>(&self) -> Path<S> {
+        let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
+        let turn = |turn: &Turn<Number>| Turn { group: turn.group, arm: vector(&turn.arm) };
+        let run =
+            |run: &Run<Number>| Run { coordinate: run.coordinate, group: run.group, direction: vector(&run.direction) };
+        Path { turns: self.turns.iter().map(turn).collect(), runs: self.runs.iter().map(run).collect() }
+    }
+}
+
+/// Values of the coordinates, with the turns of the groups worked out.
+#[derive(Clone, Debug)]
+pub struct State<S> {
+    /// Empty: all as drawn.
+    values: Vec<S>,
+    /// Axis, sine and cosine of each group; `None` where it has not turned.
+    turned: Vec<Option<(S, S)>>,
+    zero: S,
+}
+
+impl<S: Scalar> State<S> {
+    /// Everything as drawn.
+    pub fn drawn() -> State<S> {
+        State { values: Vec::new(), turned: Vec::new(), zero: S::zero() }
+    }
+
+    /// At these values of all coordinates, free and prescribed.
+    pub fn at(kinematics: &Kinematics, values: Vec<S>) -> State<S> {
+        let turned = kinematics.groups.iter().enumerate().map(|(group, at)| {
+            let angle = if group == 0 { None } else { values.get(at.coordinate as usize) };
+            angle.filter(|angle| !angle.is_zero()).map(Scalar::sin_cos)
+        });
+        State { turned: turned.collect(), values, zero: S::zero() }
+    }
+
+    pub fn value(&self, coordinate: Index) -> &S {
+        self.values.get(coordinate as usize).unwrap_or(&self.zero)
+    }
+
+    pub fn values(&self) -> &[S] {
+        &self.values
+    }
+}
+
+/// A way at a state: displacement of its far end against the near one, and the derivatives.
+#[derive(Clone, Debug)]
+pub struct Reach<S> {
+    pub displacement: Vector<S>,
+    /// d(displacement)/dq; coordinates are distinct.
+    pub columns: Vec<(Index, Vector<S>)>,
+    /// w_g of each group on the way, with its axis and coordinate.
+    swept: Vec<Swept<S>>,
+    runs: Vec<(Index, u32, Vector<S>)>,
+}
+
+#[derive(Clone, Debug)]
+struct Swept<S> {
+    group: u32,
+    coordinate: Index,
+    axis: Vector<S>,
+    arm: Vector<S>,
+}
+
+impl<S: Scalar> Default for Reach<S> {
+    fn default() -> Reach<S> {
+        Reach { displacement: Vector::zero(), columns: Vec::new(), swept: Vec::new(), runs: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Reach<S> {
+    /// Works out a way at a state.
+    pub fn measure(&mut self, kinematics: &Kinematics, state: &State<S>, path: &Path<S>) {
+        self.displacement = Vector::zero();
+        self.columns.clear();
+        self.swept.clear();
+        self.runs.clear();
+        for turn in &path.turns {
+            let arm = self.rotate(kinematics, state, turn.group, &turn.arm);
+            if let Some(arm) = &arm {
+                self.displacement = self.displacement.plus(&arm.minus(&turn.arm));
+            }
+            self.sweep(kinematics, turn.group, arm.unwrap_or_else(|| turn.arm.clone()));
+        }
+        for run in &path.runs {
+            let rotated = self.rotate(kinematics, state, run.group, &run.direction);
+            let direction = rotated.unwrap_or_else(|| run.direction.clone());
+            let value = state.value(run.coordinate);
+            let way = if value.is_zero() { Vector::zero() } else { direction.scaled(value) };
+            self.displacement = self.displacement.plus(&way);
+            if run.group != NO_TURN {
+                self.sweep(kinematics, run.group, way);
+            }
+            self.runs.push((run.coordinate, run.group, direction));
+        }
+        for swept in &self.swept {
+            self.columns.push((swept.coordinate, swept.axis.cross(&swept.arm)));
+        }
+        for (coordinate, _, direction) in &self.runs {
+            self.columns.push((*coordinate, direction.clone()));
+        }
+    }
+
+    /// R_g v; `None` where the group has not turned.
+    fn rotate(&self, kinematics: &Kinematics, state: &State<S>, group: u32, v: &Vector<S>) -> Option<Vector<S>> {
+        let (sine, cosine) = state.turned.get(group as usize)?.as_ref()?;
+        Some(v.turned(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
+    }
+
+    fn sweep(&mut self, kinematics: &Kinematics, group: u32, arm: Vector<S>) {
+        match self.swept.iter_mut().rev().find(|swept| swept.group == group) {
+            Some(swept) => swept.arm = swept.arm.plus(&arm),
+            None => {
+                let Group { coordinate, axis } = &kinematics.groups[group as usize];
+                self.swept.push(Swept { group, coordinate: *coordinate, axis: Vector::of(axis), arm });
+            }
+        }
+    }
+
+    /// direction . d(displacement)/dq, without zeros.
+    pub fn row(&self, direction: &Vector<S>, row: &mut Vec<(Index, S)>) {
+        row.clear();
+        row.extend(self.columns.iter().filter_map(|(coordinate, column)| {
+            let entry = direction.dot(column);
+            (!entry.is_zero()).then_some((*coordinate, entry))
+        }));
+    }
+
+    /// d2(force . displacement)/dq_i dq_j for a fixed force, without zeros: each pair once.
+    pub fn curvature(&self, force: &Vector<S>, mut visit: impl FnMut(Index, Index, S)) {
+        for swept in &self.swept {
+            let second = swept.axis.cross(&swept.axis.cross(&swept.arm));
+            let entry = force.dot(&second);
+            if !entry.is_zero() {
+                visit(swept.coordinate, swept.coordinate, entry);
+            }
+        }
+        for (coordinate, group, direction) in &self.runs {
+            if *group == NO_TURN {
+                continue;
+            }
+            // A run in a turning group has swept it, if only by a zero arm.
+            for swept in self.swept.iter().filter(|swept| swept.group == *group) {
+                let entry = force.dot(&swept.axis.cross(direction));
+                if !entry.is_zero() {
+                    visit(swept.coordinate, *coordinate, entry);
+                }
+            }
+        }
+    }
+}
+
+fn unknown_place(scene: &Scene, end: &Attachment) -> Option<LowerError> {
+    let (name, span) = match end.part {
+        Part::Ground => return None,
+        Part::Body(body) => (scene.bodies[body.index()].name, scene.bodies[body.index()].span),
+        Part::Base(base) => (scene.bases[base.index()].name, scene.bases[base.index()].span),
+    };
+    Some(LowerError::UnknownPlace { body: scene.words.display(name), span, used: end.span })
+}
+
+/// Gives the coordinates their order: that of the declarations of the bodies, and x, y, along, slide, angle within a body;
+/// then the motions of the bases, in the order of the inputs.
+struct Numbering<'a> {
+    scene: &'a Scene,
+    kinematics: Kinematics,
+}
+
+impl<'a> Numbering<'a> {
+    fn new(scene: &'a Scene, tree: Tree) -> Numbering<'a> {
+        let carriage = Carriage { depth: 0, group: NO_TURN, first_slide: 0, slides: 0 };
+        let ground = Group { coordinate: Index::MAX, axis: Vec3::Z };
+        let kinematics = Kinematics {
+            carriages: vec![carriage; tree.pieces.len()],
+            tree,
+            groups: vec![ground],
+            slides: Vec::new(),
+            directions: vec![Vec3::X, Vec3::Y],
+            free: Vec::new(),
+            prescribed: 0,
+            prescribed_inputs: Vec::new(),
+            lengths_squared: Vec::new(),
+        };
+        Numbering { scene, kinematics }
+    }
+
+    fn finish(mut self) -> Kinematics {
+        for index in 0..self.scene.bodies.len() {
+            let piece = self.kinematics.tree.bodies[index];
+            if self.kinematics.tree.pieces[piece as usize].owner == Owner::Body(BodyId(index as u32)) {
+                self.free_piece(piece, BodyId(index as u32));
+            }
+        }
+        let motion = |(number, input): (usize, &Input)| match input.kind {
+            InputKind::Base { base, translation } => Some((base, translation, number as u32)),
+            _ => None,
+        };
+        let mut motions: Vec<_> = self.scene.inputs.iter().enumerate().filter_map(motion).collect();
+        motions.sort_by_key(|(base, ..)| *base);
+        for (base, translation, number) in motions {
+            self.prescribe(self.kinematics.tree.bases[base.index()], translation, number);
+        }
+        self.inherit();
+        self.kinematics
+    }
+
+    /// The free coordinates of a piece.
+    fn free_piece(&mut self, piece: PieceId, body: BodyId) {
+        let Some(joint) = self.kinematics.tree.pieces[piece as usize].joint else {
+            if let Freedom::OnGround { translations, .. } = &self.scene.bodies[body.index()].freedom {
+                for translation in translations.iter() {
+                    let coordinate = self.free(body, translation.motion, CoordinateKind::Translation);
+                    self.slide(piece, coordinate, &translation.direction);
+                }
+            }
+            return self.free_turn(piece, body);
+        };
+        if let JointKind::Slide { along } = &self.scene.joints[joint.index()].kind {
+            let coordinate = self.free(body, "slide", CoordinateKind::Translation);
+            self.slide(piece, coordinate, along);
+        }
+        self.free_turn(piece, body);
+    }
+
+    fn free_turn(&mut self, piece: PieceId, body: BodyId) {
+        if self.kinematics.tree.pieces[piece as usize].turns {
+            let coordinate = self.free(body, "angle", CoordinateKind::Rotation);
+            self.turn(piece, coordinate);
+        }
+    }
+
+    fn free(&mut self, body: BodyId, motion: &'static str, kind: CoordinateKind) -> Index {
+        self.kinematics.free.push(Freely { body, motion, kind });
+        (self.kinematics.free.len() - 1) as Index
+    }
+
+    /// A motion of a base. Called after all free coordinates are numbered.
+    fn prescribe(&mut self, piece: PieceId, translation: Option<usize>, input: u32) {
+        let coordinate = self.kinematics.total() as Index;
+        self.kinematics.prescribed += 1;
+        self.kinematics.prescribed_inputs.push(input);
+        let Owner::Base(base) = self.kinematics.tree.pieces[piece as usize].owner else { return };
+        match translation.and_then(|which| self.scene.bases[base.index()].translations.get(which)) {
+            Some(translation) => self.slide(piece, coordinate, &translation.direction),
+            None => self.turn(piece, coordinate),
+        }
+    }
+
+    /// Slides of one piece are numbered one after the other.
+    fn slide(&mut self, piece: PieceId, coordinate: Index, direction: &Vec3) {
+        let direction = self.direction(coordinate, direction);
+        let carriage = &mut self.kinematics.carriages[piece as usize];
+        if carriage.slides == 0 {
+            carriage.first_slide = self.kinematics.slides.len() as u32;
+        }
+        carriage.slides += 1;
+        self.kinematics.slides.push(Slide { coordinate, direction });
+    }
+
+    /// The direction with length one if that is rational, else as written, with its length kept apart.
+    fn direction(&mut self, coordinate: Index, direction: &Vec3) -> u32 {
+        if let Some(known) = self.kinematics.directions[..2].iter().position(|axis| axis == direction) {
+            return known as u32;
+        }
+        let length_squared = direction.dot(direction);
+        let scaled = match length_squared.sqrt() {
+            Some(length @ Number::Exact(_)) => direction.scale(&(&Number::ONE / &length)),
+            _ => {
+                self.kinematics.lengths_squared.push((coordinate, length_squared));
+                direction.clone()
+            }
+        };
+        self.kinematics.directions.push(scaled);
+        (self.kinematics.directions.len() - 1) as u32
+    }
+
+    fn turn(&mut self, piece: PieceId, coordinate: Index) {
+        self.kinematics.carriages[piece as usize].group = self.kinematics.groups.len() as u32;
+        self.kinematics.groups.push(Group { coordinate, axis: Vec3::Z });
+    }
+
+    /// Pieces that do not turn on their own turn with their carrier. Carriers come first.
+    fn inherit(&mut self) {
+        for piece in 1..self.kinematics.carriages.len() {
+            let carrier = self.kinematics.carriages[self.kinematics.tree.pieces[piece].carrier as usize];
+            let carriage = &mut self.kinematics.carriages[piece];
+            carriage.depth = carrier.depth + 1;
+            if carriage.group == NO_TURN {
+                carriage.group = carrier.group;
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! What the elements of a scene do between which ends: made ready once, measured at any state.
+//! Clause: spec.md, "Linearisation".
+
+use super::kinematics::{End, Index, Kinematics, Path, State};
+use crate::base::{Number, Vec3};
+use crate::elements::{Pull, Scalar, Spring, Stretch, Vector};
+use crate::model::scene::{Attachment, Geometry, Input, Signal, SpringRest};
+
+/// The way between two ends, and the angles of the two.
+#[derive(Clone, Debug)]
+pub struct Between<S> {
+    pub path: Path<S>,
+    /// Angle of the first and of the second end; `None` where it does not turn.
+    pub angles: [Option<Index>; 2],
+}
+
+impl<S> Default for Between<S> {
+    fn default() -> Between<S> {
+        Between { path: Path::default(), angles: [None; 2] }
+    }
+}
+
+impl<S: Scalar> Between<S> {
+    /// The relative turn, second end minus first.
+    pub fn turn(&self, state: &State<S>) -> S {
+        let angle = |end: usize| self.angles[end].map_or_else(S::zero, |angle| state.value(angle).clone());
+        angle(1).minus(&angle(0))
+    }
+
+    /// Its gradient.
+    pub fn turn_row(&self, row: &mut Vec<(Index, S)>) {
+        row.clear();
+        row.extend(self.angles[0].map(|angle| (angle, S::one().negated())));
+        row.extend(self.angles[1].map(|angle| (angle, S::one())));
+    }
+}
+
+impl Between<Number> {
+    pub fn converted<S: Scalar>(&self) -> Between<S> {
+        Between { path: self.path.converted(), angles: self.angles }
+    }
+
+    /// Points this way at two ends; returns the stretch between them.
+    ///
+    /// A line whose ends can only move along it is the same as a fixed direction: its squares do not depend on the state.
+    pub fn connect(&mut self, kinematics: &Kinematics, ends: &[Attachment; 2], geometry: &Geometry) -> Stretch<Number> {
+        let [a, b] = [0, 1].map(|end| kinematics.end(&ends[end]));
+        self.angles = [a, b].map(|end| kinematics.angle(end.piece));
+        if self.angles[0] == self.angles[1] {
+            self.angles = [None; 2];
+        }
+        match geometry {
+            Geometry::Torsion => Stretch::Torsion,
+            Geometry::Along(direction) => {
+                kinematics.way(a, b, &mut self.path);
+                Stretch::Along { direction: first_to_second(direction, ends) }
+            }
+            Geometry::Line => {
+                kinematics.way(a, b, &mut self.path);
+                let drawn = drawn_line(ends).expect("the check lets a line run between two places only");
+                if self.path.keeps_to(&drawn) { Stretch::Along { direction: drawn } } else { Stretch::Line { drawn } }
+            }
+        }
+    }
+}
+
+/// From the first to the second end as drawn.
+fn drawn_line(ends: &[Attachment; 2]) -> Option<Vector<Number>> {
+    let (first, second) = (ends[0].at.as_deref()?, ends[1].at.as_deref()?);
+    Some(Vector::of(&second.sub(first)))
+}
+
+/// The direction, turned round where the drawing runs against it: tension is positive where the ends are pulled apart.
+fn first_to_second(direction: &Vec3, ends: &[Attachment; 2]) -> Vector<Number> {
+    let direction = Vector::of(direction);
+    match drawn_line(ends) {
+        Some(drawn) if drawn.dot(&direction).is_negative() => direction.negated(),
+        _ => direction,
+    }
+}
+
+/// Tension as drawn.
+pub fn preload(
+    stretch: &Stretch<Number>,
+    ends: &[Attachment; 2],
+    geometry: &Geometry,
+    stiffness: &Number,
+    rest: &SpringRest,
+) -> Number {
+    match rest {
+        SpringRest::AsDrawn => Number::ZERO,
+        SpringRest::Preload(tension) => tension.clone(),
+        SpringRest::FreeLength(free) => {
+            let drawn = drawn_length(stretch, ends, geometry);
+            stiffness * &(&drawn - free)
+        }
+    }
+}
+
+/// Length between the ends as drawn, along the element's direction; the relative angle of a torsion is zero as drawn.
+fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Geometry) -> Number {
+    match (stretch, geometry) {
+        (Stretch::Torsion, _) => Number::ZERO,
+        (Stretch::Along { direction } | Stretch::Line { drawn: direction }, Geometry::Line) => {
+            direction.norm_squared().root()
+        }
+        (Stretch::Along { direction } | Stretch::Line { drawn: direction }, _) => {
+            let along = drawn_line(ends).map_or(Number::ZERO, |drawn| drawn.dot(direction));
+            crate::elements::stretch::over_length(along, &direction.norm_squared())
+        }
+    }
+}
+
+/// A spring of the scene, ready to be measured.
+pub fn spring(
+    kinematics: &Kinematics,
+    ends: &[Attachment; 2],
+    geometry: &Geometry,
+    (stiffness, rest): (&Number, &SpringRest),
+    between: &mut Between<Number>,
+) -> Spring<Number> {
+    let stretch = between.connect(kinematics, ends, geometry);
+    let preload = preload(&stretch, ends, geometry, stiffness, rest);
+    Spring { stretch, stiffness: stiffness.clone(), preload }
+}
+
+/// The way of a point against the ground.
+pub fn absolute(kinematics: &Kinematics, end: End, path: &mut Path<Number>) {
+    kinematics.way(End::GROUND, end, path);
+}
+
+/// The constant part of an input's signal; `None` for zero.
+pub fn constant(input: &Input) -> Option<Number> {
+    let mut sum = Number::ZERO;
+    for signal in &input.signal {
+        if let Signal::Constant { value } = signal {
+            sum = &sum + value;
+        }
+    }
+    (!sum.is_zero()).then_some(sum)
+}
+
+/// A constant force that pushes two points apart, as a spring without stiffness.
+pub fn push(
+    kinematics: &Kinematics,
+    ends: &[Attachment; 2],
+    force: &Number,
+    between: &mut Between<Number>,
+) -> Spring<Number> {
+    let stretch = between.connect(kinematics, ends, &Geometry::Line);
+    Pull { stretch, pull: -force }.spring()
+}
