@@ -36,7 +36,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| JsonOutput {
             name: system.display(output.name),
-            unit: output.unit,
+            unit: &output.unit,
             error_bound: Some(worst_error(history, i)).filter(|bound| bound.is_finite()),
             values: history.values.iter().map(|row| finite(&row[i])).collect(),
         })
@@ -80,7 +80,7 @@ pub fn text(model: &str, system: &LinearSystem, history: &History) -> String {
         .column("at the end", "", Align::Point)
         .column("error ≤", "", Align::Right);
     for (i, output) in system.outputs.iter().enumerate() {
-        table.row(cells(system.display(output.name), output.unit, history, i));
+        table.row(cells(system.display(output.name), &output.unit, history, i));
     }
     text += &table.text(INDENT);
     text
