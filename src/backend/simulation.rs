@@ -36,7 +36,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| JsonOutput {
             name: system.display(output.name),
-            unit: &output.unit,
+            unit: output.unit.clone(),
             error_bound: Some(worst_error(history, i)).filter(|bound| bound.is_finite()),
             values: history.values.iter().map(|row| finite(&row[i])).collect(),
         })
@@ -61,7 +61,7 @@ struct JsonHistory<'a> {
 #[derive(serde::Serialize)]
 struct JsonOutput {
     name: String,
-    unit: &'static str,
+    unit: String,
     error_bound: Option<f64>,
     values: Vec<Option<f64>>,
 }
