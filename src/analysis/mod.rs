@@ -3,6 +3,7 @@
 
 mod aberth;
 pub mod answer;
+mod buckling;
 mod certificate;
 mod companion;
 pub mod complex;
@@ -45,6 +46,7 @@ mod transfer_inverse;
 pub mod transfer_table;
 mod triple;
 
+pub use buckling::{Buckling, buckling};
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use error::AnalysisError;
 pub use modes::modes;
