@@ -6,7 +6,7 @@
 //! - K_p positive definite: -K_g x = mu K_p x, alpha = 1 / mu for the largest mu.
 //! - Else, if K is: K_g x = rho K x, alpha = 1 - 1 / rho for the least rho, which has to be negative.
 //!
-//! Both are eigenproblems like that of the modes, with its bounds. Clause: spec.md, "Buckling".
+//! Both are eigenproblems like that of the modes, with its bounds. Clause: spec.md 10.9.
 
 use super::eigen::{Eigenvalue, Failure, Pair, eigenpairs};
 use super::modes::MAX_DENSE;

@@ -46,8 +46,8 @@ mod transfer_inverse;
 pub mod transfer_table;
 mod triple;
 
-pub use buckling::{Buckling, buckling};
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
+pub use buckling::{Buckling, buckling};
 pub use error::AnalysisError;
 pub use modes::modes;
 pub use poles::poles;
