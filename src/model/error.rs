@@ -170,6 +170,7 @@ pub enum Error {
         span: Span,
         word: String,
         suggestion: Option<String>,
+        known: Vec<String>,
     },
     NotAParameter {
         span: Span,
@@ -545,9 +546,11 @@ impl Error {
                 .help("write a line for each parameter, such as `k = \"12 N/m\"`"),
             SettingValue { span } => error("vib::setting::form", span, "a number with its unit is expected here")
                 .help("write it as in a model: `12N/m`, `30 Hz`, `2 %`; in TOML in quotes"),
-            UnknownParameter { span, word, suggestion } => {
+            UnknownParameter { span, word, suggestion, known } => {
                 let message = format!("the model has no parameter `{word}`");
-                with_suggestion(error("vib::setting::unknown", span, message), suggestion, None)
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", listed(&known)) };
+                with_suggestion(error("vib::setting::unknown", span, message), suggestion, Some(help))
             }
             NotAParameter { span, word, kind, declared } => not_a_parameter(span, &word, kind, declared),
             UnlikeDeclared { span, found, wanted, declared } => unlike_declared(span, found, wanted, declared),
@@ -1016,7 +1019,8 @@ fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
         DefinitionKind::Point => Code("vib::unused::point"),
         DefinitionKind::Param | DefinitionKind::Let => Code("vib::unused::parameter"),
     };
-    Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind))).help("leave it out")
+    Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
+        .help("use it, or leave it out")
 }
 
 fn not_a_parameter(span: Span, word: &str, kind: DefinitionKind, declared: Span) -> Diagnostic {

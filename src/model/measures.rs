@@ -148,7 +148,7 @@ impl<'a> Check<'a> {
             return self.fail(environment, Error::RequireWhat { span: node.span });
         };
         let (measure, value, comparison) =
-            if self.is_measure(left) { (left, right, comparison) } else { (right, left, flipped(comparison)) };
+            if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
         let measured = self.measure(measure, environment)?;
         let value = self.value_of_measure(&measured, value, environment)?;
         Ok((measured.measure, Some((comparison, value))))

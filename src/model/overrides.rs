@@ -15,6 +15,9 @@ use crate::syntax;
 /// For places that take a number of any dimension.
 pub const ANY_NUMBER: Expected = Expected::new("a number", Dimension::NONE, "10 N/m");
 
+/// At most this many parameters are listed.
+const SHOWN: usize = 8;
+
 /// A value given for a parameter.
 #[derive(Clone, Debug)]
 pub struct Override {
@@ -103,8 +106,9 @@ impl<'a> Check<'a> {
         }
         let params = self.definitions.iter().filter(|definition| definition.kind == DefinitionKind::Param);
         let known = params.map(|definition| self.words.text(definition.name.symbol));
-        let suggestion = nearest(word, known).map(str::to_string);
-        self.fail(Environment::TOP, Error::UnknownParameter { span, word: text.to_string(), suggestion })
+        let suggestion = nearest(word, known.clone()).map(str::to_string);
+        let known = known.take(SHOWN).map(str::to_string).collect();
+        self.fail(Environment::TOP, Error::UnknownParameter { span, word: text.to_string(), suggestion, known })
     }
 
     /// A value written outside of the model: it knows no name of it.
