@@ -19,7 +19,10 @@ pub mod model;
 pub mod syntax;
 pub mod system;
 
+use analysis::AnalysisError;
+use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Sources, Span};
+use lower::Lowered;
 use model::{CheckedScene, Overrides};
 
 /// What a run found out about a model.
@@ -40,11 +43,33 @@ pub enum Failure {
     Limit,
 }
 
-/// The diagnostics alone.
+/// From the text of a model to its modal report.
+pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<ModalAnswer> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = lowered(sources, model, overrides, &mut diagnostics).and_then(|(name, lowered)| {
+        answer(name, lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+    });
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// The diagnostics alone: everything up to the linear system.
 pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {
     let mut diagnostics = Diagnostics::new();
-    let answer = checked_scene(sources, model, overrides, &mut diagnostics).map(|_| ());
+    let answer = lowered(sources, model, overrides, &mut diagnostics).map(|_| ());
     Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// The model's name and its linear system.
+fn lowered(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+) -> Option<(String, Lowered)> {
+    let scene = checked_scene(sources, model, overrides, diagnostics)?;
+    let outcome = lower::lower(&scene);
+    diagnostics.extend(outcome.diagnostics);
+    Some((scene.scene().name.clone(), outcome.lowered?))
 }
 
 fn checked_scene(
@@ -65,6 +90,14 @@ fn checked_scene(
     let checked = model::check(sources, &parsed.tree, overrides);
     diagnostics.extend(checked.diagnostics);
     checked.scene.filter(|_| !broken)
+}
+
+fn answer(model: String, lowered: Lowered) -> Result<ModalAnswer, AnalysisError> {
+    let Lowered { system, rest } = lowered;
+    let modes = analysis::modes(&system)?;
+    let poles = analysis::poles(&system, &modes)?;
+    let stability = analysis::stability(&modes, &poles);
+    Ok(ModalAnswer { model, system, rest, modes, poles, stability })
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.

@@ -4,13 +4,13 @@
 mod cli;
 
 use clap::Parser;
-use cli::{Analyze, Check, Cli, Colour, Command, MessageFormat, Messages, OverrideOptions};
+use cli::{Analyze, Check, Cli, Colour, Command, Format, MessageFormat, Messages, OverrideOptions};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use vibc::backend::{self, diagnostics};
+use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 use vibc::syntax::limits;
@@ -48,10 +48,23 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
-    let outcome = vibc::check(&input.sources, input.model, &input.overrides);
-    let status = failure(outcome.failure());
-    show(&input.sources, outcome.diagnostics, messages);
-    if status == Status::Done { not_available("analyze") } else { status }
+    let analysis = vibc::analyze(&input.sources, input.model, &input.overrides);
+    let status = failure(analysis.failure());
+    show(&input.sources, analysis.diagnostics, messages);
+    let Some(answer) = &analysis.answer else { return status };
+    let wanted = ReportOptions { normalise: options.normalise.into(), matrices: options.matrices };
+    let text = match options.format {
+        Format::Text => backend::report::text(answer, &wanted),
+        Format::Json => backend::json::json(answer, &wanted),
+    };
+    match write_result(options.output.as_deref(), &text) {
+        Ok(()) => Status::Done,
+        Err(error) => {
+            let name = options.output.as_deref().unwrap_or(Path::new("standard output"));
+            complain(&format!("cannot write `{}`: {error}", name.display()));
+            Status::Io
+        }
+    }
 }
 
 fn check(options: &Check, messages: &Messages) -> Status {
@@ -80,7 +93,9 @@ fn explain(code: &str) -> Status {
 
 fn not_available(command: &str) -> Status {
     let version = env!("CARGO_PKG_VERSION");
-    complain(&format!("`vibc {command}` is not available yet in version {version}; there are `check` and `explain`"));
+    complain(&format!(
+        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `check` and `explain`"
+    ));
     Status::Usage
 }
 

@@ -113,6 +113,16 @@ pub fn certain_number(value: &Number, most: usize) -> String {
     }
 }
 
+/// The same with every digit before the decimal point, where these are not too many: `103168` rather than `1.0317e5`.
+pub fn certain_whole(value: &Number, most: usize) -> String {
+    let size = value.to_f64().abs();
+    let whole = (most..=WHOLE).find(|digits| size < 10f64.powi(*digits as i32)).unwrap_or(most);
+    certain_number(value, whole)
+}
+
+/// Digits before the decimal point that are shown without a power of ten.
+const WHOLE: usize = 8;
+
 /// How many significant digits a radius settles: |x - mid| is at most half a unit of the last one.
 pub fn certain_digits(value: &Ball) -> usize {
     let error = value.relative_error();
@@ -260,6 +270,8 @@ mod tests {
         assert_eq!(Decimal::round(Dd::ZERO, 6).trimmed().text(), "0");
         assert_eq!(certain_number(&Number::Exact(Rational::new(4905, 1000)), 6), "4.905");
         assert_eq!(certain_number(&Number::Exact(Rational::new(-2, 3)), 6), "-0.666667");
+        assert_eq!(certain_whole(&Number::Exact(Rational::new(-1_031_684, 10)), 5), "-103168");
+        assert_eq!(certain_whole(&Number::Exact(Rational::new(1_031_684_000, 1)), 5), "1.0317e9");
     }
 
     #[test]

@@ -93,11 +93,7 @@ impl<'a> Check<'a> {
             self.not_negative(&mass, span, "mass", environment)?;
             body.mass = Some(mass);
         }
-        let inertia = inertia?;
-        if let (None, Some(about)) = (&body.mass, inertia.as_ref().and_then(|inertia| inertia.about.clone())) {
-            self.inertia_points.insert(BodyId(self.scene.bodies.len() as u32), about);
-        }
-        body.inertia = match (inertia, &shape) {
+        body.inertia = match (inertia?, &shape) {
             (Some(inertia), _) => Some(self.inertia_about_centre(body, inertia, environment)?),
             (None, Some(shape)) => body.mass.as_ref().map(|mass| mass * &shape.gyration),
             (None, None) => None,

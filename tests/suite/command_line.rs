@@ -1,1 +1,340 @@
-//! The program as a process: streams, exit status, message formats.
+//! The program as a process: commands, streams, files, exit status. Clause: spec.md, "Report" 12.8.
+
+use serde_json::Value;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+const CART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/cart.vib");
+
+/// What a run of the program left behind.
+struct Run {
+    status: i32,
+    out: String,
+    err: String,
+}
+
+fn vibc(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(arguments).stdin(Stdio::null()).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
+    command
+}
+
+fn run(arguments: &[&str]) -> Run {
+    finished(vibc(arguments).output().expect("the program starts"))
+}
+
+fn run_with_input(arguments: &[&str], input: &[u8]) -> Run {
+    let mut command = vibc(arguments);
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    // A program that refuses its command line reads nothing.
+    let _ = child.stdin.take().expect("a pipe").write_all(input);
+    finished(child.wait_with_output().expect("it ends"))
+}
+
+fn finished(output: std::process::Output) -> Run {
+    Run {
+        status: output.status.code().expect("no signal"),
+        out: String::from_utf8(output.stdout).expect("UTF-8"),
+        err: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// A model in a file of its own.
+fn file(folder: &TempDir, name: &str, text: impl AsRef<[u8]>) -> String {
+    let path = folder.path().join(name);
+    fs::write(&path, text).expect("a temporary file");
+    path.to_string_lossy().into_owned()
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn objects(lines: &str) -> Vec<Value> {
+    lines.lines().map(|line| serde_json::from_str(line).expect("a line is an object")).collect()
+}
+
+const OSCILLATOR: &str = "param k = 9 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+const WRONG: &str = "param k = 9 kg\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+/// A warning, and nothing else.
+const UNUSED: &str =
+    "param k = 9 N/m\nparam spare = 1 m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+
+#[test]
+fn the_exit_status_tells_what_happened() {
+    let folder = folder();
+    assert_eq!(run(&["analyze", CART]).status, 0);
+    assert_eq!(run(&["check", CART]).status, 0);
+    assert_eq!(run(&["analyze", &file(&folder, "wrong.vib", WRONG)]).status, 1);
+    assert_eq!(run(&["check", &file(&folder, "wrong.vib", WRONG)]).status, 1);
+    assert_eq!(run(&["analyze", &file(&folder, "unused.vib", UNUSED)]).status, 0);
+    for usage in [
+        &[][..],
+        &["analyze"],
+        &["check"],
+        &["analyse", CART],
+        &["analyze", CART, "--format", "csv"],
+        &["analyze", CART, "--set", "k"],
+    ] {
+        assert_eq!(run(usage).status, 2, "{usage:?}");
+    }
+    assert_eq!(run(&["analyze", "no such file.vib"]).status, 3);
+    assert_eq!(run(&["analyze", folder.path().to_str().expect("a path")]).status, 3);
+    assert_eq!(run(&["analyze", CART, "-o", "no such folder/report.txt"]).status, 3);
+}
+
+#[test]
+fn of_several_files_the_largest_status_counts() {
+    let folder = folder();
+    let wrong = file(&folder, "wrong.vib", WRONG);
+    assert_eq!(run(&["check", CART, &wrong, CART]).status, 1);
+    let all = run(&["check", &wrong, "missing.vib", "--message-format", "short"]);
+    assert_eq!(all.status, 3);
+    assert!(all.err.contains("wrong.vib:3:") && all.err.contains("missing.vib:1:1: error[io]"));
+}
+
+#[test]
+fn results_go_to_one_stream_and_diagnostics_to_the_other() {
+    let folder = folder();
+    let unused = run(&["analyze", &file(&folder, "unused.vib", UNUSED)]);
+    assert!(unused.out.starts_with("unused · 1 freedom"), "{}", unused.out);
+    let wrong = run(&["analyze", &file(&folder, "wrong.vib", WRONG)]);
+    assert!(wrong.out.is_empty() && wrong.err.contains("vib::unit::mismatch"));
+    assert_eq!(run(&["check", CART]).out, "");
+}
+
+#[test]
+fn quiet_leaves_errors_only() {
+    let folder = folder();
+    let unused = run(&["analyze", "-q", &file(&folder, "unused.vib", UNUSED)]);
+    assert_eq!((unused.status, unused.err.as_str()), (0, ""));
+    assert!(run(&["check", "-q", &file(&folder, "wrong.vib", WRONG)]).err.contains("vib::unit::mismatch"));
+}
+
+#[test]
+fn the_json_report_has_its_fields_in_their_order() {
+    let report = run(&["analyze", CART, "--format", "json"]).out;
+    let fields = [
+        "\"vibc\":",
+        "\"model\":\"cart\"",
+        "\"coordinates\":[\"block.x\",\"rod.angle\"]",
+        "\"rest\":{\"stable\":true,\"kind\":\"stable\"",
+        "\"displacement\":{\"block.x\":0.0,\"rod.angle\":0.0}",
+        "\"residual\":0.0",
+        "\"matrices\":{\"m\":[[1.5,0.5],[0.5,0.6666666666666666]]",
+        "\"c\":[[5.0,0.0],[0.0,0.0]]",
+        "\"k\":[[10.0,0.0],[0.0,4.905]]",
+        "\"modes\":[{\"mode\":1,\"kind\":\"oscillation\",\"omega\":2.158",
+        "\"frequency_hz\":0.343",
+        "\"omega_error_bound\":",
+        "\"shape\":{\"block.x\":1.0,\"rod.angle\":1.29393",
+        "\"poles\":[{\"re\":-0.3099",
+        "\"im\":",
+        "\"omega\":",
+        "\"frequency_hz\":",
+        "\"damping_ratio\":0.11",
+        "\"damped_frequency_hz\":0.41",
+        "\"kind\":\"oscillation\"",
+        "\"error_bound\":",
+        "\"solved\":[]",
+        "\"requirements\":[]",
+    ];
+    let mut from = 0;
+    for field in fields {
+        let at = report[from..].find(field).unwrap_or_else(|| panic!("{field} is not behind byte {from} of {report}"));
+        from += at + field.len();
+    }
+    let value: Value = serde_json::from_str(&report).expect("one object");
+    assert_eq!(value["poles"].as_array().map(Vec::len), Some(4));
+    assert!(report.ends_with("}\n"));
+}
+
+#[test]
+fn large_matrices_come_on_demand() {
+    let folder = folder();
+    // Independent parts, so that the analysis itself takes no time.
+    let row =
+        "repeat i in 1..201 {\n  body m[i] { mass = 1 kg, moves x }\n  spring k[i]: ground -- m[i] { k = 3 N/m }\n}\n";
+    let row = file(&folder, "row.vib", row);
+    let without: Value = serde_json::from_str(&run(&["analyze", &row, "--format", "json"]).out).expect("an object");
+    assert!(without["matrices"].is_null());
+    let with: Value =
+        serde_json::from_str(&run(&["analyze", &row, "--format", "json", "--matrices"]).out).expect("an object");
+    assert_eq!(with["matrices"]["k"][200][200], 3.0);
+}
+
+#[test]
+fn standard_input_is_a_model() {
+    let piped = run_with_input(&["analyze", "-"], OSCILLATOR.as_bytes());
+    assert_eq!(piped.status, 0, "{}", piped.err);
+    assert!(piped.out.contains("3.000000"));
+    let wrong = run_with_input(&["check", "--message-format", "short", "-"], WRONG.as_bytes());
+    assert!(wrong.err.starts_with("<stdin>:3:29: error[vib::unit::mismatch]"), "{}", wrong.err);
+}
+
+#[test]
+fn an_output_file_is_replaced_whole_or_left_as_it_was() {
+    let folder = folder();
+    let (model, wrong) = (file(&folder, "oscillator.vib", OSCILLATOR), file(&folder, "wrong.vib", WRONG));
+    let report = file(&folder, "report.txt", "old");
+    assert_eq!(run(&["analyze", &wrong, "-o", &report]).status, 1);
+    assert_eq!(fs::read_to_string(&report).unwrap(), "old");
+    let written = run(&["analyze", &model, "-o", &report]);
+    assert_eq!((written.status, written.out.as_str()), (0, ""));
+    assert_eq!(fs::read_to_string(&report).unwrap(), run(&["analyze", &model]).out);
+    assert_eq!(run(&["analyze", &model, "-o", "-"]).out, run(&["analyze", &model]).out);
+    let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names.count(), 3, "nothing temporary is left");
+}
+
+#[test]
+fn a_model_is_never_overwritten_by_its_report() {
+    let folder = folder();
+    let model = file(&folder, "oscillator.vib", OSCILLATOR);
+    let refused = run(&["analyze", &model, "-o", &model]);
+    assert_eq!(refused.status, 2);
+    assert_eq!(fs::read_to_string(&model).unwrap(), OSCILLATOR);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_devices_and_permissions_survive() {
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+    let folder = folder();
+    let model = file(&folder, "oscillator.vib", OSCILLATOR);
+    let target = file(&folder, "target.txt", "old");
+    fs::set_permissions(&target, fs::Permissions::from_mode(0o640)).unwrap();
+    let link = folder.path().join("link.txt");
+    symlink(&target, &link).unwrap();
+    assert_eq!(run(&["analyze", &model, "-o", link.to_str().unwrap()]).status, 0);
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(fs::read_to_string(&target).unwrap().starts_with("oscillator"));
+    assert_eq!(fs::metadata(&target).unwrap().permissions().mode() & 0o777, 0o640);
+    assert_eq!(run(&["analyze", &model, "-o", "/dev/null"]).status, 0);
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_a_closed_pipe_is_not() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let told = finished(vibc(&["analyze", CART]).stdout(full).output().unwrap());
+    assert_eq!(told.status, 3);
+    assert!(told.err.contains("standard output"));
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let closed = finished(vibc(&["analyze", CART]).stdout(writer).output().unwrap());
+    assert_eq!((closed.status, closed.err.as_str()), (0, ""));
+}
+
+#[test]
+fn diagnostics_for_programs_have_their_fields() {
+    let folder = folder();
+    let model = "param ω = 9 kg\nbody b { mass = 1 kg, moves x }\n/* ω */ spring s: ground -- b { k = ω }\n"
+        .replace("/* ω */ ", "");
+    let model = file(&folder, "greek.vib", model);
+    let lines = run(&["check", &model, "--message-format", "json"]).err;
+    let found = objects(&lines);
+    assert_eq!(found.len(), 1, "{lines}");
+    let expected = [
+        ("code", Value::from("vib::unit::mismatch")),
+        ("severity", Value::from("error")),
+        ("file", Value::from(model.clone())),
+        ("line", Value::from(3)),
+        ("column", Value::from(29)),
+        ("end_line", Value::from(3)),
+        ("end_column", Value::from(30)),
+    ];
+    for (field, value) in expected {
+        assert_eq!(found[0][field], value, "{field} in {lines}");
+    }
+    assert!(found[0]["message"].is_string() && found[0]["help"].is_string());
+    for related in found[0]["related"].as_array().expect("a list") {
+        assert!(related["message"].is_string() && related["line"].is_u64() && related["end_column"].is_u64());
+    }
+    let io = objects(&run(&["check", "missing.vib", "--message-format", "json"]).err);
+    assert_eq!((&io[0]["code"], &io[0]["line"]), (&Value::from("io"), &Value::from(1)));
+}
+
+#[test]
+fn colour_is_for_terminals_and_for_those_who_ask() {
+    let folder = folder();
+    let wrong = file(&folder, "wrong.vib", WRONG);
+    let coloured = |arguments: &[&str]| run(&[&["check", &wrong], arguments].concat()).err.contains('\u{1b}');
+    assert!(!coloured(&[]));
+    assert!(coloured(&["--color", "always"]));
+    assert!(!coloured(&["--color", "never"]));
+}
+
+#[test]
+fn a_file_of_another_program_is_refused_at_the_byte() {
+    let folder = folder();
+    let binary = file(&folder, "backup.vib", b"model x\n// caf\xe9\nbody b { moves x }\n");
+    let refused = run(&["check", &binary, "--message-format", "short"]);
+    assert_eq!(refused.status, 1);
+    assert_eq!(refused.err, format!("{binary}:2:7: error[vib::file::not_utf8]: this file is not UTF-8 text\n"));
+}
+
+#[test]
+fn every_finding_is_in_the_forms_for_programs() {
+    let folder = folder();
+    let wrong: String = (0..60).map(|i| format!("param a{i} = 1 kg + 1 m\n")).collect();
+    let wrong = file(&folder, "wrong.vib", wrong);
+    let count = |form| run(&["check", "-q", &wrong, "--message-format", form]).err.lines().count();
+    assert_eq!((count("short"), count("json")), (60, 60));
+    let drawn = run(&["check", "-q", &wrong]).err;
+    assert_eq!(drawn.matches('×').count(), 20);
+    assert!(
+        drawn.trim_end().ends_with("and 40 more: 60 errors in all (`--message-format short` lists every one)"),
+        "{drawn}"
+    );
+}
+
+#[test]
+fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
+    let told = run(&["explain", "vib::unit::mismatch"]);
+    assert_eq!(told.status, 0);
+    assert!(told.out.starts_with("vib::unit::mismatch\n\n") && told.out.contains("Mend:"));
+    assert_eq!(run(&["explain", "unit::mismatch"]).out, told.out);
+    let unknown = run(&["explain", "vib::unit::mismach"]);
+    assert_eq!((unknown.status, unknown.out.as_str()), (2, ""));
+    assert!(unknown.err.contains("`vib::unit::mismatch`"));
+}
+
+#[test]
+fn what_is_to_come_is_refused_by_name() {
+    for command in ["transfer", "simulate", "emit", "bench", "fmt", "lsp"] {
+        let refused = run(&[command, "--from", "x", CART]);
+        assert_eq!(refused.status, 2);
+        assert!(refused.err.contains(&format!("`vibc {command}` is not available yet")), "{}", refused.err);
+    }
+}
+
+#[test]
+fn the_same_model_gives_the_same_bytes() {
+    let once = run(&["analyze", CART, "--format", "json"]).out;
+    assert_eq!(once, run(&["analyze", CART, "--format", "json"]).out);
+    let from_elsewhere =
+        vibc(&["analyze", "cart.vib", "--format", "json"]).current_dir(Path::new(CART).parent().unwrap()).output();
+    assert_eq!(once.as_bytes(), from_elsewhere.unwrap().stdout);
+}
+
+#[test]
+fn shapes_are_scaled_as_asked() {
+    let shape = |normalise| {
+        let report = run(&["analyze", CART, "--format", "json", "--normalise", normalise]).out;
+        let report: Value = serde_json::from_str(&report).expect("an object");
+        let shape = &report["modes"][0]["shape"];
+        (shape["block.x"].as_f64().expect("a number"), shape["rod.angle"].as_f64().expect("a number"))
+    };
+    let ratio = 1.29393000254;
+    assert_eq!((shape("translation").0, shape("max").1, shape("first").0), (1.0, 1.0, 1.0));
+    assert!((shape("first").1 - ratio).abs() < 1e-10);
+    let (x, angle) = shape("mass");
+    // x^T M x of the problem set's mass matrix.
+    assert!((1.5 * x * x + x * angle + 2.0 / 3.0 * angle * angle - 1.0).abs() < 1e-14);
+}

@@ -4,6 +4,7 @@ mod bounds;
 mod command_line;
 mod diagnostics;
 mod exact;
+mod examples;
 mod hard_cases;
 mod hard_cases_damped;
 mod house;

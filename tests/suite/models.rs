@@ -31,7 +31,7 @@ impl Run {
             settings: add(SourceKind::Settings, "settings.toml", settings),
             arguments: add(SourceKind::Arguments, "--set", arguments),
         };
-        let diagnostics = vibc::check(&sources, model, &overrides).diagnostics;
+        let diagnostics = vibc::analyze(&sources, model, &overrides).diagnostics;
         Run { sources, diagnostics }
     }
 

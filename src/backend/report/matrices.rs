@@ -1,6 +1,6 @@
 //! The coordinates and, where they fit, the matrices.
 
-use super::super::decimal::certain_number;
+use super::super::decimal::certain_whole;
 use super::super::{ModalAnswer, ReportOptions};
 use super::table::characters;
 use super::{INDENT, WIDTH, line, unit};
@@ -23,11 +23,11 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
 
 /// `q = (block.x [m], rod.angle [rad])`, broken into lines; the first and the last of many.
 fn coordinates(system: &LinearSystem) -> String {
-    const ENDS: usize = 12;
+    const ENDS: usize = 6;
     let name =
         |i: usize| format!("{} [{}]", system.display(system.coordinates[i].name), unit(system.coordinates[i].kind));
     let n = system.n();
-    let names: Vec<String> = if n <= 3 * ENDS {
+    let names: Vec<String> = if n <= 2 * ENDS {
         (0..n).map(name).collect()
     } else {
         let dots = std::iter::once(format!("... {} more", n - 2 * ENDS));
@@ -71,7 +71,7 @@ fn joined(group: &[&Vec<String>]) -> String {
 /// `M = ⎡ 1.5  0.5 ⎤` in as many lines as rows, all of one width.
 fn block(name: &str, matrix: &[Vec<Number>]) -> Vec<String> {
     let cells: Vec<Vec<String>> =
-        matrix.iter().map(|row| row.iter().map(|entry| certain_number(entry, DIGITS)).collect()).collect();
+        matrix.iter().map(|row| row.iter().map(|entry| certain_whole(entry, DIGITS)).collect()).collect();
     let n = cells.len();
     let widths: Vec<usize> = (0..n).map(|j| cells.iter().map(|row| characters(&row[j])).max().unwrap_or(0)).collect();
     let middle = (n - 1) / 2;

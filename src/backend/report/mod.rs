@@ -8,6 +8,7 @@ mod poles;
 mod rest;
 pub(super) mod table;
 
+use super::diagnostics::readable;
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{ModeKind, Share, Stability};
 use crate::system::{CoordinateKind, LinearSystem};
@@ -49,7 +50,7 @@ fn title(answer: &ModalAnswer) -> String {
         1 => " · 1 rigid motion".to_string(),
         _ => format!(" · {rigid} rigid motions"),
     };
-    format!("{} · {freedoms}, linearised about {verdict}{left}", answer.model)
+    format!("{} · {freedoms}, linearised about {verdict}{left}", readable(&answer.model))
 }
 
 /// A line of text of a section.
@@ -66,23 +67,36 @@ fn unit(kind: CoordinateKind) -> &'static str {
 
 /// The largest shares, by name: `block.x 61 %, rod.angle 39 %`, and what is left of them.
 fn largest_shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> String {
-    /// What is shown until the shares cover this much, or until there are so many.
+    /// Named until the shares cover this much.
     const COVERED: f64 = 0.98;
-    const MOST: usize = 4;
-    let mut shown = Vec::new();
+    /// ... or until there is no room for more.
+    const ROOM: usize = 32;
+    /// Where no share reaches this much, naming a few of them says nothing.
+    const WORTH_NAMING: f64 = 0.05;
+    let told = |share: &Share<T>| format!("{} {}", name(share.of), percent(share.part));
+    if let Some(largest) = shares.first().filter(|share| share.part.abs() < WORTH_NAMING) {
+        return format!("spread over {}, most on {}", shares.len(), told(largest));
+    }
+    let mut text = String::new();
     let mut covered = 0.0;
-    for share in shares.iter().take(MOST).take_while(|share| share.part.abs() >= 0.005) {
-        if covered >= COVERED {
-            break;
-        }
+    let mut rest = shares;
+    while let Some((share, others)) = rest.split_first()
+        && covered < COVERED
+        && (text.is_empty() || table::characters(&text) + table::characters(&told(share)) <= ROOM)
+    {
+        text += &format!("{}{}", if text.is_empty() { "" } else { ", " }, told(share));
         covered += share.part;
-        shown.push(format!("{} {:.0} %", name(share.of), 100.0 * share.part));
+        rest = others;
     }
-    let left = shares.len() - shown.len();
-    if left > 0 && (1.0 - covered).abs() >= 0.005 {
-        shown.push(format!("{left} more {:.0} %", 100.0 * (1.0 - covered)));
+    match rest.len() {
+        0 => text,
+        _ if (1.0 - covered).abs() < 0.005 => text,
+        left => format!("{text}, {left} more {}", percent(1.0 - covered)),
     }
-    shown.join(", ")
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.0} %", 100.0 * part)
 }
 
 /// The coordinates that carry a mode.

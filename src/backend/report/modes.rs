@@ -1,16 +1,16 @@
 //! The undamped modes: their frequencies and shapes, and which mode is which.
 
-use super::super::decimal::{certain, upper};
+use super::super::decimal::{Decimal, certain, upper};
 use super::super::json::{error_bound, per_turn};
 use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
 use super::{INDENT, WIDTH, carried_by, largest_shares, line, unit};
 use crate::analysis::{Mode, ModeKind, Normalise, normalise};
 use crate::base::{Ball, Dd};
-use crate::system::LinearSystem;
+use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 
 /// Modes that are listed; the JSON has all.
-pub const MOST: usize = 60;
+pub const MOST: usize = 20;
 const DIGITS: usize = 7;
 const SHAPE_DIGITS: usize = 5;
 /// Entries of a shape that are named where a column for each does not fit.
@@ -23,13 +23,17 @@ pub fn table(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let with_columns = filled(answer, options, true);
     let fits = answer.system.n() <= WIDTH / 10 && with_columns.width() + INDENT <= WIDTH;
     let table = if fits { with_columns } else { filled(answer, options, false) };
-    line(format!("undamped modes ({})", scaling(options.normalise))) + &table.text(INDENT) + &remarks(answer)
+    line(format!("undamped modes ({})", scaling(options.normalise, &answer.system)))
+        + &table.text(INDENT)
+        + &remarks(answer)
 }
 
-fn scaling(normalise: Normalise) -> &'static str {
+fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {
+    let translates = |coordinate: &Coordinate| coordinate.kind == CoordinateKind::Translation;
+    let mixed = system.coordinates.iter().any(translates) && !system.coordinates.iter().all(translates);
     match normalise {
-        Normalise::Translation => "shapes: largest translation 1, else largest rotation 1",
-        Normalise::Max => "shapes: largest entry 1",
+        Normalise::Translation if mixed => "shapes: largest translation 1, or rotation where nothing translates",
+        Normalise::Translation | Normalise::Max => "shapes: largest entry 1",
         Normalise::First => "shapes: first entry 1",
         Normalise::Mass => "shapes: mass-normalised",
     }
@@ -55,7 +59,8 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
         let shape = normalise(mode, system, options.normalise);
         let mut cells = frequency_cells(number, mode);
         if columns {
-            cells.extend(shape.iter().map(|entry| rounded(*entry)));
+            let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+            cells.extend(shape.iter().map(|entry| rounded(*entry, largest)));
         } else {
             cells.push(largest_entries(system, &shape));
         }
@@ -83,20 +88,19 @@ fn frequency_cells(number: usize, mode: &Mode) -> Vec<String> {
 }
 
 /// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
-fn rounded(entry: f64) -> String {
-    if entry == 0.0 {
-        return "0".into();
-    }
-    super::super::decimal::Decimal::round(Dd::from(entry), SHAPE_DIGITS).text()
+fn rounded(entry: f64, largest: f64) -> String {
+    /// Below this part of the largest entry it is rounding, no motion (spec.md, 12.1).
+    const NOTHING: f64 = 1e-12;
+    if entry.abs() <= NOTHING * largest { "0".into() } else { Decimal::round(Dd::from(entry), SHAPE_DIGITS).text() }
 }
 
 fn largest_entries(system: &LinearSystem, shape: &[f64]) -> String {
     let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i] != 0.0).collect();
     order.sort_by(|a, b| shape[*b].abs().total_cmp(&shape[*a].abs()).then(a.cmp(b)));
+    let largest = order.first().map_or(0.0, |i| shape[*i].abs());
     let named = order.iter().take(LARGEST);
-    let named: Vec<String> =
-        named.map(|i| format!("{} {}", system.display(system.coordinates[*i].name), rounded(shape[*i]))).collect();
-    named.join(", ")
+    let name = |i: usize| system.display(system.coordinates[i].name);
+    named.map(|i| format!("{} {}", name(*i), rounded(shape[*i], largest))).collect::<Vec<_>>().join(", ")
 }
 
 /// What cannot be seen in the table.
@@ -104,7 +108,8 @@ fn remarks(answer: &ModalAnswer) -> String {
     let list = &answer.modes.list;
     let mut text = String::new();
     if list.len() > MOST {
-        text += &line(format!("... and {} modes more (--format json has all)", list.len() - MOST));
+        let highest = list.last().map_or(String::new(), |mode| certain(&per_turn(mode.omega), 4));
+        text += &line(format!("... and {} modes more, up to {highest} Hz (--format json has all)", list.len() - MOST));
     }
     text + &clusters(list) + &sensitive(list)
 }

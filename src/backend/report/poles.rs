@@ -34,8 +34,7 @@ pub fn text(answer: &ModalAnswer) -> String {
         .column("half-life", "[cycles]", Align::Point)
         .column("error ≤", "", Align::Right)
         .column("kind", "", Align::Left);
-    let shown: Vec<(usize, &Pole)> =
-        (1..).zip(&answer.poles.list).filter(|(_, pole)| !is_second_of_pair(pole)).collect();
+    let shown = numbered(answer);
     for (number, pole) in shown.iter().take(MOST) {
         table.row(cells(*number, pole));
     }
@@ -44,9 +43,10 @@ pub fn text(answer: &ModalAnswer) -> String {
     line("damped motion") + &table.text(INDENT) + &more
 }
 
-/// Of a complex pair the pole in the upper half plane is shown.
-fn is_second_of_pair(pole: &Pole) -> bool {
-    is_complex(pole) && pole.im.mid.hi < 0.0
+/// Of a complex pair the pole in the upper half plane alone, counted from 1.
+pub fn numbered(answer: &ModalAnswer) -> Vec<(usize, &Pole)> {
+    let in_lower_half = |pole: &Pole| is_complex(pole) && pole.im.mid.hi < 0.0;
+    (1..).zip(answer.poles.list.iter().filter(|pole| !in_lower_half(pole))).collect()
 }
 
 fn is_complex(pole: &Pole) -> bool {

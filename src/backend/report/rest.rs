@@ -3,7 +3,7 @@
 use super::super::ModalAnswer;
 use super::super::decimal::{certain, certain_number, upper};
 use super::table::{Align, Table};
-use super::{INDENT, carried_by, line, unit};
+use super::{INDENT, carried_by, line, poles, unit};
 use crate::analysis::{Mode, ModeKind, PoleKind};
 use crate::base::{Ball, Number};
 use crate::system::CoordinateKind;
@@ -68,9 +68,9 @@ fn unstable(answer: &ModalAnswer) -> String {
         text += &line(format!("  {runaway} runs away: {}", growth(mode.omega)));
     }
     if text.is_empty() {
-        for (number, pole) in (1..).zip(&answer.poles.list) {
+        for (number, pole) in poles::numbered(answer) {
             match pole.kind {
-                PoleKind::Flutter if !pole.im.is_negative() => {
+                PoleKind::Flutter => {
                     text += &line(format!("  pole {number} swings ever wider (flutter): {}", growth(pole.re)));
                 }
                 PoleKind::Divergence => text += &line(format!("  pole {number} runs away: {}", growth(pole.re))),
