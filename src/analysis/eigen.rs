@@ -6,7 +6,7 @@
 //! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, again from 2 with
 //!    the next precision.
 //!
-//! Clause: spec.md, "Modes".
+//! Clauses: spec.md 10.1, 10.3 to 10.7.
 
 use super::answer::Route;
 use super::certificate::{Enclosure, enclose};

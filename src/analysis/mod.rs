@@ -3,6 +3,7 @@
 
 mod aberth;
 pub mod answer;
+mod buckling;
 mod certificate;
 mod companion;
 pub mod complex;
@@ -46,6 +47,7 @@ pub mod transfer_table;
 mod triple;
 
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
+pub use buckling::{Buckling, buckling};
 pub use error::AnalysisError;
 pub use modes::modes;
 pub use poles::poles;

@@ -3,7 +3,7 @@
 //! The system is taken apart into independent parts; motions without inertia are eliminated exactly ([`condense`]); each part
 //! is an eigenproblem ([`eigen`]); the modes of all parts, over all coordinates, are put in order, scaled and signed.
 //!
-//! Clause: spec.md, "Modes".
+//! Clause: spec.md 10.
 
 use super::answer::{Mode, ModeKind, Modes, Route};
 use super::certificate;

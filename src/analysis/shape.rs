@@ -61,6 +61,12 @@ fn first_moving(shape: &[f64]) -> Option<usize> {
     shape.iter().position(|x| x.abs() > TIE * largest)
 }
 
+/// The shape with its largest entry made 1.
+pub(super) fn with_largest_one(shape: &[f64]) -> Vec<f64> {
+    let unit = first_largest(shape, |_| true).map_or(1.0, |i| shape[i]);
+    shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
+}
+
 /// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
 pub(super) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<CoordinateId>> {
     let mut energy = vec![0.0; shape.len()];

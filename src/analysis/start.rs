@@ -9,7 +9,7 @@
 //!   energies (K = D (1 - S) D).
 //! - All of these again in double-double, on sqrt(k) A L^-T or on the matrix, if binary64 was not enough.
 //!
-//! Clause: spec.md, "Starting modes".
+//! Clause: spec.md 10.5.
 
 use super::answer::Route;
 use super::dense::{Matrix, Real, add_scaled, dot};

@@ -5,7 +5,7 @@
 //! recovered from the residues (of more primes where one is not enough) and verified term by term show that it is not below.
 //! Positive terms are weighted at random for the elimination (their null space does not depend on the weights), others as
 //! they are. Numbers known only as enclosures stand for independent unknowns, equal ones for the same unknown.
-//! Clause: spec.md, "Rigid motions".
+//! Clause: spec.md 10.3.
 
 use super::residues::{Field, PRIMES, scramble};
 use crate::base::{Ball, Number, Rational};

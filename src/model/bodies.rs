@@ -93,7 +93,11 @@ impl<'a> Check<'a> {
             self.not_negative(&mass, span, "mass", environment)?;
             body.mass = Some(mass);
         }
-        body.inertia = match (inertia?, &shape) {
+        let inertia = inertia?;
+        if let (None, Some(about)) = (&body.mass, inertia.as_ref().and_then(|inertia| inertia.about.clone())) {
+            self.inertia_points.insert(BodyId(self.scene.bodies.len() as u32), about);
+        }
+        body.inertia = match (inertia, &shape) {
             (Some(inertia), _) => Some(self.inertia_about_centre(body, inertia, environment)?),
             (None, Some(shape)) => body.mass.as_ref().map(|mass| mass * &shape.gyration),
             (None, None) => None,

@@ -60,18 +60,18 @@ impl<'a> Check<'a> {
     fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut u64) {
         let before = *count;
         match self.count(repeat, Environment::TOP, count) {
-            Ok(()) => {
-                self.parts.reserve((*count - before) as usize);
-                self.unroll(repeat, Environment::TOP);
+            Ok(()) => self.unroll(repeat, Environment::TOP),
+            Err(_) => {
+                *count = before;
+                self.forget(&repeat.body);
             }
-            Err(_) => self.forget(&repeat.body),
         }
     }
 
     /// Adds what a `repeat` unrolls to; refuses where that is too much.
     fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut u64) -> Evaluated<()> {
         let (first, last) = self.bounds(repeat, environment)?;
-        let repetitions = (i64::from(last) - i64::from(first) + 1) as u64;
+        let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
         let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
         let own = (repeat.body.len() - nested.len()).max(1) as u64;
         *count = count.saturating_add(repetitions.saturating_mul(own));
@@ -134,13 +134,24 @@ impl<'a> Check<'a> {
 
     /// First and last value of the index; last = first - 1 repeats nothing.
     fn bounds(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<(i32, i32)> {
-        let first = self.whole(repeat.first, environment)?;
-        let last = self.whole(repeat.last, environment)?;
-        if i64::from(last) < i64::from(first) - 1 {
+        let first = self.bound(repeat.first, environment);
+        let last = self.bound(repeat.last, environment)?;
+        let first = first?;
+        // Both are below 2^63 in size: their difference fits twice that.
+        let repetitions = i128::from(last) - i128::from(first) + 1;
+        if repetitions > i128::from(MAX_INSTANCES) {
+            return self.too_many(repeat, environment);
+        }
+        if repetitions < 0 {
             let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
             return self.fail(environment, Error::ReversedBounds { span, first, last });
         }
-        Ok((first, last))
+        Ok((self.as_index(first, repeat.first, environment)?, self.as_index(last, repeat.last, environment)?))
+    }
+
+    fn bound(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i64> {
+        let value = self.evaluate(expr, environment)?;
+        self.as_integer(&value, expr, environment)
     }
 
     pub fn whole(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {

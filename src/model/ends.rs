@@ -6,7 +6,7 @@ use super::error::Error;
 use super::evaluate::{Evaluated, Stop};
 use super::scene::{Attachment, BaseId, BodyId, Part};
 use super::scope::{self, Environment};
-use crate::base::{Name, Span, Vec3};
+use crate::base::{Name, Vec3};
 use crate::syntax::tree::{End, EndId, Ident};
 use std::sync::Arc;
 
@@ -61,21 +61,21 @@ impl<'a> Check<'a> {
         wanted: &'static str,
     ) -> Evaluated<scope::Part> {
         let name = self.name(ident, environment)?;
-        self.find_part(name, ident.span, environment, wanted)
+        self.find_part(name, ident, environment, wanted)
     }
 
     pub fn find_part(
         &mut self,
         name: Name,
-        word: Span,
+        ident: Ident,
         environment: Environment,
         wanted: &'static str,
     ) -> Evaluated<scope::Part> {
         if let Some(part) = self.parts.get(name) {
             return Ok(part);
         }
-        let error = self.unknown_part(word, Some(name), wanted);
-        self.fail_unless_broken(environment, word, error)
+        let error = self.unknown_part(ident, name, wanted);
+        self.fail_unless_broken(environment, ident.span, error)
     }
 
     /// Whether a body could not be checked: what depends on it is not said.

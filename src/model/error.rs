@@ -2,8 +2,9 @@
 //! a help that says what to type. Clause: spec.md, "Diagnostics".
 
 use super::expect::Expected;
+use super::scope::DefinitionKind;
 use super::value::Fault;
-use crate::base::{Code, Diagnostic, Dimension, Span};
+use crate::base::{Angle, Code, Diagnostic, Dimension, Span};
 use crate::syntax::tree::Binary;
 
 /// A finding of the check.
@@ -145,13 +146,47 @@ pub enum Error {
     },
     ReversedBounds {
         span: Span,
-        first: i32,
-        last: i32,
+        first: i64,
+        last: i64,
     },
     SettingTwice {
         span: Span,
         first: Span,
         what: &'static str,
+    },
+
+    // Values from outside
+    NoEqualsSign {
+        span: Span,
+    },
+    NotToml {
+        span: Span,
+        message: String,
+    },
+    SettingValue {
+        span: Span,
+    },
+    UnknownParameter {
+        span: Span,
+        word: String,
+        suggestion: Option<String>,
+        known: Vec<String>,
+    },
+    NotAParameter {
+        span: Span,
+        word: String,
+        kind: DefinitionKind,
+        declared: Span,
+    },
+    UnlikeDeclared {
+        span: Span,
+        found: Dimension,
+        wanted: Dimension,
+        declared: Option<(String, Span)>,
+    },
+    ReadingLike {
+        span: Span,
+        declared: Angle,
     },
 
     // Fields
@@ -229,6 +264,19 @@ pub enum Error {
     NoFreedom {
         span: Span,
         name: String,
+    },
+    PropertyMissing {
+        span: Span,
+        name: String,
+        what: &'static str,
+        freedom: &'static str,
+    },
+    CentreMissing {
+        span: Span,
+        name: String,
+    },
+    Empty {
+        span: Span,
     },
 
     // Joints
@@ -333,6 +381,71 @@ pub enum Error {
         name: String,
         turns: bool,
     },
+    CoupleOfOthers {
+        span: Span,
+    },
+    NoInitialState {
+        span: Span,
+        word: String,
+        found: &'static str,
+    },
+
+    // Measures
+    NotAMeasure {
+        span: Span,
+    },
+    UnknownMeasure {
+        span: Span,
+        word: String,
+        suggestion: Option<&'static str>,
+    },
+    MeasureArguments {
+        span: Span,
+        name: &'static str,
+        form: &'static str,
+    },
+    ArrowMissing {
+        span: Span,
+    },
+    NotAnInput {
+        span: Span,
+        found: &'static str,
+    },
+    NotAnOutput {
+        span: Span,
+        word: String,
+        found: &'static str,
+        declared: Span,
+    },
+    ModeNumber {
+        span: Span,
+    },
+    RangeReversed {
+        span: Span,
+    },
+    RequireWhat {
+        span: Span,
+    },
+
+    // What is idle, and what is not there yet
+    Unused {
+        span: Span,
+        name: String,
+        kind: DefinitionKind,
+    },
+    Idle {
+        span: Span,
+        name: String,
+        word: &'static str,
+        why: &'static str,
+    },
+    IdleGravity {
+        span: Span,
+    },
+    NotAvailable {
+        span: Span,
+        what: &'static str,
+    },
 }
 
 fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
@@ -340,19 +453,24 @@ fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnost
 }
 
 impl Error {
+    /// Adds where the parameter is declared.
+    pub fn declared_at(mut self, declaration: (String, Span)) -> Error {
+        if let Error::UnlikeDeclared { declared, .. } = &mut self {
+            *declared = Some(declaration);
+        }
+        self
+    }
+
     /// What is said about it.
     pub fn diagnostic(self) -> Diagnostic {
         use Error::*;
         match self {
             UnitUnknown { span, symbol, suggestion, is_value } => unit_unknown(span, &symbol, suggestion, is_value),
             UnitAmbiguous { span, head, tail } => {
+                let divided = format!("{head}/{}", tail.replace('*', "/"));
                 error("vib::unit::ambiguous", span, "this unit can be read in two ways")
-                    .label(format!("({head})*{tail} or {head}/({})?", head_tail(&head, &tail)))
-                    .help(format!(
-                        "write `{}`, or divide by each: `{head}/{}`",
-                        swapped(&head, &tail),
-                        tail.replace('*', "/")
-                    ))
+                    .label(format!("({head})*{tail} or {}?", below(&head, &tail)))
+                    .help(format!("write `{}` or `{divided}`", swapped(&head, &tail)))
             }
             UnitMalformed { span } => error("vib::unit::malformed", span, "this is not a unit")
                 .help("write units glued together, as in `N*s/m^2`"),
@@ -363,6 +481,7 @@ impl Error {
             FrequencyReading { span, value } => frequency_reading(span, value),
             Overflow { span } => {
                 error("vib::number::overflow", span, "this number is beyond what can be computed with")
+                    .help("sizes from 1e-300 to 1e300 in SI units can be used")
                     .help("sizes from 1e-300 to 1e300 in SI units can be used")
             }
 
@@ -388,10 +507,13 @@ impl Error {
 
             UnknownValue { span, word, suggestion, help } => {
                 let message = format!("there is no parameter or point `{word}`");
+                let help = help.or_else(|| Some(format!("declare it: `param {word} = ...` or `point {word} = ...`")));
                 with_suggestion(error("vib::name::unknown", span, message), suggestion, help)
             }
             UnknownPart { span, word, wanted, suggestion, help } => {
                 let message = format!("there is no {wanted} `{word}`");
+                let declare = || format!("declare it: `body {word} {{ mass = 1 kg, moves x }}`");
+                let help = help.or_else(|| (wanted == "body").then(declare));
                 with_suggestion(error("vib::part::unknown", span, message), suggestion, help)
             }
             UnknownFunction { span, word, suggestion, help } => {
@@ -417,6 +539,27 @@ impl Error {
                     .help(format!("write `{last}..{first}`"))
             }
 
+            NoEqualsSign { span } => {
+                error("vib::setting::form", span, "this sets nothing").help("write `NAME=VALUE`, such as `k=12N/m`")
+            }
+            NotToml { span, message } => error("vib::setting::toml", span, format!("this is not TOML: {message}"))
+                .help("write a line for each parameter, such as `k = \"12 N/m\"`"),
+            SettingValue { span } => error("vib::setting::form", span, "a number with its unit is expected here")
+                .help("write it as in a model: `12N/m`, `30 Hz`, `2 %`; in TOML in quotes"),
+            UnknownParameter { span, word, suggestion, known } => {
+                let message = format!("the model has no parameter `{word}`");
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", listed(&known)) };
+                with_suggestion(error("vib::setting::unknown", span, message), suggestion, Some(help))
+            }
+            NotAParameter { span, word, kind, declared } => not_a_parameter(span, &word, kind, declared),
+            UnlikeDeclared { span, found, wanted, declared } => unlike_declared(span, found, wanted, declared),
+            ReadingLike { span, declared } => {
+                let unit = if declared == Angle::Cycles { "Hz" } else { "rad/s" };
+                error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
+                    .label(format!("the parameter is declared in {unit}"))
+                    .help(format!("write the unit, such as `10 {unit}`"))
+            }
             SettingTwice { span, first, what } => {
                 error("vib::setting::duplicate", span, format!("{what} is declared twice"))
                     .related(first, "declared first here")
@@ -490,6 +633,15 @@ impl Error {
                 .help(format!(
                     "say how it moves, such as `moves x`, or tie it with a joint: `pivot p: ground@(0, 0) -- {name}`"
                 )),
+
+            PropertyMissing { span, name, what, freedom } => property_missing(span, &name, what, freedom),
+            CentreMissing { span, name } => {
+                error("vib::body::no_place", span, format!("`{name}` turns, and the place of its mass is not known"))
+                    .label("no position")
+                    .help("give the centre of mass: `at = (0, -1 m)`, or `shape = rod(A, B)`")
+            }
+            Empty { span } => error("vib::scene::empty", span, "there is no body in this model")
+                .help("declare one, such as `body block { mass = 1 kg, moves x }`"),
 
             JointOfOnePart { span, part } => {
                 error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
@@ -586,6 +738,59 @@ impl Error {
                     .label("always zero")
                     .help(format!("give `{name}` that freedom, or leave this motion out"))
             }
+            CoupleOfOthers { span } => {
+                error("vib::couple::motions", span, "a coupling relates displacements and angles of bodies")
+                    .help("write it in `x`, `y` and `angle`, as in `wheel.angle = -block.x / 0.3 m`")
+            }
+            NoInitialState { span, word, found } => {
+                error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
+            }
+
+            NotAMeasure { span } => error("vib::measure::unknown", span, "a measure is expected here")
+                .help("write `frequency(1)`, `damping(1)`, `gain(input -> output, 30 Hz)`, `stable`, ..."),
+            UnknownMeasure { span, word, suggestion } => {
+                let help =
+                    "known are frequency, damping, gain, phase, amplitude, static, peak, rms, stable".to_string();
+                let help = suggestion.is_none().then_some(help);
+                let message = format!("there is no measure `{word}`");
+                with_suggestion(error("vib::measure::unknown", span, message), suggestion.map(str::to_string), help)
+            }
+            MeasureArguments { span, name, form } => {
+                error("vib::measure::arguments", span, format!("`{name}` has other arguments"))
+                    .help(format!("write `{form}`"))
+            }
+            ArrowMissing { span } => error("vib::measure::arguments", span, "from which input to which output?")
+                .help("write `input -> output`, as in `gain(floor -> table.y, 30 Hz)`"),
+            NotAnInput { span, found } => {
+                error("vib::measure::input", span, format!("one input is expected here, this is {found}")).help(
+                    "name a force, a torque or a base; of a base with several motions one of them, as in `floor.y`",
+                )
+            }
+            NotAnOutput { span, word, found, declared } => {
+                error("vib::measure::output", span, format!("`{word}` is {found}, no output"))
+                    .related(declared, "declared here")
+                    .help("name an output, or a motion such as `table.y`")
+            }
+            ModeNumber { span } => error("vib::measure::mode", span, "modes are numbered from 1"),
+            RangeReversed { span } => {
+                error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
+            }
+            RequireWhat { span } => error("vib::require::form", span, "a comparison of a measure is expected here")
+                .help("write `require frequency(1) > 2 Hz` or `require stable`"),
+
+            Unused { span, name, kind } => unused(span, &name, kind),
+            Idle { span, name, word, why } => {
+                let message = format!("this {word} of `{name}` {why}");
+                Diagnostic::warning(Code("vib::unused::property"), span, message)
+                    .help("leave it out, or add the freedom that uses it")
+            }
+            IdleGravity { span } => {
+                Diagnostic::note(Code("vib::unused::gravity"), span, "gravity moves nothing in this scene")
+            }
+            NotAvailable { span, what } => {
+                error("vib::feature::not_available", span, format!("{what} is not available in this version"))
+                    .help("it is checked already; analyses take it into account in a later version")
+            }
         }
     }
 }
@@ -619,10 +824,10 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
     }
 }
 
-/// `N` and `m*s` of `N/m*s`... the denominator of the second reading.
-fn head_tail(head: &str, tail: &str) -> String {
-    let below = head.split_once('/').map_or(head, |(_, below)| below);
-    format!("{below}*{tail}")
+/// `N/(m*s)` for `N/m*s`: the other reading.
+fn below(head: &str, tail: &str) -> String {
+    let (above, below) = head.rsplit_once('/').unwrap_or((head, ""));
+    format!("{above}/({below}*{tail})")
 }
 
 /// `N*s/m` for `N/m*s`.
@@ -704,6 +909,7 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
         Fault::RootOfNegative => error("vib::number::root_of_negative", left, "a root of a negative number"),
         Fault::Domain(_) | Fault::Overflow => {
             error("vib::number::overflow", left.to(right), "this number is beyond what can be computed with")
+                .help("sizes from 1e-300 to 1e300 in SI units can be used")
         }
     }
 }
@@ -727,6 +933,7 @@ fn function_fault(fault: Fault, function: &str, argument: Span, span: Span) -> D
             .help(format!("its argument is {domain}")),
         Fault::Exponent | Fault::Overflow => {
             error("vib::number::overflow", span, "this number is beyond what can be computed with")
+                .help("sizes from 1e-300 to 1e300 in SI units can be used")
         }
     }
 }
@@ -768,7 +975,7 @@ fn index_out_of_range(
     match (given == ranges.len(), ranges.is_empty()) {
         (true, _) => diagnostic.help(format!("declared are `{word}{indices}`")),
         (false, true) => diagnostic.help(format!("`{word}` has no index: write `{word}`")),
-        (false, false) => diagnostic.help(format!("it has {} of them: `{word}{indices}`", ranges.len())),
+        (false, false) => diagnostic.help(format!("its indices are `{word}{indices}`")),
     }
 }
 
@@ -797,6 +1004,59 @@ fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
         diagnostic = diagnostic.related(*place, format!("`{name}` is declared here"));
     }
     diagnostic.help("give one of them a value of its own")
+}
+
+fn kind_noun(kind: DefinitionKind) -> &'static str {
+    match kind {
+        DefinitionKind::Param => "parameter",
+        DefinitionKind::Let => "value",
+        DefinitionKind::Point => "point",
+    }
+}
+
+fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
+    let code = match kind {
+        DefinitionKind::Point => Code("vib::unused::point"),
+        DefinitionKind::Param | DefinitionKind::Let => Code("vib::unused::parameter"),
+    };
+    Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
+        .help("use it, or leave it out")
+}
+
+fn not_a_parameter(span: Span, word: &str, kind: DefinitionKind, declared: Span) -> Diagnostic {
+    let what = if kind == DefinitionKind::Let { "derived: declared with `let`" } else { "a point" };
+    error("vib::setting::not_a_parameter", span, format!("`{word}` is no parameter, it is {what}"))
+        .related(declared, "declared here")
+        .help("declare it with `param` to give it a value from outside or to solve for it")
+}
+
+fn unlike_declared(span: Span, found: Dimension, wanted: Dimension, declared: Option<(String, Span)>) -> Diagnostic {
+    let unit = wanted.usual_unit();
+    let (message, help) = match unit.as_str() {
+        "" => (
+            format!("a plain number is expected here, this is {}", named(found)),
+            "write it without a unit".to_string(),
+        ),
+        _ => (
+            format!("{} is expected here, this is {}", named(wanted), named(found)),
+            format!("write it in {unit} or another unit of that kind"),
+        ),
+    };
+    let mut diagnostic = error("vib::unit::mismatch", span, message).label(unit_or_none(found)).help(help);
+    if let Some((name, place)) = declared {
+        diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
+    }
+    diagnostic
+}
+
+fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagnostic {
+    let (code, example) = match what {
+        "mass" => ("vib::mass::missing", "mass = 1 kg"),
+        _ => ("vib::inertia::missing", "inertia = 0.8 kg*m^2"),
+    };
+    error(code, span, format!("`{name}` {freedom}, and its {what} is missing"))
+        .label(format!("needs its {what}"))
+        .help(format!("add `{example}`"))
 }
 
 fn ends_apart(spans: [Span; 2], places: [(f64, f64); 2]) -> Diagnostic {

@@ -10,7 +10,7 @@ use super::error::Error;
 use super::scope::{DefinitionId, DefinitionKind, Environment, State};
 use super::value::{self, Function, Scalar, Value};
 use crate::base::unit::{self, Scale, Unit};
-use crate::base::{Dimension, Name, Number, Quantity, Rational, Span};
+use crate::base::{Dimension, Name, Number, Quantity, Rational, Span, Symbol};
 use crate::syntax::tree::{Binary, ExprId, ExprKind, ExprList, Ident};
 
 /// A value, or why there is none.
@@ -103,7 +103,7 @@ impl<'a> Check<'a> {
             }
             (DefinitionKind::Param, Value::Scalar(scalar)) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
-                Ok(Value::Scalar(scalar))
+                self.overridden(id, scalar).map(Value::Scalar)
             }
             (DefinitionKind::Let, value) => Ok(value),
         }
@@ -277,12 +277,11 @@ impl<'a> Check<'a> {
 
     fn name_value(&mut self, span: Span, indices: ExprList, environment: Environment) -> Evaluated<Value> {
         let word = if indices.is_empty() { span } else { self.word_of(span) };
-        let text = self.sources.slice(word);
-        if text == "pi" && indices.is_empty() {
+        if indices.is_empty() && self.sources.slice(word) == "pi" {
             return Ok(Quantity::plain(Number::pi()).into());
         }
-        let Some(symbol) = self.words.get(text) else {
-            let error = self.unknown_value(word, None);
+        let Some(symbol) = self.known_symbol(word, environment) else {
+            let error = self.unknown_value(Ident { span: word, indices }, None);
             return self.fail_unless_broken(environment, word, error);
         };
         if indices.is_empty()
@@ -295,10 +294,23 @@ impl<'a> Check<'a> {
         match self.values.get(name) {
             Some(id) => self.value_of(id, span, environment),
             None => {
-                let error = self.unknown_value(word, Some(name));
+                let error = self.unknown_value(Ident { span: word, indices }, Some(name));
                 self.fail_unless_broken(environment, word, error)
             }
         }
+    }
+
+    /// The symbol of a word that has been seen in the model; within a `repeat` remembered by its place.
+    fn known_symbol(&mut self, word: Span, environment: Environment) -> Option<Symbol> {
+        if environment.is_top() {
+            return self.words.get(self.sources.slice(word));
+        }
+        if let Some(&symbol) = self.symbols.get(&(word.start() as u32)) {
+            return Some(symbol);
+        }
+        let symbol = self.words.get(self.sources.slice(word))?;
+        self.symbols.insert(word.start() as u32, symbol);
+        Some(symbol)
     }
 
     /// The value of a definition, settled now if it is not yet.
@@ -358,7 +370,10 @@ impl<'a> Check<'a> {
 
     /// The name that an identifier stands for, its word entered among the words.
     pub fn name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
-        let symbol = self.words.intern(self.sources.slice(ident.span));
+        let symbol = match self.known_symbol(ident.span, environment) {
+            Some(symbol) => symbol,
+            None => self.words.intern(self.sources.slice(ident.span)),
+        };
         loop {
             self.walk.depth = 0;
             match self.indexed(symbol, ident.indices, environment) {
@@ -370,14 +385,32 @@ impl<'a> Check<'a> {
 
     /// A whole number that fits an index.
     pub fn as_whole(&mut self, value: &Value, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        let whole = self.as_integer(value, expr, environment)?;
+        self.as_index(whole, expr, environment)
+    }
+
+    pub fn as_index(&mut self, whole: i64, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        let span = self.tree.expr(expr).span;
+        i32::try_from(whole).or_else(|_| self.fail(environment, Error::NotWhole { span }))
+    }
+
+    pub fn as_integer(&mut self, value: &Value, expr: ExprId, environment: Environment) -> Evaluated<i64> {
         let span = self.tree.expr(expr).span;
         let Value::Scalar(Scalar { quantity, .. }) = value else {
             return self.fail(environment, Error::Kind { span, needed: "a whole number", found: "a point" });
         };
-        let whole = quantity.si.exact().and_then(Rational::to_i64).and_then(|n| i32::try_from(n).ok());
-        match whole {
+        match quantity.si.exact().and_then(Rational::to_i64) {
             Some(whole) if quantity.dimension == Dimension::NONE => Ok(whole),
             _ => self.fail(environment, Error::NotWhole { span }),
         }
+    }
+
+    /// Where an identifier stands, its indices included.
+    pub fn ident_span(&self, ident: Ident) -> Span {
+        let Some(&last) = self.tree.list(ident.indices).last() else { return ident.span };
+        let end = self.tree.expr(last).span.end();
+        let rest = self.sources.text(ident.span.file()).get(end..).unwrap_or("");
+        let bracket = rest.find(']').map_or(0, |at| at + 1);
+        Span::new(ident.span.file(), ident.span.start(), end + bracket)
     }
 }

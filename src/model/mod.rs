@@ -1,25 +1,29 @@
 //! Syntax tree to the scene that was meant: names, units, freedoms. Clause: spec.md, "Units" to "Freedoms".
 //!
 //! # Steps
-//! 1. `overrides`: what `--set` and a settings file say
-//! 2. `collect`: names and instances, `repeat` unrolled
-//! 3. `evaluate`: every parameter gets its value
-//! 4. `bodies`, `joints`: what moves, and how ([`freedoms`])
-//! 5. `elements`, `inputs`, `motions`, `measures`: what acts on it, and what is asked
-//! 6. `unused`: what is declared and never used
+//! 1. `collect`: names and instances, `repeat` unrolled
+//! 2. `overrides`, `evaluate`: every parameter gets its value
+//! 3. `bodies`, `joints`, `freedoms`, `needs`: what moves, and how
+//! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on it, and what is asked
+//! 5. `needs` again: what is declared and never used
 
 mod bodies;
 mod collect;
+mod couplings;
 mod elements;
 mod ends;
 mod error;
 mod evaluate;
 mod expect;
+mod features;
 mod fields;
 mod freedoms;
 mod inputs;
 mod joints;
+mod measures;
 mod motions;
+mod needs;
+mod overrides;
 pub mod scene;
 mod scope;
 mod settings;
@@ -31,7 +35,7 @@ mod unknown;
 mod value;
 
 use crate::base::unit::Unit;
-use crate::base::{Code, Diagnostics, FileId, Sources, Span, Vec3, Words};
+use crate::base::{Code, Diagnostics, FileId, Sources, Span, Symbol, Vec3, Words};
 use crate::syntax::tree::{ExprId, Tree};
 use bodies::Directions;
 use collect::Instances;
@@ -39,9 +43,11 @@ use error::Error;
 use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
+use overrides::Override;
 use scene::{BaseId, BodyId, Scene};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// What overrides parameters of the model, checked like the model itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,18 +83,26 @@ pub struct Checked {
 }
 
 /// The scene that a tree means.
-pub fn check(sources: &Sources, tree: &Tree, _overrides: &Overrides) -> Checked {
+pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
     let mut check = Check::new(sources, tree);
     check.collect();
+    check.overrides(overrides);
     check.settle_definitions();
     check.bodies();
     check.bases();
     check.joints();
     check.freedoms();
+    check.settings();
+    check.needs();
     check.elements();
     check.inputs();
     check.outputs();
-    check.settings();
+    check.couples();
+    check.initials();
+    check.solves();
+    check.requires();
+    check.unused();
+    check.features();
     check.finish()
 }
 
@@ -97,10 +111,16 @@ struct Check<'a> {
     sources: &'a Sources,
     tree: &'a Tree,
     words: Words,
+    /// Symbols of words by their place.
+    symbols: Table<u32, Symbol>,
     units: HashMap<&'a str, Unit>,
     diagnostics: Diagnostics,
     /// What has been said, so that the repetitions of a `repeat` say it once.
     said: HashSet<(Code, Span)>,
+    /// What `--set` and settings give parameters, by the parameter's place.
+    overrides: Table<u32, Override>,
+    /// Whether this is a value from outside, which knows no name of the model.
+    outside: bool,
     /// Words of declarations that could not be read or unrolled: nobody is told that they are unknown.
     broken_words: HashSet<&'a str>,
     /// Searches for a similar word that have been made.
@@ -116,6 +136,8 @@ struct Check<'a> {
     torsional: Table<ExprId, bool>,
     directions: Directions,
     freedoms: Freedoms,
+    /// Where an inertia is given about a point of a body without a mass.
+    inertia_points: HashMap<BodyId, Arc<Vec3>>,
     /// What could not be checked: what depends on it is not said.
     broken_bodies: HashSet<BodyId>,
     broken_bases: HashSet<BaseId>,
@@ -131,9 +153,12 @@ impl<'a> Check<'a> {
             sources,
             tree,
             words: Words::new(),
+            symbols: Table::default(),
             units: HashMap::new(),
             diagnostics: Diagnostics::new(),
             said: HashSet::new(),
+            overrides: Table::default(),
+            outside: false,
             broken_words: HashSet::new(),
             searches: 0,
             environments: Environments::default(),
@@ -146,6 +171,7 @@ impl<'a> Check<'a> {
             torsional: Table::default(),
             directions: Directions::default(),
             freedoms: Freedoms::default(),
+            inertia_points: HashMap::new(),
             broken_bodies: HashSet::new(),
             broken_bases: HashSet::new(),
             broken_joints: false,

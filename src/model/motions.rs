@@ -22,7 +22,7 @@ pub struct Combination {
 }
 
 /// What an expression with motions is made of.
-enum Piece {
+pub enum Piece {
     Scalar(Scalar),
     Motions(Combination),
 }
@@ -89,7 +89,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn piece(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Piece> {
+    /// A number, or a combination of motions.
+    pub fn piece(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Piece> {
         let node = *self.tree.expr(expr);
         if !self.has_motion(expr) {
             return match self.evaluate(expr, environment)? {
@@ -136,10 +137,11 @@ impl<'a> Check<'a> {
         let b = self.piece(right, environment)?;
         let places = (left, right);
         match (operator, a?, b) {
-            (Binary::Add, Piece::Motions(a), Piece::Motions(b)) => self.sum(operator, a, b, places, environment),
+            (Binary::Add, Piece::Motions(a), Piece::Motions(b)) => {
+                self.sum(operator, a, b, places, environment).map(Piece::Motions)
+            }
             (Binary::Subtract, Piece::Motions(a), Piece::Motions(b)) => {
-                let b = negated(b);
-                self.sum(operator, a, b, places, environment)
+                self.difference(a, b, places, environment).map(Piece::Motions)
             }
             (Binary::Add | Binary::Subtract, Piece::Motions(a), Piece::Scalar(zero)) if zero.bare_zero => {
                 Ok(Piece::Motions(a))
@@ -154,6 +156,17 @@ impl<'a> Check<'a> {
         }
     }
 
+    /// a - b.
+    pub fn difference(
+        &mut self,
+        a: Combination,
+        b: Combination,
+        places: (ExprId, ExprId),
+        environment: Environment,
+    ) -> Evaluated<Combination> {
+        self.sum(Binary::Subtract, a, negated(b), places, environment)
+    }
+
     fn sum(
         &mut self,
         operator: Binary,
@@ -161,7 +174,7 @@ impl<'a> Check<'a> {
         b: Combination,
         (left, right): (ExprId, ExprId),
         environment: Environment,
-    ) -> Evaluated<Piece> {
+    ) -> Evaluated<Combination> {
         if a.dimension != b.dimension {
             let fault = Fault::Dimensions(a.dimension, b.dimension);
             let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
@@ -171,7 +184,7 @@ impl<'a> Check<'a> {
             a.angle = Angle::Plain;
         }
         a.terms.extend(b.terms);
-        Ok(Piece::Motions(a))
+        Ok(a)
     }
 
     /// A combination times a number: dimension and angle as for any product.

@@ -153,34 +153,58 @@ pub struct Family {
 }
 
 /// A name space.
+///
+/// What a `repeat` declares comes in runs: `m[1]`, `m[2]`, ... A run is found by its name without the last index and is
+/// an array from there; what fits no run has an entry of its own.
 #[derive(Debug)]
 pub struct Space<T> {
-    by_name: HashMap<Name, T, BuildHasherDefault<NameHasher>>,
-    families: HashMap<Symbol, Family, BuildHasherDefault<NameHasher>>,
+    runs: Table<Name, Run<T>>,
+    others: Table<Name, T>,
+    families: Table<Symbol, Family>,
     /// Words in order of declaration, for suggestions.
     words: Vec<Symbol>,
 }
 
+/// Names that differ in their last index, which counts up by one.
+#[derive(Debug)]
+struct Run<T> {
+    first: i32,
+    items: Vec<T>,
+}
+
 impl<T> Default for Space<T> {
     fn default() -> Space<T> {
-        Space { by_name: HashMap::default(), families: HashMap::default(), words: Vec::new() }
+        Space { runs: Table::default(), others: Table::default(), families: Table::default(), words: Vec::new() }
     }
 }
 
 impl<T: Copy> Space<T> {
     pub fn get(&self, name: Name) -> Option<T> {
-        self.by_name.get(&name).copied()
+        let in_run = split_last(name).and_then(|(run, last)| self.runs.get(&run)?.get(last));
+        in_run.or_else(|| self.others.get(&name).copied())
     }
 
     /// Declares a name; gives back what has it already.
     pub fn declare(&mut self, name: Name, span: Span, what: T) -> Result<(), T> {
-        use std::collections::hash_map::Entry;
-        match self.by_name.entry(name) {
-            Entry::Occupied(first) => return Err(*first.get()),
-            Entry::Vacant(place) => place.insert(what),
-        };
+        if let Some(first) = self.get(name) {
+            return Err(first);
+        }
+        if !self.goes_on(name, what) {
+            self.others.insert(name, what);
+        }
         self.widen_family(name, span);
         Ok(())
+    }
+
+    /// Appends to the run that the name goes on with or begins; false where it does neither.
+    fn goes_on(&mut self, name: Name, what: T) -> bool {
+        let Some((run, last)) = split_last(name) else { return false };
+        let run = self.runs.entry(run).or_insert_with(|| Run { first: last, items: Vec::new() });
+        let follows = run.next() == i64::from(last);
+        if follows {
+            run.items.push(what);
+        }
+        follows
     }
 
     fn widen_family(&mut self, name: Name, span: Span) {
@@ -203,10 +227,24 @@ impl<T: Copy> Space<T> {
     pub fn words(&self) -> &[Symbol] {
         &self.words
     }
+}
 
-    pub fn reserve(&mut self, additional: usize) {
-        self.by_name.reserve(additional);
+impl<T: Copy> Run<T> {
+    fn get(&self, index: i32) -> Option<T> {
+        let place = i64::from(index) - i64::from(self.first);
+        self.items.get(usize::try_from(place).ok()?).copied()
     }
+
+    /// The index that would go on with the run.
+    fn next(&self) -> i64 {
+        i64::from(self.first) + self.items.len() as i64
+    }
+}
+
+/// The name without its last index, and that index.
+fn split_last(name: Name) -> Option<(Name, i32)> {
+    let (last, most) = name.indices().split_last()?;
+    Some((Name::indexed(name.symbol, most)?, *last))
 }
 
 /// Multiply and rotate, as rustc's own tables do: names are a few small integers, and the tables are never walked.

@@ -9,6 +9,7 @@ use super::suggestion::nearest;
 use super::value::FUNCTIONS;
 use crate::base::unit::{self, UnitError};
 use crate::base::{Name, Span};
+use crate::syntax::tree::Ident;
 
 /// Suggestions are looked for this many times: beyond, a file is not mistyped but something else.
 const MAX_SEARCHES: u32 = 100;
@@ -48,9 +49,10 @@ impl<'a> Check<'a> {
     }
 
     /// A word, with the values of its indices, that is no parameter, point or index.
-    pub fn unknown_value(&mut self, word: Span, name: Option<Name>) -> Error {
+    pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>) -> Error {
+        let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, word)) {
+        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident)) {
             return error;
         }
         let help = self.instead_of_value(text);
@@ -60,6 +62,9 @@ impl<'a> Check<'a> {
 
     /// What a word is that was used as a parameter.
     fn instead_of_value(&self, text: &str) -> Option<String> {
+        if self.outside {
+            return Some("a value from outside knows no name of the model: write a number with its unit".into());
+        }
         let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol)));
         if let Some(part) = part {
             return Some(format!("`{text}` is {}, not a number", part.noun()));
@@ -79,9 +84,10 @@ impl<'a> Check<'a> {
     }
 
     /// A part that is not there; what kinds of part the place takes, in words.
-    pub fn unknown_part(&mut self, word: Span, name: Option<Name>, wanted: &'static str) -> Error {
+    pub fn unknown_part(&mut self, ident: Ident, name: Name, wanted: &'static str) -> Error {
+        let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = name.and_then(|name| self.wrong_index(&self.parts, name, word)) {
+        if let Some(error) = self.wrong_index(&self.parts, name, ident) {
             return error;
         }
         let value = self.words.get(text).and_then(|symbol| self.values.family(symbol));
@@ -98,10 +104,10 @@ impl<'a> Check<'a> {
     }
 
     /// The word is declared, but not with these indices.
-    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, word: Span) -> Option<Error> {
+    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, ident: Ident) -> Option<Error> {
         let Family { span, ranges } = space.family(name.symbol)?;
         Some(Error::IndexOutOfRange {
-            span: word,
+            span: self.ident_span(ident),
             name: self.words.display(name),
             word: self.words.text(name.symbol).to_string(),
             given: name.indices().len(),

@@ -88,6 +88,21 @@ pub(super) fn declaration(tree: &mut Tree, yard: &mut Yard, text: &str, offset: 
     }
 }
 
+/// Parses a value that stands alone, as that of `--set NAME=VALUE`. Its brackets have been counted.
+pub(super) fn value(tree: &mut Tree, text: &str, offset: usize) -> Result<ExprId, Refused> {
+    let pairs = Grammar::parse(Rule::expression, text).map_err(|_| Refused::Grammar)?;
+    if pairs.as_str().len() != text.len() {
+        return Err(Refused::Grammar);
+    }
+    let yard = &mut Yard::default();
+    let mut build = Build { file: tree.file, tree, yard, text, offset, tokens: pairs.tokens(), refused: None };
+    let value = build.expression();
+    match build.refused {
+        None => Ok(value.id),
+        Some(refused) => Err(refused),
+    }
+}
+
 /// Operands and operators that wait for their turn; kept between declarations for their memory.
 #[derive(Default)]
 pub(super) struct Yard {

@@ -13,7 +13,7 @@ use crate::base::{Code, Diagnostic, Diagnostics, FileId, Sources, Span};
 use build::{Built, Refused, RepeatHead, Yard};
 use split::{Piece, Pieces, Trouble};
 use std::ops::Range;
-use tree::{Decl, DeclKind, Repeat, Tree};
+use tree::{Decl, DeclKind, ExprId, Repeat, Tree};
 
 /// A parsed file.
 #[derive(Clone, Debug)]
@@ -34,6 +34,18 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
     }
     parse.close_rest();
     Parsed { tree: parse.tree, errors: parse.errors }
+}
+
+/// Parses a value that stands alone, as that of `--set NAME=VALUE`; `None` where it is no expression of the language.
+pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
+    let text = sources.slice(value);
+    let brackets = text.bytes().filter(|byte| matches!(byte, b'(' | b'[')).count();
+    if text.len() > limits::NUMBER || brackets > limits::BRACKETS {
+        return None;
+    }
+    let mut tree = Tree::new(value.file());
+    let value = build::value(&mut tree, text, value.start()).ok()?;
+    Some((tree, value))
 }
 
 /// A `repeat` whose `}` has not come yet.

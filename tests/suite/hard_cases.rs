@@ -100,3 +100,27 @@ fn massless_nodes_are_eliminated_or_named() {
     assert_eq!(error.to_diagnostic().code.0, "vib::mass::singular");
     assert!(error.to_diagnostic().message.starts_with("a, b "), "{error:?}");
 }
+
+#[test]
+fn the_load_factor_to_buckling_is_certified() {
+    // (spring over load) of the one-coordinate cases; the exact quotients of the binary64 literals to 1e-25.
+    for (name, margin) in [("o19_inverted_pendulum", 1.01936799226e-11), ("o31_qzs_isolator", 9.9999994e-10)] {
+        let system = HardCase::load(name).system;
+        let found = analysis::buckling(&system).expect("a softening load");
+        let k = |nature| {
+            let terms = system.k.terms().iter().filter(|term| term.nature == nature);
+            terms.fold(Number::ZERO, |sum, term| &sum + &term.weight)
+        };
+        use vibc::system::Nature;
+        let truth = -&(&k(Nature::Property) / &k(Nature::Geometric));
+        let (error, holds) = error(found.load_factor, &truth, 0.0);
+        assert!(holds && error < 1e-28, "{name}: {error:e}");
+        assert!(((&truth - &Number::ONE).to_f64() / margin - 1.0).abs() < 1e-3, "{name}");
+    }
+    // Two hinges of 35 + 1e-10 and 30 N m/rad under 20 and 10 N m/rad: 200 a^2 - (30 x 20 + 65 x 10) a + 35 x 30 = 0 nearly,
+    // a = 1.
+    let found = analysis::buckling(&HardCase::load("o20_double_inverted").system).expect("a softening load");
+    let margin = (found.load_factor - vibc::base::Ball::ONE).to_f64();
+    // d alpha / d k1 = k2' / -(d det / d alpha): (30 - 10) / (650 + 600 - 400) at alpha = 1.
+    assert!((margin / (1.0000178e-10 * 20.0 / 850.0) - 1.0).abs() < 1e-5, "{margin:e}");
+}

@@ -1,0 +1,125 @@
+//! Couplings and initial states: linear relations of motions, and motions at t = 0. In: `couple` and `initial`; out: sums
+//! of motions that are zero, and values for single motions. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::expect::Expected;
+use super::motions::{Combination, Piece};
+use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
+use super::scope::{Environment, Instance};
+use crate::base::{Dimension, Number, Span};
+use crate::syntax::tree::{DeclKind, ExprId, Fields, Ident, Rare};
+
+/// What an initial state may give, with what it is called and an example.
+const INITIAL_FIELDS: [&str; 6] = ["x", "y", "angle", "vx", "vy", "omega"];
+const INITIAL_VALUES: [Expected; 6] = [
+    Expected::new("a displacement", Dimension::LENGTH, "x = 16 mm"),
+    Expected::new("a displacement", Dimension::LENGTH, "y = 16 mm"),
+    Expected::new("an angle", Dimension::NONE, "angle = 2 deg"),
+    Expected::new("a velocity", Dimension::VELOCITY, "vx = 0.375 m/s"),
+    Expected::new("a velocity", Dimension::VELOCITY, "vy = 0.375 m/s"),
+    Expected::new("an angular velocity", Dimension::ANGULAR_VELOCITY, "omega = 2 rad/s"),
+];
+
+impl<'a> Check<'a> {
+    pub fn couples(&mut self) {
+        for index in 0..self.instances.couples.len() {
+            let Instance { decl, environment } = self.instances.couples[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Couple { name, left, right } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok(couple) = self.couple(name, left, right, environment) {
+                self.scene.couples.push(couple);
+            }
+        }
+    }
+
+    /// left - right = 0.
+    fn couple(&mut self, ident: Ident, left: ExprId, right: ExprId, environment: Environment) -> Evaluated<Couple> {
+        let a = self.side(left, environment);
+        let b = self.side(right, environment)?;
+        let terms = match (a?, b) {
+            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?.terms,
+            (Some(one), None) | (None, Some(one)) => one.terms,
+            (None, None) => {
+                let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
+                return self.fail(environment, Error::NoMotion { span });
+            }
+        };
+        let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
+        self.couples_displacements(&terms, span, environment)?;
+        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, terms })
+    }
+
+    /// One side of a coupling; `None` for a bare zero.
+    fn side(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Option<Combination>> {
+        match self.piece(expr, environment)? {
+            Piece::Motions(combination) => Ok(Some(combination)),
+            Piece::Scalar(zero) if zero.bare_zero => Ok(None),
+            Piece::Scalar(_) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::NonLinear { span })
+            }
+        }
+    }
+
+    /// A coupling relates displacements and angles, of at least one body.
+    fn couples_displacements(&mut self, terms: &[MotionTerm], span: Span, environment: Environment) -> Evaluated<()> {
+        let is_displacement = |term: &MotionTerm| {
+            matches!(term.motion, Motion::Point { derivative: 0, .. } | Motion::Turn { derivative: 0, .. })
+        };
+        let is_of_body = |term: &MotionTerm| match term.motion {
+            Motion::Point { part, .. } | Motion::Turn { part, .. } => matches!(part, Part::Body(_)),
+            Motion::Force { .. } | Motion::Stretch { .. } => false,
+        };
+        if terms.iter().all(is_displacement) && terms.iter().any(is_of_body) {
+            return Ok(());
+        }
+        self.fail(environment, Error::CoupleOfOthers { span })
+    }
+
+    pub fn initials(&mut self) {
+        let mut first: Vec<(BodyId, Span)> = Vec::new();
+        for index in 0..self.instances.initials.len() {
+            let Instance { decl, environment } = self.instances.initials[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Initial { body, fields } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok(initial) = self.initial(body, fields, environment) {
+                first.push((initial.body, initial.span));
+                self.scene.initial.push(initial);
+            }
+        }
+        self.initial_twice(first);
+    }
+
+    fn initial_twice(&mut self, mut states: Vec<(BodyId, Span)>) {
+        states.sort_by_key(|(body, _)| *body);
+        for pair in states.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                let error = Error::SettingTwice { span: pair[1].1, first: pair[0].1, what: "the initial state" };
+                self.report(Environment::TOP, error);
+            }
+        }
+    }
+
+    fn initial(&mut self, ident: Ident, fields: Fields, environment: Environment) -> Evaluated<Initial> {
+        let given = self.fields(fields, &INITIAL_FIELDS, environment);
+        let part = self.part(ident, environment)?;
+        let Part::Body(body) = part else {
+            let found = if part == Part::Ground { "the ground" } else { "a base" };
+            let word = self.sources.slice(ident.span).to_string();
+            return self.fail(environment, Error::NoInitialState { span: ident.span, word, found });
+        };
+        let mut values = Vec::new();
+        for (index, expected) in INITIAL_VALUES.iter().enumerate() {
+            let Some(field) = given.get(index) else { continue };
+            let value: Option<(Number, Span)> = self.field_number(Some(field), environment, expected)?;
+            let word = self.sources.slice(field.key);
+            let (motion, _) = self.part_motion(part, None, word, field.key, environment)?;
+            values.extend(value.map(|(value, span)| (motion, value, span)));
+        }
+        if given.broken { Err(Stop::Reported) } else { Ok(Initial { body, span: ident.span, values }) }
+    }
+}

@@ -1,0 +1,389 @@
+//! `solve` and `require`: what is asked of the analysis. In: measures, comparisons and ranges; out: the same with every
+//! name resolved and every number in SI. Clause: spec.md, "Parts".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::{Evaluated, Stop};
+use super::expect::Expected;
+use super::motions::Combination;
+use super::scene::{Comparison, InputId, InputKind, Measure, MotionTerm, Require, Solve};
+use super::scope::{self, DefinitionKind, Environment, Instance, State};
+use super::suggestion::nearest;
+use super::value::Value;
+use crate::base::{Dimension, Name, Number, Span};
+use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
+
+/// Every measure with its form.
+const MEASURES: [(&str, &str); 9] = [
+    ("frequency", "frequency(1)"),
+    ("damping", "damping(1)"),
+    ("gain", "gain(input -> output, 30 Hz)"),
+    ("phase", "phase(input -> output, 30 Hz)"),
+    ("amplitude", "amplitude(output)"),
+    ("static", "static(output)"),
+    ("peak", "peak(output)"),
+    ("rms", "rms(output)"),
+    ("stable", "stable"),
+];
+
+const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
+const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
+
+/// From an output to a measure of it.
+type MakeMeasure = fn(Vec<MotionTerm>) -> Measure;
+
+/// A measure with the dimension of its value.
+struct Measured {
+    measure: Measure,
+    dimension: Dimension,
+}
+
+impl<'a> Check<'a> {
+    pub fn solves(&mut self) {
+        for index in 0..self.instances.solves.len() {
+            let Instance { decl, environment } = self.instances.solves[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Solve { parameter, low, high, measure, value } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok(solve) = self.solve(parameter, (low, high), measure, value, environment) {
+                self.scene.solves.push(solve);
+            }
+        }
+    }
+
+    fn solve(
+        &mut self,
+        parameter: Ident,
+        (low, high): (ExprId, ExprId),
+        measure: ExprId,
+        value: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Solve> {
+        let name = self.solved_parameter(parameter, environment);
+        let measured = self.measure(measure, environment);
+        let (name, declared) = name?;
+        let low_value = self.like_parameter(low, &declared, environment);
+        let high_value = self.like_parameter(high, &declared, environment)?;
+        let low_value = low_value?;
+        if !(&high_value - &low_value).is_positive() {
+            let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
+            return self.fail(environment, Error::RangeReversed { span });
+        }
+        let measured = measured?;
+        let value = self.value_of_measure(&measured, value, environment)?;
+        let (low, high) = (low_value, high_value);
+        Ok(Solve { parameter: name, span: parameter.span, low, high, measure: measured.measure, value })
+    }
+
+    /// The parameter that `solve` looks for, with its declared value.
+    fn solved_parameter(&mut self, ident: Ident, environment: Environment) -> Evaluated<(Name, super::value::Scalar)> {
+        let name = self.name(ident, environment)?;
+        let Some(id) = self.values.get(name) else {
+            let error = self.unknown_value(ident, Some(name));
+            return self.fail_unless_broken(environment, ident.span, error);
+        };
+        let definition = &mut self.definitions[id.0 as usize];
+        definition.used = true;
+        let (kind, declared) = (definition.kind, definition.span);
+        match (kind, definition.state.clone()) {
+            (DefinitionKind::Param, State::Settled(Ok(Value::Scalar(value)))) => Ok((name, value)),
+            (DefinitionKind::Param, _) => Err(Stop::Reported),
+            _ => {
+                let word = self.words.display(name);
+                self.fail(environment, Error::NotAParameter { span: ident.span, word, kind, declared })
+            }
+        }
+    }
+
+    /// A bound of a parameter's range: a number like the parameter's own.
+    fn like_parameter(
+        &mut self,
+        expr: ExprId,
+        declared: &super::value::Scalar,
+        environment: Environment,
+    ) -> Evaluated<Number> {
+        let value = self.evaluate(expr, environment)?;
+        let given = self.as_scalar(&value, expr, environment, &super::overrides::ANY_NUMBER)?;
+        match super::overrides::like(declared, given) {
+            Ok(scalar) => {
+                self.check_range(&scalar.quantity.si, expr, environment)?;
+                Ok(scalar.quantity.si)
+            }
+            Err(unlike) => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, unlike.error(span, declared))
+            }
+        }
+    }
+
+    pub fn requires(&mut self) {
+        for index in 0..self.instances.requires.len() {
+            let Instance { decl, environment } = self.instances.requires[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Require { condition } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok((measure, limit)) = self.requirement(condition, environment) {
+                let span = self.tree.expr(condition).span;
+                let text = self.sources.slice(span).to_string();
+                self.scene.requires.push(Require { span, text, measure, limit });
+            }
+        }
+    }
+
+    /// `measure < value`, `value < measure`, or `stable`.
+    fn requirement(
+        &mut self,
+        condition: ExprId,
+        environment: Environment,
+    ) -> Evaluated<(Measure, Option<(Comparison, Number)>)> {
+        let node = *self.tree.expr(condition);
+        let ExprKind::Binary { operator, left, right } = node.kind else {
+            let measured = self.measure(condition, environment)?;
+            return match measured.measure {
+                Measure::Stable => Ok((Measure::Stable, None)),
+                _ => self.fail(environment, Error::RequireWhat { span: node.span }),
+            };
+        };
+        let Some(comparison) = comparison(operator) else {
+            return self.fail(environment, Error::RequireWhat { span: node.span });
+        };
+        let (measure, value, comparison) =
+            if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
+        let measured = self.measure(measure, environment)?;
+        let value = self.value_of_measure(&measured, value, environment)?;
+        Ok((measured.measure, Some((comparison, value))))
+    }
+
+    fn is_measure(&self, expr: ExprId) -> bool {
+        let node = self.tree.expr(expr);
+        let text = self.sources.slice(node.span);
+        match node.kind {
+            ExprKind::Call { name_len, .. } => is_measure_name(&text[..usize::from(name_len)]),
+            ExprKind::Name { .. } => text == "stable",
+            _ => false,
+        }
+    }
+
+    fn measure(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Measured> {
+        let tree = self.tree;
+        let node = *tree.expr(expr);
+        let text = self.sources.slice(node.span);
+        match node.kind {
+            ExprKind::Name { .. } if text == "stable" => {
+                Ok(Measured { measure: Measure::Stable, dimension: Dimension::NONE })
+            }
+            ExprKind::Call { name_len, arguments } => {
+                let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
+                self.called_measure(word, node.span, tree.list(arguments), environment)
+            }
+            _ => self.fail(environment, Error::NotAMeasure { span: node.span }),
+        }
+    }
+
+    fn called_measure(
+        &mut self,
+        word: Span,
+        span: Span,
+        arguments: &[ExprId],
+        environment: Environment,
+    ) -> Evaluated<Measured> {
+        let text = self.sources.slice(word);
+        let (make, output) = match (text, arguments) {
+            ("frequency", &[mode]) => {
+                let mode = self.mode(mode, environment)?;
+                return Ok(Measured { measure: Measure::Frequency { mode }, dimension: Dimension::FREQUENCY });
+            }
+            ("damping", &[mode]) => {
+                let mode = self.mode(mode, environment)?;
+                return Ok(Measured { measure: Measure::DampingRatio { mode }, dimension: Dimension::NONE });
+            }
+            ("gain" | "phase", &[path, frequency]) => return self.response(text, path, frequency, environment),
+            ("amplitude", &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
+            ("static", &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
+            ("peak", &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
+            ("rms", &[output]) => ((|output| Measure::Rms { output }) as MakeMeasure, output),
+            _ => return self.fail(environment, unknown_measure(text, word, span)),
+        };
+        let Combination { terms, dimension, .. } = self.measured_output(output, environment)?;
+        Ok(Measured { measure: make(terms), dimension })
+    }
+
+    /// `gain(input -> output, f)`, `phase(input -> output, f)`.
+    fn response(
+        &mut self,
+        measure: &str,
+        path: ExprId,
+        frequency: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Measured> {
+        let node = *self.tree.expr(path);
+        let ExprKind::Binary { operator: Binary::Arrow, left, right } = node.kind else {
+            return self.fail(environment, Error::ArrowMissing { span: node.span });
+        };
+        let input = self.measured_input(left, environment);
+        let output = self.measured_output(right, environment);
+        let frequency = self.frequency(frequency, environment)?;
+        let (input, per) = input?;
+        let Combination { terms: output, dimension, .. } = output?;
+        if measure == "phase" {
+            return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
+        }
+        let Some(dimension) = dimension.per(per) else {
+            return self.fail(environment, Error::Overflow { span: node.span });
+        };
+        Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
+    }
+
+    /// An output by its name, or the motions of an expression.
+    fn measured_output(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
+        let node = *self.tree.expr(expr);
+        let ExprKind::Name { indices } = node.kind else { return self.combination(expr, environment) };
+        let ident = Ident { span: self.word_of(node.span), indices };
+        match self.named_part(ident, environment, "output")? {
+            scope::Part::Output(index) => {
+                let Instance { decl, environment } = self.instances.outputs[index as usize];
+                let DeclKind::Rare { index } = decl.kind else { return Err(Stop::Reported) };
+                let Rare::Output { value, .. } = self.tree.rare[index as usize] else { return Err(Stop::Reported) };
+                self.combination(value, environment)
+            }
+            other => {
+                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let declared = self.part_span(other);
+                self.fail(environment, Error::NotAnOutput { span: ident.span, word, found, declared })
+            }
+        }
+    }
+
+    /// A force, a torque, or a motion of a base: `floor`, or `floor.y` where it has several.
+    fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
+        let node = *self.tree.expr(expr);
+        let (name, motion) = match node.kind {
+            ExprKind::Member { base, member_len } => {
+                let word = Span::new(node.span.file(), node.span.end() - usize::from(member_len), node.span.end());
+                (base, Some(self.sources.slice(word)))
+            }
+            _ => (expr, None),
+        };
+        let owner = *self.tree.expr(name);
+        let ExprKind::Name { indices } = owner.kind else {
+            return self.fail(environment, Error::NotAnInput { span: owner.span, found: "an expression" });
+        };
+        let ident = Ident { span: self.word_of(owner.span), indices };
+        let name = self.name(ident, environment)?;
+        let part = self.find_part(name, ident, environment, "input")?;
+        if self.broken_inputs {
+            return Err(Stop::Reported);
+        }
+        match self.input_of(name, motion) {
+            Some(input) => Ok(input),
+            None => self.fail(environment, Error::NotAnInput { span: node.span, found: part.noun() }),
+        }
+    }
+
+    /// The only input of this name, or that of the motion named.
+    fn input_of(&self, name: Name, motion: Option<&str>) -> Option<(InputId, Dimension)> {
+        let inputs = self.scene.inputs.iter().enumerate().filter(|(_, input)| input.name == name);
+        let named = inputs.filter(|(_, input)| motion.is_none_or(|motion| self.motion_of(&input.kind) == motion));
+        let mut named = named.map(|(index, input)| (InputId(index as u32), dimension_of(&input.kind)));
+        let first = named.next()?;
+        named.next().is_none().then_some(first)
+    }
+
+    /// `x`, `y`, `along` or `angle` of a base.
+    fn motion_of(&self, kind: &InputKind) -> &'static str {
+        match kind {
+            InputKind::Base { base, translation: Some(index) } => {
+                self.scene.bases[base.index()].translations[*index].motion
+            }
+            InputKind::Base { translation: None, .. } => "angle",
+            _ => "",
+        }
+    }
+
+    /// The number of a mode, from 1.
+    fn mode(&mut self, expr: ExprId, environment: Environment) -> Evaluated<u32> {
+        let mode = self.whole(expr, environment)?;
+        match u32::try_from(mode) {
+            Ok(mode) if mode > 0 => Ok(mode),
+            _ => {
+                let span = self.tree.expr(expr).span;
+                self.fail(environment, Error::ModeNumber { span })
+            }
+        }
+    }
+
+    /// The number that a measure is compared with.
+    fn value_of_measure(&mut self, measured: &Measured, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+        let expected = match measured.measure {
+            Measure::Frequency { .. } => return self.frequency(expr, environment),
+            Measure::DampingRatio { .. } => RATIO,
+            Measure::Phase { .. } => PHASE,
+            Measure::Stable => {
+                let span = self.tree.expr(expr).span;
+                return self.fail(environment, Error::RequireWhat { span });
+            }
+            _ => Expected::new(noun_of(measured.dimension), measured.dimension, example_of(measured.dimension)),
+        };
+        self.number(expr, environment, &expected)
+    }
+}
+
+fn comparison(operator: Binary) -> Option<Comparison> {
+    match operator {
+        Binary::Less => Some(Comparison::Less),
+        Binary::LessEqual => Some(Comparison::LessEqual),
+        Binary::Greater => Some(Comparison::Greater),
+        Binary::GreaterEqual => Some(Comparison::GreaterEqual),
+        _ => None,
+    }
+}
+
+fn flipped(comparison: Comparison) -> Comparison {
+    match comparison {
+        Comparison::Less => Comparison::Greater,
+        Comparison::LessEqual => Comparison::GreaterEqual,
+        Comparison::Greater => Comparison::Less,
+        Comparison::GreaterEqual => Comparison::LessEqual,
+    }
+}
+
+fn is_measure_name(text: &str) -> bool {
+    MEASURES.iter().any(|(name, _)| *name == text)
+}
+
+fn unknown_measure(text: &str, word: Span, span: Span) -> Error {
+    match MEASURES.iter().find(|(name, _)| *name == text) {
+        Some((name, form)) => Error::MeasureArguments { span, name, form },
+        None => {
+            let suggestion = nearest(text, MEASURES.iter().map(|(name, _)| *name));
+            Error::UnknownMeasure { span: word, word: text.to_string(), suggestion }
+        }
+    }
+}
+
+/// What an input is measured in.
+fn dimension_of(kind: &InputKind) -> Dimension {
+    match kind {
+        InputKind::Force { .. } | InputKind::ForceBetween { .. } => Dimension::FORCE,
+        InputKind::Torque { .. } => Dimension::TORQUE,
+        InputKind::Base { translation: Some(_), .. } => Dimension::LENGTH,
+        InputKind::Base { translation: None, .. } => Dimension::NONE,
+    }
+}
+
+fn noun_of(dimension: Dimension) -> &'static str {
+    dimension.noun().unwrap_or("another quantity")
+}
+
+/// A number to write, for a help.
+fn example_of(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::NONE => "0.25",
+        Dimension::LENGTH => "2 mm",
+        Dimension::VELOCITY => "0.1 m/s",
+        Dimension::ACCELERATION => "0.003 g0",
+        Dimension::FORCE => "10 N",
+        Dimension::TORQUE => "2 N*m",
+        _ => "1 m/N",
+    }
+}

@@ -1,0 +1,181 @@
+//! What freedoms need of a body, and what no freedom uses: mass, inertia, place. In: bodies with their freedoms; out:
+//! errors for what is missing, warnings for what is idle. Clause: spec.md, "Freedoms".
+//!
+//! Whether a freedom moves any inertia at all depends on everything that it carries, and is decided when the scene is
+//! lowered; here it is asked that nothing is left out by oversight.
+
+use super::Check;
+use super::error::Error;
+use super::freedoms::Line;
+use super::scene::{Body, BodyId, Freedom, JointKind, Part};
+use super::scope::Environment;
+use crate::base::{Number, Span, Vec3};
+use crate::syntax::tree::{DeclKind, Field};
+
+impl<'a> Check<'a> {
+    pub fn needs(&mut self) {
+        for index in 0..self.scene.bodies.len() {
+            let id = BodyId(index as u32);
+            if self.broken_bodies.contains(&id) {
+                continue;
+            }
+            self.walk.varies = false;
+            let environment = self.instances.bodies[index].environment;
+            match self.scene.bodies[index].freedom.clone() {
+                Freedom::OnGround { translations, turns } => {
+                    let moves = translations.first().map(|translation| translation.motion);
+                    self.needs_on_ground(id, moves, turns, environment);
+                }
+                Freedom::FromJoints if self.broken_joints => {}
+                Freedom::FromJoints => self.needs_of_joints(id, environment),
+            }
+        }
+    }
+
+    fn needs_on_ground(&mut self, id: BodyId, moves: Option<&'static str>, turns: bool, environment: Environment) {
+        let body = &self.scene.bodies[id.index()];
+        let (has_mass, has_inertia) = (body.mass.is_some(), body.inertia.is_some());
+        if let Some(motion) = moves
+            && !has_mass
+        {
+            let motion = if motion == "along" { "moves along a line" } else { "moves" };
+            self.missing(id, "mass", motion, environment);
+        } else if turns && !has_inertia {
+            let what = if self.field_of(id, "shape").is_some() { "mass" } else { "inertia" };
+            self.missing(id, what, "turns", environment);
+        } else if !turns {
+            self.idle_inertia(id, environment);
+        } else if moves.is_none() && self.field_of(id, "shape").is_none() && !self.inertia_uses_mass(id) {
+            self.idle(id, "mass", "moves nothing: the body only turns about its centre", environment);
+        }
+    }
+
+    fn needs_of_joints(&mut self, id: BodyId, environment: Environment) {
+        let part = Part::Body(id);
+        let turns = self.can_turn(part);
+        if !turns {
+            self.idle_inertia(id, environment);
+        }
+        if !turns && self.line(part) == Line::Fixed {
+            return self.idle(id, "mass", "moves nothing: the body is fixed to the ground", environment);
+        }
+        let body = &self.scene.bodies[id.index()];
+        if body.mass.is_none() {
+            if !self.turns_about_its_inertia(id) {
+                self.missing(id, "mass", "moves with its joints", environment);
+            }
+        } else if turns && body.centre.is_none() {
+            let (span, name) = (body.span, self.words.display(body.name));
+            self.report(environment, Error::CentreMissing { span, name });
+        }
+    }
+
+    /// The only joint is a pivot on the ground, at the very point that the inertia is given about, and no gravity pulls:
+    /// then the mass plays no part.
+    fn turns_about_its_inertia(&self, id: BodyId) -> bool {
+        let body = &self.scene.bodies[id.index()];
+        let about = self.inertia_points.get(&id).or(body.centre.as_ref());
+        let (Some(_), Some(about)) = (&body.inertia, about) else { return false };
+        let joints = self.scene.joints.iter();
+        let mut joints = joints.filter(|joint| joint.ends.iter().any(|end| end.part == Part::Body(id)));
+        let (Some(only), None) = (joints.next(), joints.next()) else { return false };
+        let on_ground = only.ends.iter().any(|end| end.part == Part::Ground);
+        let hangs = self.instances.settings.iter().any(|setting| matches!(setting.decl.kind, DeclKind::Gravity { .. }));
+        let centred = body.centre.as_ref().is_some_and(|centre| !super::ends::are_apart(centre, about));
+        match &only.kind {
+            JointKind::Pivot { at } => on_ground && !super::ends::are_apart(at, about) && (!hangs || centred),
+            JointKind::Slide { .. } | JointKind::Weld => false,
+        }
+    }
+
+    fn missing(&mut self, id: BodyId, what: &'static str, freedom: &'static str, environment: Environment) {
+        let body = &self.scene.bodies[id.index()];
+        let (span, name) = (body.span, self.words.display(body.name));
+        self.report(environment, Error::PropertyMissing { span, name, what, freedom });
+    }
+
+    /// The field of a body's declaration.
+    fn field_of(&self, id: BodyId, word: &str) -> Option<&'a Field> {
+        let DeclKind::Body { fields, .. } = self.instances.bodies[id.index()].decl.kind else { return None };
+        self.tree.fields(fields).iter().find(|field| self.sources.slice(field.key) == word)
+    }
+
+    fn inertia_uses_mass(&self, id: BodyId) -> bool {
+        let field = self.field_of(id, "inertia");
+        field.is_some_and(|field| matches!(field.value, crate::syntax::tree::FieldValue::About(..)))
+    }
+
+    /// Warns of an inertia, or a shape that says nothing else, of a body that never turns.
+    fn idle_inertia(&mut self, id: BodyId, environment: Environment) {
+        self.idle(id, "inertia", "moves nothing: the body does not turn", environment);
+        let Some(shape) = self.field_of(id, "shape") else { return };
+        // A rod says where its centre is as well.
+        let crate::syntax::tree::FieldValue::Expr(expr) = shape.value else { return };
+        if !self.sources.slice(self.tree.expr(expr).span).starts_with("rod") {
+            self.idle(id, "shape", "says nothing: the body does not turn", environment);
+        }
+    }
+
+    fn idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
+        if let Some(field) = self.field_of(id, word) {
+            let (span, name) = (field.key, self.words.display(self.scene.bodies[id.index()].name));
+            self.report(environment, Error::Idle { span, name, word, why });
+        }
+    }
+
+    /// What is declared and never used; a model without a body.
+    pub fn unused(&mut self) {
+        if !self.tree.broken.is_empty() || self.diagnostics.has_errors() {
+            // Whatever is broken may have been the use.
+            return;
+        }
+        self.walk.varies = false;
+        if self.instances.bodies.is_empty() {
+            let span = Span::new(self.tree.file, 0, 0);
+            return self.report(Environment::TOP, Error::Empty { span });
+        }
+        self.unused_definitions();
+        self.idle_gravity();
+    }
+
+    /// Notes where gravity does nothing: no mass that can fall, swing or stretch what holds it.
+    fn idle_gravity(&mut self) {
+        let Some(span) = self.scene.gravity_span else { return };
+        let field = self.scene.gravity.clone();
+        let acts = (0..self.scene.bodies.len()).any(|index| self.gravity_acts(BodyId(index as u32), &field));
+        if !acts {
+            self.report(Environment::TOP, Error::IdleGravity { span });
+        }
+    }
+
+    fn gravity_acts(&self, id: BodyId, field: &Vec3) -> bool {
+        let body: &Body = &self.scene.bodies[id.index()];
+        if body.mass.as_ref().is_none_or(Number::is_zero) || field.is_zero() {
+            return false;
+        }
+        match &body.freedom {
+            Freedom::OnGround { translations, .. } => {
+                translations.iter().any(|translation| !translation.direction.dot(field).is_zero())
+            }
+            Freedom::FromJoints => match self.line(Part::Body(id)) {
+                Line::Fixed => self.can_turn(Part::Body(id)),
+                Line::Along(line) => !line.dot(field).is_zero(),
+                Line::Other => true,
+            },
+        }
+    }
+
+    /// Warns of parameters and points that nothing refers to, once for each declaration.
+    fn unused_definitions(&mut self) {
+        let used: std::collections::HashSet<Span> =
+            self.definitions.iter().filter(|definition| definition.used).map(|definition| definition.span).collect();
+        for index in 0..self.definitions.len() {
+            let definition = &self.definitions[index];
+            if !used.contains(&definition.span) {
+                let (span, kind) = (definition.span, definition.kind);
+                let name = self.words.text(definition.name.symbol).to_string();
+                self.report(Environment::TOP, Error::Unused { span, name, kind });
+            }
+        }
+    }
+}

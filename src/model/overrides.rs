@@ -1,0 +1,274 @@
+//! Values from outside: `--set NAME=VALUE` and a TOML file of settings. In: their texts; out: for each parameter named, a
+//! quantity like the declared one. Clause: spec.md, "Names, parameters, `repeat`".
+
+use super::Check;
+use super::error::Error;
+use super::evaluate::Evaluated;
+use super::expect::Expected;
+use super::scope::{DefinitionId, DefinitionKind, Environment};
+use super::suggestion::nearest;
+use super::value::{Scalar, Value};
+use super::{Overrides, Stop};
+use crate::base::{Angle, Dimension, FileId, Name, Number, Quantity, Sources, Span};
+use crate::syntax;
+
+/// For places that take a number of any dimension.
+pub const ANY_NUMBER: Expected = Expected::new("a number", Dimension::NONE, "10 N/m");
+
+/// At most this many parameters are listed.
+const SHOWN: usize = 8;
+
+/// A value given for a parameter.
+#[derive(Clone, Debug)]
+pub struct Override {
+    pub value: Scalar,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A line `name = value` of settings or arguments.
+struct Setting {
+    /// The parameter's name, with its indices.
+    name: Span,
+    value: Given,
+}
+
+/// The value as the settings give it.
+enum Given {
+    /// The text of an expression, as on the command line.
+    Text(Span),
+    /// Something that is no number.
+    Other(Span),
+}
+
+impl<'a> Check<'a> {
+    /// Reads both; what the arguments say wins.
+    pub fn overrides(&mut self, overrides: &Overrides) {
+        if let Some(file) = overrides.settings {
+            let settings = self.toml(file);
+            self.take_settings(settings);
+        }
+        if let Some(file) = overrides.arguments {
+            let settings = self.arguments(file);
+            self.take_settings(settings);
+        }
+    }
+
+    fn take_settings(&mut self, settings: Vec<Setting>) {
+        for setting in settings {
+            // What is wrong with one has been said; the others still count.
+            let _ = self.take(setting);
+        }
+    }
+
+    fn take(&mut self, setting: Setting) -> Evaluated<()> {
+        let id = self.parameter(setting.name)?;
+        let span = match setting.value {
+            Given::Text(span) => span,
+            Given::Other(span) => return self.fail(Environment::TOP, Error::SettingValue { span }),
+        };
+        let value = self.value_from_outside(span)?;
+        self.overrides.insert(id.0, Override { value, span });
+        Ok(())
+    }
+
+    /// The parameter of this name, `k` or `k[3]`.
+    fn parameter(&mut self, span: Span) -> Evaluated<DefinitionId> {
+        let text = self.sources.slice(span);
+        let Some(name) = self.read_name(text) else {
+            return self.unknown_parameter(span, text);
+        };
+        let Some(id) = self.values.get(name) else {
+            return self.unknown_parameter(span, text);
+        };
+        let definition = &self.definitions[id.0 as usize];
+        if definition.kind == DefinitionKind::Param {
+            return Ok(id);
+        }
+        let (word, kind, declared) = (text.to_string(), definition.kind, definition.span);
+        self.fail(Environment::TOP, Error::NotAParameter { span, word, kind, declared })
+    }
+
+    /// A word and whole numbers in brackets; `None` for what no parameter is called.
+    fn read_name(&self, text: &str) -> Option<Name> {
+        let (word, indices) = text.split_once('[').map_or((text, None), |(word, rest)| (word, Some(rest)));
+        let symbol = self.words.get(word)?;
+        let Some(indices) = indices else { return Some(Name::plain(symbol)) };
+        let indices = indices.strip_suffix(']')?.replace("][", ",");
+        let indices: Option<Vec<i32>> = indices.split(',').map(|index| index.trim().parse().ok()).collect();
+        Name::indexed(symbol, &indices?)
+    }
+
+    fn unknown_parameter<T>(&mut self, span: Span, text: &str) -> Evaluated<T> {
+        let word = text.split('[').next().unwrap_or(text);
+        if self.broken_words.contains(word) {
+            return Err(Stop::Reported);
+        }
+        let params = self.definitions.iter().filter(|definition| definition.kind == DefinitionKind::Param);
+        let known = params.map(|definition| self.words.text(definition.name.symbol));
+        let suggestion = nearest(word, known.clone()).map(str::to_string);
+        let known = known.take(SHOWN).map(str::to_string).collect();
+        self.fail(Environment::TOP, Error::UnknownParameter { span, word: text.to_string(), suggestion, known })
+    }
+
+    /// A value written outside of the model: it knows no name of it.
+    fn value_from_outside(&mut self, span: Span) -> Evaluated<Scalar> {
+        let sources: &'a Sources = self.sources;
+        let Some((tree, expr)) = syntax::parse_value(sources, span) else {
+            return self.fail(Environment::TOP, Error::SettingValue { span });
+        };
+        let mut outside = Check::new(sources, &tree);
+        outside.outside = true;
+        let value = outside.evaluate(expr, Environment::TOP);
+        if let Ok(Value::Scalar(scalar)) = &value {
+            // What is out of range is reported below.
+            let _ = outside.check_range(&scalar.quantity.si, expr, Environment::TOP);
+        }
+        self.diagnostics.extend(std::mem::take(&mut outside.diagnostics));
+        match value? {
+            Value::Scalar(scalar) => Ok(scalar),
+            Value::Vector(_) => self.fail(Environment::TOP, Error::Kind { span, needed: "a number", found: "a point" }),
+        }
+    }
+
+    /// The value that a parameter has, given its declared one.
+    pub fn overridden(&mut self, id: DefinitionId, declared: Scalar) -> Evaluated<Scalar> {
+        let Some(Override { value, span }) = self.overrides.get(&id.0) else { return Ok(declared) };
+        let span = *span;
+        match like(&declared, value) {
+            Ok(value) => Ok(value),
+            Err(unlike) => {
+                let definition = &self.definitions[id.0 as usize];
+                let declaration = (self.words.display(definition.name), definition.span);
+                self.fail(Environment::TOP, unlike.error(span, &declared).declared_at(declaration))
+            }
+        }
+    }
+
+    /// The lines `NAME=VALUE`.
+    fn arguments(&mut self, file: FileId) -> Vec<Setting> {
+        let text = self.sources.text(file);
+        let mut settings = Vec::new();
+        let mut start = 0;
+        for line in text.split_inclusive('\n') {
+            let line_start = start;
+            start += line.len();
+            let line = line.trim_end_matches(['\n', '\r']);
+            if line.trim().is_empty() {
+                continue;
+            }
+            match line.find('=') {
+                Some(at) => settings.push(Setting {
+                    name: trimmed(file, line_start, &line[..at]),
+                    value: Given::Text(trimmed(file, line_start + at + 1, &line[at + 1..])),
+                }),
+                None => {
+                    let span = trimmed(file, line_start, line);
+                    self.report(Environment::TOP, Error::NoEqualsSign { span });
+                }
+            }
+        }
+        settings
+    }
+
+    /// The entries of a TOML table: `k = "12 N/m"`, `n = 5`.
+    fn toml(&mut self, file: FileId) -> Vec<Setting> {
+        let text = self.sources.text(file);
+        let table = match toml::de::DeTable::parse(text) {
+            Ok(table) => table,
+            Err(error) => {
+                let range = error.span().unwrap_or(0..0);
+                let span = Span::new(file, range.start, range.end);
+                self.report(Environment::TOP, Error::NotToml { span, message: error.message().to_string() });
+                return Vec::new();
+            }
+        };
+        let mut settings: Vec<Setting> = Vec::new();
+        for (key, value) in table.get_ref() {
+            let name = unquoted(text, file, key.span());
+            settings.push(Setting { name, value: given(text, file, value) });
+        }
+        settings.sort_by_key(|setting| setting.name.start());
+        settings
+    }
+}
+
+/// The value of a TOML entry.
+fn given(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Given {
+    use toml::de::DeValue;
+    let whole = Span::new(file, value.span().start, value.span().end);
+    match value.get_ref() {
+        DeValue::Integer(_) | DeValue::Float(_) => Given::Text(whole),
+        DeValue::String(content) => {
+            let inside = unquoted(text, file, value.span());
+            // A text with escapes is not what stands in the file: no number needs any.
+            if text.get(inside.range()) == Some(content) { Given::Text(inside) } else { Given::Other(whole) }
+        }
+        _ => Given::Other(whole),
+    }
+}
+
+/// The range without the quotes around it.
+fn unquoted(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
+    let inner = text.get(range.clone()).unwrap_or("");
+    let quote = inner.starts_with(['"', '\'']);
+    if quote && inner.len() >= 2 {
+        return trimmed(file, range.start + 1, &inner[1..inner.len() - 1]);
+    }
+    Span::new(file, range.start, range.end)
+}
+
+/// The span of a text that starts at `start`, without the blanks around it.
+fn trimmed(file: FileId, start: usize, text: &str) -> Span {
+    let from = start + (text.len() - text.trim_start().len());
+    Span::new(file, from, from + text.trim().len())
+}
+
+/// How a given value differs from the kind of the declared one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlike {
+    Dimension(Dimension),
+    /// In plain 1/s where cycles or radians are declared: both can be meant.
+    Reading,
+}
+
+impl Unlike {
+    /// `given` is written at `span`.
+    pub fn error(self, span: Span, declared: &Scalar) -> Error {
+        match self {
+            Unlike::Reading => Error::ReadingLike { span, declared: declared.quantity.angle },
+            Unlike::Dimension(found) => {
+                Error::UnlikeDeclared { span, found, wanted: declared.quantity.dimension, declared: None }
+            }
+        }
+    }
+}
+
+/// The given value as one of the declared kind: the same dimension; a frequency in cycles or radians as declared.
+pub fn like(declared: &Scalar, given: &Scalar) -> Result<Scalar, Unlike> {
+    let (Some(wanted), Some(found)) = (declared.dimension(), given.dimension()) else {
+        return Ok(zero_like(declared, given));
+    };
+    if wanted != found {
+        return Err(Unlike::Dimension(found));
+    }
+    let Quantity { si, .. } = &given.quantity;
+    let turn = &Number::from(2) * &Number::pi();
+    let si = match (declared.quantity.angle, given.quantity.angle) {
+        _ if wanted != Dimension::FREQUENCY => si.clone(),
+        (Angle::Plain, _) => return Ok(given.clone()),
+        (Angle::Cycles, Angle::Radians) => si / &turn,
+        (Angle::Radians, Angle::Cycles) => si * &turn,
+        (_, Angle::Plain) => return Err(Unlike::Reading),
+        _ => si.clone(),
+    };
+    Ok(Scalar { quantity: Quantity { si, ..declared.quantity.clone() }, bare_zero: false })
+}
+
+/// A bare zero takes the declared dimension; a parameter declared as a bare zero takes any.
+fn zero_like(declared: &Scalar, given: &Scalar) -> Scalar {
+    if declared.bare_zero {
+        return given.clone();
+    }
+    Scalar { quantity: Quantity { si: Number::ZERO, ..declared.quantity.clone() }, bare_zero: false }
+}
