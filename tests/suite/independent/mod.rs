@@ -1,0 +1,136 @@
+//! Physics by two roads: what lowering derives by hand is compared with a second formulation in absolute coordinates,
+//! on models written by hand and on random ones, through the text. The frequencies and poles too: with the eigenvalues
+//! and roots of the second road's own matrices.
+
+mod extended;
+mod formulation;
+pub mod random_scenes;
+mod spectrum;
+
+use crate::ask::{Answer, ask};
+use extended::Matrix;
+use formulation::{Chosen, Formulation, Linearised};
+use vibc::base::number::Dd;
+use vibc::base::{Ball, Number};
+use vibc::system::{CoordinateId, Form};
+
+/// Relative to the largest entry of a matrix. The differences are good to 1e-22 of the energies (see `formulation`);
+/// the elimination of the constraints of a chain of joints magnifies that by the lever arms, a factor of 10 a joint at most.
+const TOLERANCE: f64 = 1e-17;
+
+/// The coordinates that lowering chose, by body and motion.
+fn chosen(answer: &Answer) -> Vec<Chosen> {
+    let bodies = &answer.scene.scene().bodies;
+    let of = |coordinate: &vibc::system::Coordinate| Chosen {
+        body: bodies.iter().position(|body| body.name == coordinate.name.name).expect("a body of the scene"),
+        motion: coordinate.name.motion.to_string(),
+    };
+    answer.lowered.system.coordinates.iter().map(of).collect()
+}
+
+fn second_road(answer: &Answer, start: &[Dd]) -> Linearised {
+    let road = Formulation::new(answer.scene.scene());
+    road.linearised(&chosen(answer), start).expect("Newton's iteration finds a rest from one")
+}
+
+fn displacement(answer: &Answer) -> Vec<Dd> {
+    answer.lowered.rest.displacement.iter().map(|d| d.to_ball().mid).collect()
+}
+
+fn from_form(form: &Form, n: usize) -> Matrix {
+    let balls = form.assemble(n);
+    let mut matrix = Matrix::zero(n, n);
+    for (i, row) in balls.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            assert!(entry.rad <= 1e-20 * (1.0 + entry.magnitude()), "a sharp entry: {entry:?}");
+            *matrix.at_mut(i, j) = entry.mid;
+        }
+    }
+    matrix
+}
+
+/// Sparse columns side by side.
+fn from_columns<'a>(n: usize, columns: impl ExactSizeIterator<Item = &'a Vec<(CoordinateId, Number)>>) -> Matrix {
+    let mut matrix = Matrix::zero(n, columns.len());
+    for (j, column) in columns.enumerate() {
+        for (i, value) in column {
+            *matrix.at_mut(i.index(), j) = value.to_ball().mid;
+        }
+    }
+    matrix
+}
+
+fn assert_equal(found: &Matrix, truth: &Matrix, what: &str) {
+    let largest = truth.largest().max(1e-3);
+    assert_eq!((found.rows, found.columns), (truth.rows, truth.columns), "{what}");
+    for i in 0..truth.rows {
+        for j in 0..truth.columns {
+            let off = (found.at(i, j) - truth.at(i, j)).abs().to_f64();
+            let (a, b) = (found.at(i, j).to_f64(), truth.at(i, j).to_f64());
+            assert!(off <= TOLERANCE * largest, "{what}[{i}][{j}]: {a:e}, by the second road {b:e}, apart {off:e}");
+        }
+    }
+}
+
+/// M, C, K, B, P, D and the rest by both roads.
+fn assert_two_roads_meet(answer: &Answer, text: &str) {
+    let system = &answer.lowered.system;
+    let n = system.n();
+    let second = second_road(answer, &displacement(answer));
+    // What lowering calls a rest is one: Newton's iteration started there stays.
+    assert!(second.distance < 1e-17, "moves on by {:e} in\n{text}", second.distance);
+    let names = system.coordinate_names();
+    for (form, truth, what) in [(&system.m, &second.m, "M"), (&system.c, &second.c, "C"), (&system.k, &second.k, "K")] {
+        assert_equal(&from_form(form, n), truth, &format!("{what} of {names:?} in\n{text}"));
+    }
+    for order in 0..3 {
+        let b = from_columns(n, system.inputs.iter().map(|input| &input.b[order]));
+        assert_equal(&b, &second.b[order], &format!("b{order} in\n{text}"));
+        let p = from_columns(n, system.outputs.iter().map(|output| &output.p[order])).transposed();
+        assert_equal(&p, &second.p[order], &format!("p{order} in\n{text}"));
+        let mut d = Matrix::zero(system.outputs.len(), system.inputs.len());
+        for (row, output) in system.outputs.iter().enumerate() {
+            for (input, value) in &output.d[order] {
+                *d.at_mut(row, *input as usize) = value.to_ball().mid;
+            }
+        }
+        assert_equal(&d, &second.d[order], &format!("d{order} in\n{text}"));
+    }
+    spectrum::assert_modes(answer, &second, text);
+    spectrum::assert_poles(answer, &second, text);
+}
+
+/// Newton's iteration from the drawing itself reaches the same rest: for scenes whose loads are small.
+fn assert_rest_from_the_drawing(answer: &Answer, text: &str) {
+    let start = vec![Dd::ZERO; answer.lowered.system.n()];
+    let second = second_road(answer, &start);
+    for (found, truth) in answer.lowered.rest.displacement.iter().zip(&second.rest) {
+        let found = found.to_ball();
+        let off = (found.mid - *truth).abs().to_f64();
+        assert!(off <= found.rad + 1e-17, "rest {found:?}, by the second road {truth:?} in\n{text}");
+    }
+}
+
+/// Random trees with springs, dampers, loads and outputs of every kind; nothing pulls as drawn.
+#[test]
+fn random_trees_at_rest_as_drawn() {
+    for seed in 1..=40 {
+        let text = random_scenes::tree(seed, 5, false);
+        let answer = ask(&text);
+        assert_two_roads_meet(&answer, &text);
+        assert_rest_from_the_drawing(&answer, &text);
+    }
+}
+
+#[test]
+fn random_networks() {
+    for seed in 1..=40 {
+        let text = random_scenes::network(seed, 8);
+        assert_two_roads_meet(&ask(&text), &text);
+    }
+}
+
+/// A ball is as good as the enclosure of a number that is known otherwise.
+fn encloses(ball: &Ball, truth: Dd, truth_error: f64) -> bool {
+    (ball.mid - truth).abs().to_f64() <= ball.rad + truth_error
+}
