@@ -64,6 +64,11 @@ const WRONG: &str = "param k = 9 kg\nbody b { mass = 1 kg, moves x }\nspring s: 
 const UNUSED: &str =
     "param k = 9 N/m\nparam spare = 1 m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 
+fn omega(run: &Run) -> f64 {
+    let report: Value = serde_json::from_str(&run.out).expect("an object");
+    report["modes"][0]["omega"].as_f64().expect("a number")
+}
+
 #[test]
 fn the_exit_status_tells_what_happened() {
     let folder = folder();
@@ -102,6 +107,7 @@ fn results_go_to_one_stream_and_diagnostics_to_the_other() {
     let folder = folder();
     let unused = run(&["analyze", &file(&folder, "unused.vib", UNUSED)]);
     assert!(unused.out.starts_with("unused · 1 freedom"), "{}", unused.out);
+    assert!(unused.err.contains("spare") && !unused.out.contains("spare"));
     let wrong = run(&["analyze", &file(&folder, "wrong.vib", WRONG)]);
     assert!(wrong.out.is_empty() && wrong.err.contains("vib::unit::mismatch"));
     assert_eq!(run(&["check", CART]).out, "");
@@ -174,6 +180,23 @@ fn standard_input_is_a_model() {
     assert!(piped.out.contains("3.000000"));
     let wrong = run_with_input(&["check", "--message-format", "short", "-"], WRONG.as_bytes());
     assert!(wrong.err.starts_with("<stdin>:3:29: error[vib::unit::mismatch]"), "{}", wrong.err);
+}
+
+#[test]
+fn parameters_are_set_from_the_command_line_and_from_a_file() {
+    let folder = folder();
+    let model = file(&folder, "oscillator.vib", OSCILLATOR);
+    let settings = file(&folder, "settings.toml", "k = \"16 N/m\"\n");
+    let json = ["analyze", &model, "--format", "json"];
+    assert_eq!(omega(&run(&json)), 3.0);
+    assert_eq!(omega(&run(&[&json[..], &["--set", "k=25N/m"]].concat())), 5.0);
+    assert_eq!(omega(&run(&[&json[..], &["--settings", &settings]].concat())), 4.0);
+    // What is said on the command line counts more.
+    assert_eq!(omega(&run(&[&json[..], &["--settings", &settings, "--set", "k=25N/m"]].concat())), 5.0);
+    assert_eq!(run(&[&json[..], &["--settings", "missing.toml"]].concat()).status, 3);
+    let wrong = run(&[&json[..], &["--set", "k=25kg", "--message-format", "short"]].concat());
+    assert_eq!(wrong.status, 1);
+    assert!(wrong.err.starts_with("--set:1:"), "{}", wrong.err);
 }
 
 #[test]
