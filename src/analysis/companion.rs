@@ -9,10 +9,9 @@
 use super::answer::{ModeKind, Modes};
 use super::complex::Complex;
 use super::dense::Matrix;
-use super::pencil::Pencil;
+use super::pencil::{Pencil, Squares};
 use super::pole_rigid::RigidMotions;
-use super::squares::Squares;
-use crate::base::{Ball, Dd};
+use crate::base::Dd;
 use nalgebra::{DMatrix, Schur};
 
 /// Modes as a basis: binary64 columns, and C~ in it.
@@ -34,7 +33,7 @@ pub struct Basis {
 
 impl Basis {
     /// `modes` are all n modes of the part.
-    pub fn of(pencil: &Pencil, modes: &Modes, rigid: &RigidMotions) -> Basis {
+    pub fn of(pencil: &Pencil<Dd>, modes: &Modes, rigid: &RigidMotions) -> Basis {
         let rigid_columns = rigid_columns(pencil, rigid);
         let mut columns: Vec<Vec<f64>> =
             rigid_columns.iter().map(|column| column.iter().map(|x| x.to_f64()).collect()).collect();
@@ -175,7 +174,7 @@ fn joined(fast: Vec<Complex<f64>>, mut slow: Vec<Complex<f64>>) -> Vec<Complex<f
 }
 
 /// The rigid motions made orthonormal with respect to M (Gram-Schmidt, free ones first).
-fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions) -> Vec<Vec<Dd>> {
+fn rigid_columns(pencil: &Pencil<Dd>, rigid: &RigidMotions) -> Vec<Vec<Dd>> {
     let mut columns: Vec<Vec<Dd>> = Vec::new();
     for motion in rigid.free.iter().chain(&rigid.dragged) {
         let mut x: Vec<Dd> = motion.iter().map(|number| number.to_ball().mid).collect();
@@ -194,22 +193,22 @@ fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions) -> Vec<Vec<Dd>> {
 }
 
 /// x^T M y
-fn inertia(pencil: &Pencil, x: &[Dd], y: &[Dd]) -> Dd {
+fn inertia(pencil: &Pencil<Dd>, x: &[Dd], y: &[Dd]) -> Dd {
     let forces = forces(&pencil.m, x);
-    (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch(t, y).mid)
+    (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch(t, y))
 }
 
 /// w (a . x) of each term.
-fn forces(squares: &Squares, x: &[Dd]) -> Vec<Dd> {
-    (0..squares.len()).map(|t| squares.weights[t].mid * squares.stretch(t, x).mid).collect()
+fn forces(squares: &Squares<Dd>, x: &[Dd]) -> Vec<Dd> {
+    (0..squares.len()).map(|t| squares.weights[t] * squares.stretch(t, x)).collect()
 }
 
-fn dot(indices: &[u32], values: &[Ball], x: &[f64]) -> f64 {
-    indices.iter().zip(values).map(|(&i, a)| a.mid.hi * x[i as usize]).sum()
+fn dot(indices: &[u32], values: &[Dd], x: &[f64]) -> f64 {
+    indices.iter().zip(values).map(|(&i, a)| a.hi * x[i as usize]).sum()
 }
 
 /// sum c (d Phi)^T (d Phi), zero where a motion is free.
-fn damping(pencil: &Pencil, shapes: &Matrix<f64>, free: usize) -> Matrix<f64> {
+fn damping(pencil: &Pencil<Dd>, shapes: &Matrix<f64>, free: usize) -> Matrix<f64> {
     let n = shapes.columns();
     let mut damping = Matrix::filled(n, n, 0.0);
     for t in 0..pencil.c.len() {

@@ -6,21 +6,59 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the arithmetic below needs of a real number.
 pub trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + From<f64>
+    Copy + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     const ZERO: Self;
+    const ONE: Self;
+    /// The number nearest to x.
+    fn of_dd(x: Dd) -> Self;
+    /// The nearest binary64 number, within an ulp.
+    fn to_f64(self) -> f64;
 }
 
 impl Real for f64 {
     const ZERO: f64 = 0.0;
+    const ONE: f64 = 1.0;
+
+    #[inline]
+    fn of_dd(x: Dd) -> f64 {
+        x.to_f64()
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
 }
 
 impl Real for Dd {
     const ZERO: Dd = Dd::ZERO;
+    const ONE: Dd = Dd::ONE;
+
+    #[inline]
+    fn of_dd(x: Dd) -> Dd {
+        x
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.hi
+    }
 }
 
 impl Real for Ball {
     const ZERO: Ball = Ball::ZERO;
+    const ONE: Ball = Ball::ONE;
+
+    #[inline]
+    fn of_dd(x: Dd) -> Ball {
+        Ball::exact(x)
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.mid.hi
+    }
 }
 
 /// re + i im.
@@ -52,6 +90,14 @@ impl<T: Real> Complex<T> {
     #[inline]
     pub fn scale(self, by: T) -> Complex<T> {
         Complex { re: self.re * by, im: self.im * by }
+    }
+}
+
+impl<T: Real> Complex<T> {
+    /// In binary64.
+    #[inline]
+    pub fn to_f64(self) -> Complex<f64> {
+        Complex { re: self.re.to_f64(), im: self.im.to_f64() }
     }
 }
 
@@ -141,11 +187,6 @@ impl Complex<f64> {
 }
 
 impl Complex<Dd> {
-    #[inline]
-    pub fn to_f64(self) -> Complex<f64> {
-        Complex::new(self.re.to_f64(), self.im.to_f64())
-    }
-
     /// As an enclosure of radius zero.
     #[inline]
     pub fn to_ball(self) -> Complex<Ball> {

@@ -1,219 +1,53 @@
 //! Discs that certainly hold the poles. In: the terms, approximate pairs (s_j, x_j) as exact numbers, the exact rigid
-//! motions. Out: for each pair a radius, and which discs are certified only together. Clause: spec.md 11.6 derives it:
+//! motions. Out: an enclosure for each pair, and which are certified only together. Clause: spec.md 11.6 derives it:
 //!
 //! With z = (x, v), v = s x, the symmetric linearisation L(s) = s [C M; M 0] + [K 0; 0 -M] has L(s) z_j =
 //! (Q(s_j) x_j, 0) + (s - s_j) [C M; M 0] z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and
 //!   B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j,   R_ij = x_i^T r_j,   r_j = Q(s_j) x_j,
 //! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. Symmetry makes
 //! (s_j - s_i) B_ij = R_ij - R_ji, so off its diagonal B is as small as the residuals are, T too, and Gershgorin's discs
-//! of D - T are small. Residuals are balls; sums of binary64 carry an explicit bound of their rounding.
+//! of D - T are small. Residuals are evaluated in triple words with their radius; sums of binary64 carry an explicit
+//! bound of their rounding.
 
 use super::complex::Complex;
+use super::disc_columns::{Columns, Near, U, UP};
 use super::pencil::{Application, Pencil};
 use super::pole_rigid::RigidMotions;
 use super::refinement::Pair;
-use super::squares::Squares;
-use crate::base::{Ball, Number};
+use super::triple::{Precise, Triple};
+use crate::base::{Ball, Dd};
 
-/// A bound that holds for one pair.
+/// What holds for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// |s - true| is at most this; infinite where nothing is certified.
-    pub radius: f64,
+    /// The pole is in this rectangle; of infinite size where nothing is certified.
+    pub s: Complex<Ball>,
     /// Discs with the same number overlap: as many poles as discs lie in their union. For the pair and for its conjugate.
     pub clusters: [Option<u32>; 2],
 }
 
-/// Unit roundoff of binary64.
-const U: f64 = f64::EPSILON / 2.0;
-/// Covers the rounding of sums of up to 2^20 non-negative numbers.
-const UP: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
-
-/// A binary64 number and how far it may be from the true one.
-#[derive(Clone, Copy, Debug)]
-struct Near {
-    value: Complex<f64>,
-    error: f64,
-    /// At least the modulus of either.
-    size: f64,
-}
-
-/// One vector z = (x, v), scaled by a factor of binary64.
-struct Column {
-    x: Vec<Near>,
-    /// Stretches of the terms of M under x and under v, and of C under x.
-    mx: Vec<Near>,
-    mv: Vec<Near>,
-    cx: Vec<Near>,
-}
-
-/// All columns, conjugates behind their originals: which pair each belongs to, and where its conjugate is.
-struct Columns {
-    list: Vec<Column>,
-    /// Columns before this one span the motions of poles that are exactly zero; beside each a rate t: v = +-t x.
-    rigid: Vec<f64>,
-    /// Column of pair p, and of its conjugate (the same for a real pair).
-    of_pair: Vec<(usize, usize)>,
-    /// The factor that scales pair p.
-    factors: Vec<Complex<f64>>,
-    /// The column of the conjugate vector, up to a sign.
-    mirror: Vec<usize>,
-    centres: Vec<Complex<Ball>>,
-}
-
 /// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
 /// `count` is the number of poles; with fewer or more columns than poles nothing is certified.
-pub fn discs(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair], count: usize) -> Vec<Disc> {
-    let applied: Vec<Application> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
-    let columns = columns(pencil, rigid, pairs, &applied);
-    let nothing = vec![Disc { radius: f64::INFINITY, clusters: [Some(0); 2] }; pairs.len()];
-    if columns.list.len() != count {
-        return nothing;
-    }
-    let r = residual_products(&columns, &applied, pairs);
-    let perturbation = deviation(pencil, &columns, &r).and_then(|b| perturbation(&columns, &b, &r));
-    perturbation.map_or(nothing, |t| gershgorin(&columns, &t))
+pub fn discs(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair], count: usize) -> Vec<Disc> {
+    let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
+    let columns = Columns::of(pencil, rigid, pairs, &applied);
+    let certified = (columns.list.len() == count).then(|| {
+        let r = residual_products(&columns, pairs, &applied);
+        let b = deviation(pencil, &columns, &r)?;
+        let t = perturbation(&columns, &b, &r)?;
+        Some(gershgorin(&Certificate { columns, b, t }, pairs, &applied))
+    });
+    certified.flatten().unwrap_or_else(|| pairs.iter().map(|pair| around(pair, f64::INFINITY, [Some(0); 2])).collect())
 }
 
-impl Near {
-    fn of(z: Complex<Ball>, factor: Complex<f64>) -> Near {
-        let near = z.mid().to_f64();
-        let value = near * factor;
-        let (length, scale) = (near.abs(), factor.abs());
-        let error = (z.radius() + 8.0 * U * length) * scale * UP + f64::MIN_POSITIVE;
-        Near { value, error, size: (value.abs() + error) * UP }
-    }
-
-    fn conj(self) -> Near {
-        Near { value: self.value.conj(), ..self }
+impl Disc {
+    pub fn is_certified(&self) -> bool {
+        self.s.re.rad.is_finite()
     }
 }
 
-impl Column {
-    fn of_pair(pair: &Pair, applied: &Application, factor: Complex<f64>) -> Column {
-        let s = pair.s.to_ball();
-        let scaled = |stretches: &[Complex<Ball>]| stretches.iter().map(|&z| Near::of(z, factor)).collect();
-        Column {
-            mx: scaled(&applied.m_stretch),
-            mv: applied.m_stretch.iter().map(|&z| Near::of(z * s, factor)).collect(),
-            cx: scaled(&applied.c_stretch),
-            x: (0..pair.x.re.len()).map(|i| Near::of(pair.x.entry(i).to_ball(), factor)).collect(),
-        }
-    }
-
-    fn conj(&self) -> Column {
-        let conj = |list: &[Near]| list.iter().map(|near| near.conj()).collect();
-        Column { mx: conj(&self.mx), mv: conj(&self.mv), cx: conj(&self.cx), x: conj(&self.x) }
-    }
-
-    /// z = a (N, t N) of an exact rigid motion N.
-    fn of_motion(pencil: &Pencil, motion: &[Number], a: Complex<f64>, rate: f64) -> Column {
-        let motion: Vec<Ball> = motion.iter().map(Number::to_ball).collect();
-        let scaled = |squares: &Squares, rate: f64| -> Vec<Near> {
-            let rate = Ball::from(rate);
-            (0..squares.len()).map(|t| Near::of(Complex::real(moved(squares, t, &motion) * rate), a)).collect()
-        };
-        Column {
-            mx: scaled(&pencil.m, 1.0),
-            mv: scaled(&pencil.m, rate),
-            cx: scaled(&pencil.c, 1.0),
-            x: motion.iter().map(|&x| Near::of(Complex::real(x), a)).collect(),
-        }
-    }
-}
-
-/// a . x for an enclosed x.
-fn moved(squares: &Squares, t: usize, x: &[Ball]) -> Ball {
-    let (indices, values) = squares.row(t);
-    indices.iter().zip(values).fold(Ball::ZERO, |sum, (&i, &a)| sum + a * x[i as usize])
-}
-
-fn columns(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair], applied: &[Application]) -> Columns {
-    let (list, rates) = rigid_columns(pencil, rigid, pairs);
-    let factors = pairs.iter().zip(applied).map(|(pair, applied)| normaliser(pencil, pair, applied)).collect();
-    let mut columns = Columns {
-        mirror: (0..list.len()).collect(),
-        centres: vec![Complex::ZERO; list.len()],
-        list,
-        rigid: rates,
-        of_pair: Vec::with_capacity(pairs.len()),
-        factors,
-    };
-    for (p, (pair, applied)) in pairs.iter().zip(applied).enumerate() {
-        columns.push(pair, Column::of_pair(pair, applied, columns.factors[p]));
-    }
-    columns
-}
-
-impl Columns {
-    fn push(&mut self, pair: &Pair, column: Column) {
-        let at = self.list.len();
-        let conj = if pair.is_real() { at } else { at + 1 };
-        self.of_pair.push((at, conj));
-        self.mirror.push(conj);
-        self.centres.push(pair.s.to_ball());
-        if !pair.is_real() {
-            self.mirror.push(at);
-            self.centres.push(pair.s.conj().to_ball());
-            let mirrored = column.conj();
-            self.list.extend([column, mirrored]);
-        } else {
-            self.list.push(column);
-        }
-    }
-
-    /// A lower bound of the distance of two centres.
-    fn gap(&self, i: usize, k: usize) -> f64 {
-        let d = self.centres[i] - self.centres[k];
-        Complex::new(d.re.mignitude(), d.im.mignitude()).abs() * (2.0 - UP)
-    }
-
-    /// A lower bound of |s_k|.
-    fn size(&self, k: usize) -> f64 {
-        let s = self.centres[k];
-        Complex::new(s.re.mignitude(), s.im.mignitude()).abs() * (2.0 - UP)
-    }
-}
-
-/// 1 / sqrt(x^T (2 s M + C) x), so that B_jj is about one. Any factor is right; this one makes the bounds small.
-fn normaliser(pencil: &Pencil, pair: &Pair, applied: &Application) -> Complex<f64> {
-    let b = pencil.slope(pair.s.to_f64(), applied);
-    let root = b.sqrt();
-    if root == Complex::ZERO || !root.is_finite() { Complex::real(1.0) } else { root.recip() }
-}
-
-/// A free motion N spans (N, 0) and (0, N), here as (N, tN) and i (N, -tN): B is the identity on them with a proper factor.
-/// A dragged motion spans (N, 0). Beside each column its t.
-fn rigid_columns(pencil: &Pencil, rigid: &RigidMotions, pairs: &[Pair]) -> (Vec<Column>, Vec<f64>) {
-    let rate = typical_rate(pairs);
-    let (mut list, mut rates) = (Vec::new(), Vec::new());
-    for motion in &rigid.free {
-        let a = (0.5 / square(&pencil.m, motion).abs() / rate).sqrt();
-        list.push(Column::of_motion(pencil, motion, Complex::real(a), rate));
-        list.push(Column::of_motion(pencil, motion, Complex::new(0.0, a), -rate));
-        rates.extend([rate, rate]);
-    }
-    for motion in &rigid.dragged {
-        let factor = Complex::real(square(&pencil.c, motion)).sqrt().recip();
-        let factor = if factor.is_finite() { factor } else { Complex::real(1.0) };
-        list.push(Column::of_motion(pencil, motion, factor, 0.0));
-        rates.push(0.0);
-    }
-    (list, rates)
-}
-
-/// sum w (a . x)^2 in binary64.
-fn square(squares: &Squares, x: &[Number]) -> f64 {
-    let x: Vec<Ball> = x.iter().map(Number::to_ball).collect();
-    (0..squares.len()).map(|t| squares.weights[t].to_f64() * moved(squares, t, &x).to_f64().powi(2)).sum()
-}
-
-/// The geometric middle of the slowest and the fastest rate.
-fn typical_rate(pairs: &[Pair]) -> f64 {
-    let sizes = pairs.iter().map(|pair| pair.s.to_f64().abs());
-    let (low, high) = sizes.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
-    let middle = low.sqrt() * high.sqrt();
-    if middle.is_finite() && middle > 0.0 { middle } else { 1.0 }
+fn around(pair: &Pair, radius: f64, clusters: [Option<u32>; 2]) -> Disc {
+    Disc { s: Complex::new(Ball::new(pair.s.re, radius), Ball::new(pair.s.im, radius)), clusters }
 }
 
 /// A square table of bounds.
@@ -244,102 +78,18 @@ impl Table {
     }
 }
 
-/// What is known of B: lower bounds of its diagonal, and bounds G_ij of |B_ij| / |B_ii| off it.
-struct Deviation {
-    diagonal: Vec<f64>,
-    off: Table,
-    /// The largest row sum of G.
-    theta: f64,
-}
-
-/// `None` if B may be singular.
-fn deviation(pencil: &Pencil, columns: &Columns, r: &Table) -> Option<Deviation> {
-    let n = columns.list.len();
-    let diagonal: Vec<f64> = (0..n)
-        .map(|i| {
-            let (value, error) = product(pencil, &columns.list[i], &columns.list[i]);
-            value.abs() * (2.0 - UP) - error
-        })
-        .collect();
-    let mut off = Table::new(n);
-    for j in 0..n {
-        for i in 0..j {
-            let bound = coupling(pencil, columns, r, i, j);
-            off.set(i, j, bound / diagonal[i] * UP);
-            off.set(j, i, bound / diagonal[j] * UP);
-        }
-    }
-    let theta = (0..n).map(|i| (0..n).map(|j| off.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
-    // What is not a number proves nothing, and the maximum passes over it.
-    let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|&d| d > 0.0);
-    regular.then_some(Deviation { diagonal, off, theta })
-}
-
-/// A bound of |B_ij|, i < j: from the residuals where the poles are apart, from the terms where they are not.
-fn coupling(pencil: &Pencil, columns: &Columns, r: &Table, i: usize, j: usize) -> f64 {
-    let rigid = &columns.rigid;
-    if i >= rigid.len() {
-        let gap = columns.gap(i, j);
-        if gap > 1e-6 * columns.size(j) {
-            return (r.at(i, j) + r.at(j, i)) / gap * UP;
-        }
-    } else if j >= rigid.len() {
-        // With K N = 0, and C N = 0 or t = 0: N^T r_j = s_j^2 N^T M x_j + s_j N^T C x_j, and R_ij = a N^T r_j.
-        let size = columns.size(j);
-        return r.at(i, j) * (1.0 + rigid[i] / size) / size * UP * UP;
-    }
-    let (value, error) = product(pencil, &columns.list[i], &columns.list[j]);
-    (value.abs() + error) * UP
-}
-
-/// B_ij and a bound of its error.
-fn product(pencil: &Pencil, a: &Column, b: &Column) -> (Complex<f64>, f64) {
-    let gamma = (4 * (pencil.m.len() + pencil.c.len()) + 16) as f64 * U;
-    let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
-    let mut add = |w: &Ball, a: &Near, b: &Near| {
-        let weight = w.to_f64();
-        sum = sum + (a.value * b.value).scale(weight);
-        error += weight.abs() * (a.size * b.error + a.error * b.size + gamma * a.size * b.size)
-            + w.rad * a.size * b.size
-            + weight.abs() * f64::MIN_POSITIVE;
-    };
-    for (t, w) in pencil.m.weights.iter().enumerate() {
-        add(w, &a.mx[t], &b.mv[t]);
-        add(w, &a.mv[t], &b.mx[t]);
-    }
-    for (t, w) in pencil.c.weights.iter().enumerate() {
-        add(w, &a.cx[t], &b.cx[t]);
-    }
-    (sum, error * UP)
-}
-
-/// Bounds of |T| = |B^-1 R|: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
-fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Table> {
-    let n = r.n;
-    let mut t = Table::new(n);
-    for &(at, conj) in &columns.of_pair {
-        let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, d)| r / d * UP).collect();
-        let first: Vec<f64> = (0..n).map(|i| (0..n).map(|j| b.off.at(i, j) * scaled[j]).sum::<f64>() * UP).collect();
-        // The rest G (1 - G)^-1 (G R) is at most theta / (1 - theta) times the largest entry of G R.
-        let rest = first.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
-        for i in 0..n {
-            let bound = (scaled[i] + first[i] + rest) * UP;
-            t.set(i, at, bound);
-            t.set(columns.mirror[i], conj, bound);
-        }
-    }
-    t.is_finite().then_some(t)
-}
-
 /// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
-fn residual_products(columns: &Columns, applied: &[Application], pairs: &[Pair]) -> Table {
+fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<Precise>]) -> Table {
     let mut table = Table::new(columns.list.len());
-    for (p, applied) in applied.iter().enumerate().take(pairs.len()) {
+    for (p, applied) in applied.iter().enumerate() {
         let (at, conj) = columns.of_pair[p];
         let factor = columns.factors[p];
         let force: Vec<Near> = applied.force.iter().map(|&f| Near::of(f, factor)).collect();
         for (i, column) in columns.list.iter().enumerate() {
-            let bound = dot(&column.x, &force);
+            let bound = match columns.rigid.get(i) {
+                Some(motion) => motion.residual(pairs[p].s, applied, factor),
+                None => column.dot(&force),
+            };
             table.set(i, at, bound);
             table.set(columns.mirror[i], conj, bound);
         }
@@ -352,43 +102,138 @@ fn residual_products(columns: &Columns, applied: &[Application], pairs: &[Pair])
     table
 }
 
-/// A bound of |x . f|.
-fn dot(x: &[Near], f: &[Near]) -> f64 {
-    let gamma = (4 * f.len() + 16) as f64 * U;
-    let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
-    for (x, f) in x.iter().zip(f) {
-        sum = sum + x.value * f.value;
-        error += x.size * f.error + x.error * f.size + gamma * x.size * f.size;
-    }
-    (sum.abs() + error * UP) * UP
+/// What is known of B.
+struct Deviation {
+    diagonal: Vec<Near>,
+    /// Bounds G_ij of |B_ij| / |B_ii| off the diagonal.
+    off: Table,
+    /// The largest row sum of G.
+    theta: f64,
 }
 
-/// Radii from the columns of D - T. Disjoint discs hold one pole each, and may then be shrunk: scaling column k by tau and
-/// row k by 1 / tau is a similarity, and while disc k stays clear of the others it still holds exactly its own.
-fn gershgorin(columns: &Columns, t: &Table) -> Vec<Disc> {
+/// `None` if B may be singular.
+fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<Deviation> {
+    let n = columns.list.len();
+    let diagonal: Vec<Near> = columns.list.iter().map(|column| column.product(column, pencil)).collect();
+    let mut off = Table::new(n);
+    for j in 0..n {
+        for i in 0..j {
+            let bound = coupling(pencil, columns, r, i, j);
+            off.set(i, j, bound / diagonal[i].least() * UP);
+            off.set(j, i, bound / diagonal[j].least() * UP);
+        }
+    }
+    let theta = (0..n).map(|i| (0..n).map(|j| off.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
+    // What is not a number proves nothing, and the maximum passes over it.
+    let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|b| b.least() > 0.0);
+    regular.then_some(Deviation { diagonal, off, theta })
+}
+
+/// A bound of |B_ij|, i < j: from the residuals where the poles are apart, from the terms where they are not.
+fn coupling(pencil: &Pencil<Precise>, columns: &Columns, r: &Table, i: usize, j: usize) -> f64 {
+    let rigid = &columns.rigid;
+    if i >= rigid.len() {
+        let gap = columns.gap(i, j);
+        if gap > 1e-6 * columns.size(j) {
+            return (r.at(i, j) + r.at(j, i)) / gap * UP;
+        }
+    } else if j >= rigid.len() {
+        // With K N = 0, and C N = 0 or t = 0: N^T r_j = s_j^2 N^T M x_j + s_j N^T C x_j, and R_ij = a N^T r_j.
+        let size = columns.size(j);
+        return r.at(i, j) * (1.0 + rigid[i].rate.abs() / size) / size * UP * UP;
+    }
+    columns.list[i].product(&columns.list[j], pencil).size
+}
+
+/// Bounds of T.
+struct Perturbation {
+    /// |T_ij|
+    t: Table,
+    /// |T_kk - R_kk / B_kk|
+    own: Vec<f64>,
+}
+
+/// T = B^-1 R: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
+fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbation> {
+    let n = r.n;
+    let (mut t, mut own) = (Table::new(n), vec![0.0; n]);
+    for &(at, conj) in &columns.of_pair {
+        let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, b)| r / b.least() * UP).collect();
+        let mut rest = vec![0.0; n];
+        for (j, scaled) in scaled.iter().enumerate() {
+            rest.iter_mut().zip(b.off.column(j)).for_each(|(sum, g)| *sum += g * scaled * UP);
+        }
+        // G^2 (1 - G)^-1 R is at most theta / (1 - theta) times the largest entry of G R.
+        let tail = rest.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
+        for i in 0..n {
+            let bound = (scaled[i] + rest[i] + tail) * UP;
+            t.set(i, at, bound);
+            t.set(columns.mirror[i], conj, bound);
+        }
+        own[at] = (rest[at] + tail) * UP;
+        own[conj] = own[at];
+    }
+    t.is_finite().then_some(Perturbation { t, own })
+}
+
+/// All that is known when discs are drawn.
+struct Certificate {
+    columns: Columns,
+    b: Deviation,
+    t: Perturbation,
+}
+
+/// Radii from the columns of D - T. Disjoint discs hold one pole each, and may then be shrunk.
+fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precise>]) -> Vec<Disc> {
+    let (columns, t) = (&known.columns, &known.t.t);
     let (first, n) = (columns.rigid.len(), columns.list.len());
     let radii: Vec<f64> = (0..n).map(|k| t.column(k)[first..].iter().sum::<f64>() * UP).collect();
-    let gap = |i: usize, k: usize| columns.gap(i, k);
-    let clusters = clusters(first, n, |i, k| gap(i, k) <= (radii[i] + radii[k]) * UP);
-    let disc = |&(k, conj): &(usize, usize)| {
-        let radius = match clusters[k] {
-            None => shrunk(t, &radii, first, k, &gap),
-            cluster => union_radius(&clusters, cluster, &radii, &columns.centres, k),
-        };
-        Disc { radius, clusters: [clusters[k], clusters[conj]] }
+    let clusters = clusters(first, n, |i, k| columns.gap(i, k) <= (radii[i] + radii[k]) * UP);
+    let disc = |(p, &(k, conj)): (usize, &(usize, usize))| match clusters[k] {
+        None => known.alone(&radii, k, &pairs[p], known.rayleigh_step(k, columns.factors[p], applied[p].energy)),
+        cluster => {
+            let radius = union_radius(&clusters, cluster, &radii, &columns.centres, k);
+            around(&pairs[p], radius, [cluster, clusters[conj]])
+        }
     };
-    columns.of_pair.iter().map(disc).collect()
+    columns.of_pair.iter().enumerate().map(disc).collect()
 }
 
-/// The radius of disc k under the best tau: with tau = 2 max T_ki / (gap - radii) each other disc grows by less than its gap.
-fn shrunk(t: &Table, radii: &[f64], first: usize, k: usize, gap: &impl Fn(usize, usize) -> f64) -> f64 {
-    let mut tau = 1e-290f64;
-    for i in (first..t.n).filter(|&i| i != k) {
-        let room = gap(i, k) - (radii[i] + radii[k]) * UP;
-        tau = tau.max(2.0 * t.at(k, i) / room);
+impl Certificate {
+    /// A disc that is alone, around s_k - R_kk / B_kk; what double-double cannot hold of that centre goes to the radius.
+    fn alone(&self, radii: &[f64], k: usize, pair: &Pair, step: Near) -> Disc {
+        let radius = (self.shrunk(radii, k) + self.t.own[k] + step.error) * UP;
+        let enclose = |s: Dd, step: f64| {
+            let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
+            Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
+        };
+        let s = Complex::new(enclose(pair.s.re, step.value.re), enclose(pair.s.im, step.value.im));
+        Disc { s, clusters: [None; 2] }
     }
-    let others: f64 = (first..t.n).filter(|&i| i != k).map(|i| t.at(i, k)).sum();
-    if tau < 1.0 { (t.at(k, k) + tau * others) * UP } else { radii[k] }
+
+    /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays clear of
+    /// the others it holds exactly its own. With tau = 2 max T_ki / (gap - radii) each other disc grows by less than its gap.
+    fn shrunk(&self, radii: &[f64], k: usize) -> f64 {
+        let (t, first) = (&self.t.t, self.columns.rigid.len());
+        let mut tau = 1e-290f64;
+        let mut others = 0.0;
+        for i in (first..t.n).filter(|&i| i != k) {
+            let room = self.columns.gap(i, k) - (radii[i] + radii[k]) * UP;
+            tau = tau.max(2.0 * t.at(k, i) / room);
+            others += t.at(i, k);
+        }
+        others * tau.min(1.0) * UP
+    }
+
+    /// -R_kk / B_kk, Rayleigh's quotient, with its error; `energy` is x^T Q(s) x.
+    fn rayleigh_step(&self, k: usize, factor: Complex<f64>, energy: Complex<Precise>) -> Near {
+        let (b, r) = (self.b.diagonal[k], Near::of(energy, factor * factor));
+        let value = -(r.value * b.value.recip());
+        // |factor^2| and the quotient carry a few roundings.
+        let rounding = 32.0 * U * r.size;
+        let error = (r.error + rounding + value.abs() * b.error * UP) / b.least() * UP;
+        Near { value, error, size: (value.abs() + error) * UP }
+    }
 }
 
 /// Connected discs share a number; a disc alone has none.

@@ -100,26 +100,25 @@ fn general(system: &LinearSystem, part: &Part, local: &[u32], modes: &Modes, fou
     } else {
         RigidMotions::default()
     };
-    let basis = Basis::of(&pencil, modes, &rigid);
-    (0..basis.zeros()).for_each(|_| found.zero());
+    let working = pencil.to_dd();
+    let basis = Basis::of(&working, modes, &rigid);
+    let certified = |starts: &[Complex<f64>]| {
+        let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed));
+        let pairs: Vec<Pair> = refined.collect();
+        let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
+        (pairs, discs)
+    };
     let starts = basis.starts();
-    let (mut pairs, mut discs) = certified(&pencil, &basis, &rigid, &starts);
-    if discs.iter().any(|disc| disc.radius.is_infinite()) || discs.is_empty() {
-        (pairs, discs) = certified(&pencil, &basis, &rigid, &aberth(&basis, &starts));
+    let (mut pairs, mut discs) = certified(&starts);
+    if discs.is_empty() || !discs.iter().all(Disc::is_certified) {
+        (pairs, discs) = certified(&aberth(&basis, &starts));
     }
+    (0..basis.zeros()).for_each(|_| found.zero());
     let dissipative = pencil.c.all_positive() && pencil.m.all_positive();
     let first = found.next_cluster;
     for (pair, disc) in pairs.iter().zip(&discs) {
-        found.refined(pair, disc, dissipative, first);
+        found.refined(pair.is_real(), disc, dissipative, first);
     }
-}
-
-/// Each start refined, and the discs of what comes out.
-fn certified(pencil: &Pencil, basis: &Basis, rigid: &RigidMotions, starts: &[Complex<f64>]) -> (Vec<Pair>, Vec<Disc>) {
-    let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(pencil, basis, start, seed));
-    let pairs: Vec<Pair> = refined.collect();
-    let discs = discs(pencil, rigid, &pairs, 2 * pencil.n);
-    (pairs, discs)
 }
 
 /// Poles as they are found.
@@ -195,18 +194,17 @@ impl Found {
         self.next_cluster - 1
     }
 
-    /// A refined pair with its disc; `first` is where the numbers of this part's clusters start.
-    fn refined(&mut self, pair: &Pair, disc: &Disc, dissipative: bool, first: u32) {
+    /// A refined pair's disc; `first` is where the numbers of this part's clusters start.
+    fn refined(&mut self, real: bool, disc: &Disc, dissipative: bool, first: u32) {
         let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));
-        let re = Ball::new(pair.s.re, disc.radius);
-        if pair.is_real() {
+        let Complex { re, im } = disc.s;
+        if real {
             // A disc around a real centre that holds one pole holds its conjugate too: it is real.
-            let im = Ball::new(Dd::ZERO, if cluster.is_none() { 0.0 } else { disc.radius });
+            let im = if cluster.is_none() { Ball::ZERO } else { im };
             let kind = if re.is_positive() { PoleKind::Divergence } else { PoleKind::Overdamped };
             self.push(Complex::new(re, im), kind, cluster, Route::Refined);
             return;
         }
-        let im = Ball::new(pair.s.im, disc.radius);
         // x^H Q(s) x = 0 has the imaginary part im (2 re x^H M x + x^H C x): with C >= 0 no oscillation grows.
         let kind = if re.is_positive() && !dissipative { PoleKind::Flutter } else { PoleKind::Oscillation };
         self.push(Complex::new(re, im), kind, cluster, Route::Refined);

@@ -7,7 +7,7 @@ use super::companion::Basis;
 use super::complex::Complex;
 use super::dense::Matrix;
 use super::pencil::{Pencil, Vector};
-use crate::base::{Ball, Dd};
+use crate::base::Dd;
 
 /// An approximate pole and its vector, as exactly these numbers.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ const MOST_STEPS: usize = 24;
 
 /// Refines one start; `seed` scrambles the first vector, so that equal starts find different vectors.
 /// `None` where nothing finite comes out.
-pub fn refine(pencil: &Pencil, basis: &Basis, start: Complex<f64>, seed: usize) -> Option<Pair> {
+pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usize) -> Option<Pair> {
     let real = start.im == 0.0;
     let mut y = inverse_iteration(basis, start, seed)?;
     let mut pair = Pair { s: start.into(), x: expand(basis, &y, real) };
@@ -63,10 +63,10 @@ pub fn refine(pencil: &Pencil, basis: &Basis, start: Complex<f64>, seed: usize) 
 
 /// s <- s - x^T Q(s) x / x^T Q'(s) x: Rayleigh's quotient. The energies of stiff springs that hardly stretch are second-order
 /// small, so a slow pole beside fast ones gets all its digits, which the forces of those springs would drown.
-fn balance_energies(pencil: &Pencil, pair: &mut Pair) {
+fn balance_energies(pencil: &Pencil<Dd>, pair: &mut Pair) {
     let applied = pencil.apply(pair.s, &pair.x);
     let slope = pencil.slope(pair.s.to_f64(), &applied);
-    let step = -(applied.energy.mid().to_f64() * slope.recip());
+    let step = -(applied.energy.to_f64() * slope.recip());
     // Near a double pole the slope vanishes and the quotient says nothing.
     if step.one_norm() < 1e-10 * pair.s.to_f64().one_norm() {
         pair.s = pair.s + step.into();
@@ -129,9 +129,9 @@ fn modal_slope(basis: &Basis, s: Complex<f64>, y: &[Complex<f64>], i: usize) -> 
 }
 
 /// Phi^T Q(s) x, rows divided as in `modal`.
-fn residual(pencil: &Pencil, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>> {
+fn residual(pencil: &Pencil<Dd>, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>> {
     let applied = pencil.apply(pair.s, &pair.x);
-    let force: Vec<Complex<f64>> = applied.force.iter().map(|z| z.mid().to_f64()).collect();
+    let force: Vec<Complex<f64>> = applied.force.iter().map(|z| z.to_f64()).collect();
     let of_row = |j: usize| {
         if j < basis.free {
             return weighted(&basis.rigid_inertia[j], &applied.m_stretch).to_f64();
@@ -147,8 +147,8 @@ fn residual(pencil: &Pencil, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>> {
 }
 
 /// sum factor_t stretch_t
-fn weighted(factors: &[Dd], stretches: &[Complex<Ball>]) -> Complex<Dd> {
-    factors.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.mid().scale(f))
+fn weighted(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
+    factors.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.scale(f))
 }
 
 /// Two steps of inverse iteration from a scrambled vector (a smooth one can be orthogonal to what is sought). No pole but

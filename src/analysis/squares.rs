@@ -3,8 +3,8 @@
 //! Everything numerical starts from these, so what is uncertain in the model (a root, a sine, the rounding of 0.1 to a
 //! double-double) is in the balls and so in every bound.
 
-use crate::base::{Ball, Dd, Number};
-use crate::system::{CoordinateId, Form};
+use crate::base::{Ball, Dd};
+use crate::system::Form;
 
 /// The squares `w a a^T` of a form.
 #[derive(Clone, Debug)]
@@ -17,24 +17,7 @@ pub struct Squares {
 
 impl Squares {
     pub fn of(form: &Form) -> Squares {
-        let mut squares = Squares::with_capacity(form.terms().len());
-        for term in form.terms() {
-            squares.push(term.weight.to_ball(), form.row(term), |coordinate| coordinate as u32);
-        }
-        squares
-    }
-
-    /// Some terms of a form, by index, with its coordinates renumbered by `local`.
-    pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Squares {
-        let mut squares = Squares::with_capacity(terms.len());
-        for &index in terms {
-            let term = &form.terms()[index as usize];
-            squares.push(term.weight.to_ball(), form.row(term), |coordinate| local[coordinate]);
-        }
-        squares
-    }
-
-    fn with_capacity(count: usize) -> Squares {
+        let count = form.terms().len();
         let mut squares = Squares {
             weights: Vec::with_capacity(count),
             starts: Vec::with_capacity(count + 1),
@@ -42,16 +25,15 @@ impl Squares {
             values: Vec::with_capacity(2 * count),
         };
         squares.starts.push(0);
-        squares
-    }
-
-    fn push(&mut self, weight: Ball, row: &[(CoordinateId, Number)], number: impl Fn(usize) -> u32) {
-        self.weights.push(weight);
-        for (coordinate, value) in row {
-            self.indices.push(number(coordinate.index()));
-            self.values.push(value.to_ball());
+        for term in form.terms() {
+            squares.weights.push(term.weight.to_ball());
+            for (coordinate, value) in form.row(term) {
+                squares.indices.push(coordinate.0);
+                squares.values.push(value.to_ball());
+            }
+            squares.starts.push(squares.indices.len() as u32);
         }
-        self.starts.push(self.indices.len() as u32);
+        squares
     }
 
     pub fn len(&self) -> usize {

@@ -33,7 +33,7 @@ fn check(name: &str, digits: f64) -> Poles {
         if let (Some(truth), Some(zeta)) = (case.reference(&format!("zeta_{k}")), pole.damping_ratio) {
             check_ball(name, &format!("zeta_{k}"), zeta, &truth, digits);
         }
-        assert!(pole.relative_error < 1e-14, "{name}: bound {:e} of pole {k}", pole.relative_error);
+        assert!(pole.relative_error < 10f64.powf(-digits), "{name}: bound {:e} of pole {k}", pole.relative_error);
     }
     let wanted = case.json["reference"].as_array().expect("a list");
     let wanted = wanted.iter().filter(|r| r["id"].as_str().is_some_and(|id| id.starts_with("lambda_"))).count();
@@ -56,7 +56,7 @@ fn kinds(poles: &Poles) -> Vec<PoleKind> {
 #[test]
 fn poles_of_ordinary_damping() {
     for name in ["o15_nonproportional_2dof", "o22_preload_tiny_dynamics", "o29_seed_cart"] {
-        let poles = check(name, 15.0);
+        let poles = check(name, 28.0);
         assert_eq!(kinds(&poles), [PoleKind::Oscillation; 4], "{name}");
     }
 }
@@ -64,21 +64,21 @@ fn poles_of_ordinary_damping() {
 #[test]
 fn light_damping_keeps_its_digits() {
     for name in ["o16_light_damping_frf", "o25_absorber_antiresonance"] {
-        check(name, 15.0);
+        check(name, 28.0);
     }
 }
 
 #[test]
 fn rates_far_apart_keep_their_digits() {
-    let poles = check("o14_overdamped_1e12", 15.0);
+    let poles = check("o14_overdamped_1e12", 28.0);
     assert_eq!(kinds(&poles), [PoleKind::Overdamped; 6]);
-    check("o28_stiff_transient", 15.0);
+    check("o28_stiff_transient", 28.0);
 }
 
 #[test]
 fn near_critical_damping_keeps_its_digits() {
-    check("o13_near_critical_sdof", 15.0);
-    let poles = check("o32_nearcritical_2dof", 15.0);
+    check("o13_near_critical_sdof", 28.0);
+    let poles = check("o32_nearcritical_2dof", 24.0);
     assert_eq!(kinds(&poles), [PoleKind::Overdamped; 4]);
 }
 
