@@ -45,6 +45,7 @@ mod test_systems;
 pub mod transfer;
 mod transfer_exact;
 mod transfer_inverse;
+mod transfer_modal;
 pub mod transfer_table;
 mod triple;
 
@@ -58,4 +59,5 @@ pub use shape::{Normalise, normalise};
 pub use signal::Signal;
 pub use stability::stability;
 pub use transfer::{Disc, Frequency, Gain, Transfer};
-pub use transfer_table::{Feature, FeatureKind, Row, Sweep, Table, table};
+pub use transfer_modal::{ModalPair, ModalSum};
+pub use transfer_table::{Feature, FeatureKind, Roads, Row, Sweep, Table, table};

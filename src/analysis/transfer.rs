@@ -91,7 +91,7 @@ impl Frequency {
     }
 
     /// b0 + i omega b1 - omega^2 b2
-    fn polynomial(&self, b: [Ball; 3]) -> Complex<Ball> {
+    pub(super) fn polynomial(&self, b: [Ball; 3]) -> Complex<Ball> {
         Complex::new(b[0] - self.omega_squared * b[2], self.omega * b[1])
     }
 }
@@ -267,7 +267,7 @@ fn times_power(frequency: &Frequency, power: usize, z: Complex<Ball>) -> Complex
     }
 }
 
-fn feed_through(output: &Output, input: usize) -> [Ball; 3] {
+pub(super) fn feed_through(output: &Output, input: usize) -> [Ball; 3] {
     let of = |power: usize| {
         let entries = output.d[power].iter().filter(|(u, _)| *u as usize == input);
         entries.fold(Ball::ZERO, |sum, (_, value)| sum + value.to_ball())

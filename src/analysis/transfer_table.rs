@@ -5,10 +5,12 @@
 //! however near to it is bracketed. An extremum of |H| is a point where Re(g / g') = 0, with g = 1/H at a peak and g = H at
 //! an antiresonance; it is found by secant steps kept inside their bracket. Clause: spec.md, "Transfer".
 
-use super::answer::{PoleKind, Poles};
+use super::answer::{Modes, PoleKind, Poles};
 use super::complex::Complex;
 use super::transfer::{Frequency, Gain, Transfer};
+use super::transfer_modal::{ModalPair, ModalSum};
 use crate::base::{Number, Rational};
+use crate::system::LinearSystem;
 
 /// What a table is to hold.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +22,8 @@ pub struct Sweep {
     pub linear: bool,
     /// Frequencies asked for by themselves, Hz: then there is no grid.
     pub at: Vec<Number>,
+    /// The relative error that is good enough; without it every value is right to the last digits of binary64.
+    pub tolerance: Option<f64>,
     /// Indices of inputs and outputs.
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
@@ -73,18 +77,73 @@ const MOST_STARS: usize = 200;
 /// Secant steps for one extremum; each wins digits, three or four are usual.
 const MOST_STEPS: usize = 40;
 
+/// The cheapest road to each value that is good enough: a sum over modes in binary64, in double-double, the solution.
+#[derive(Clone, Debug)]
+pub struct Roads<'a> {
+    system: &'a LinearSystem,
+    transfer: Transfer<'a>,
+    sum: Option<ModalSum>,
+}
+
+/// What half a unit in the last place of binary64 allows.
+const TO_THE_LAST_DIGIT: f64 = 1e-17;
+/// Below this, sums in binary64 hardly ever succeed.
+const FAST_ABOVE: f64 = 1e-14;
+
+impl<'a> Roads<'a> {
+    pub fn of(system: &'a LinearSystem, modes: &Modes) -> Roads<'a> {
+        Roads { system, transfer: Transfer::of(system), sum: ModalSum::of(system, modes) }
+    }
+
+    /// `[input][output]` at one frequency.
+    fn gains(&self, pairs: &Pairs, sweep: &Sweep, frequency: &Frequency) -> Vec<Vec<Gain>> {
+        let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
+        let by_modes = |pair: &ModalPair| -> Option<Gain> {
+            let sum = self.sum.as_ref()?;
+            let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
+            let fast = (tolerance >= FAST_ABOVE).then(|| sum.fast(pair, frequency)).filter(good);
+            fast.or_else(|| Some(sum.accurate(pair, frequency)).filter(good))
+        };
+        let summed: Option<Vec<Vec<Gain>>> = pairs.iter().map(|row| row.iter().map(by_modes).collect()).collect();
+        summed
+            .filter(|gains| !gains.is_empty())
+            .unwrap_or_else(|| self.transfer.between(frequency, &sweep.inputs, &sweep.outputs))
+    }
+
+    fn pairs(&self, inputs: &[usize], outputs: &[usize]) -> Pairs {
+        let Some(sum) = &self.sum else { return Vec::new() };
+        let row = |&input: &usize| outputs.iter().map(|&output| sum.pair(self.system, input, output)).collect();
+        inputs.iter().map(row).collect()
+    }
+}
+
+/// `[input][output]`; empty where there is no sum over modes.
+type Pairs = Vec<Vec<ModalPair>>;
+
 /// Computes a table.
-pub fn table(transfer: &Transfer, poles: &Poles, sweep: &Sweep) -> Table {
+pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
+    let pairs = roads.pairs(&sweep.inputs, &sweep.outputs);
     let evaluate = |frequency: &Number| Row {
         frequency: frequency.clone(),
-        gains: transfer.between(&Frequency::hertz(frequency), &sweep.inputs, &sweep.outputs),
+        gains: roads.gains(&pairs, sweep, &Frequency::hertz(frequency)),
     };
     let mut rows: Vec<Row> = frequencies(poles, sweep).iter().map(evaluate).collect();
     let mut features = Vec::new();
     if sweep.at.is_empty() && sweep.points.is_none() {
         for input in 0..sweep.inputs.len() {
             for output in 0..sweep.outputs.len() {
-                features.extend(Pair { transfer, sweep, input, output }.features(&rows, poles));
+                let pair = Pair {
+                    roads,
+                    pairs: pairs.get(input).map_or(Vec::new(), |row| vec![vec![row[output].clone()]]),
+                    sweep: Sweep {
+                        inputs: vec![sweep.inputs[input]],
+                        outputs: vec![sweep.outputs[output]],
+                        ..sweep.clone()
+                    },
+                    input,
+                    output,
+                };
+                features.extend(pair.features(&rows, poles));
             }
         }
         rows.extend(features.iter().map(|feature| evaluate(&feature.frequency)));
@@ -185,8 +244,9 @@ fn stars(poles: &Poles) -> Vec<f64> {
 
 /// One input and one output.
 struct Pair<'a> {
-    transfer: &'a Transfer<'a>,
-    sweep: &'a Sweep,
+    roads: &'a Roads<'a>,
+    pairs: Pairs,
+    sweep: Sweep,
     input: usize,
     output: usize,
 }
@@ -194,9 +254,7 @@ struct Pair<'a> {
 impl Pair<'_> {
     fn gain(&self, f: f64) -> Gain {
         let Some(frequency) = from_f64(f) else { return Gain::Unknown };
-        let inputs = &self.sweep.inputs[self.input..=self.input];
-        let outputs = &self.sweep.outputs[self.output..=self.output];
-        self.transfer.between(&Frequency::hertz(&frequency), inputs, outputs)[0][0]
+        self.roads.gains(&self.pairs, &self.sweep, &Frequency::hertz(&frequency))[0][0]
     }
 
     /// Every bracketed extremum of |H|.

@@ -132,18 +132,10 @@ fn oscillator(m: &str, c: &str, k: &str, x0: &str, v0: &str) -> LinearSystem {
     let mut b = Builder::numbered(1);
     b.mass(0, &n(m));
     b.stiffness("spring", Nature::Property, &n(k), &[(0, Number::ONE)]);
-    damper(&mut b, c, None, 0);
+    b.damper(None, 0, &n(c));
     let mut system = observed(b.finish());
     system.initial = vec![(CoordinateId(0), n(x0), n(v0))];
     system
-}
-
-fn damper(b: &mut Builder, c: &str, from: Option<usize>, to: usize) {
-    let label = b.label("damper");
-    let source = b.c.source(label);
-    let row = [(CoordinateId(to as u32), Number::ONE)].into_iter();
-    let row = row.chain(from.map(|i| (CoordinateId(i as u32), Number::from(-1))));
-    b.c.push(source, Nature::Property, n(c), row);
 }
 
 /// x and v of an oscillator at some times.
@@ -221,16 +213,7 @@ fn a_pulse_on_two_masses() {
 /// C11 (SDLD22): a unit force during a second on the fourth of eight masses, recomputed to 12 digits.
 #[test]
 fn a_pulse_on_a_chain() {
-    let mut b = Builder::numbered(8);
-    for i in 0..8 {
-        b.mass(i, &n("10"));
-    }
-    for i in 0..=8usize {
-        let (from, to) = (i.checked_sub(1).filter(|_| i < 8), i.min(7));
-        b.spring(from, to, &n("100000"));
-        damper(&mut b, "50", from, to);
-    }
-    let system = observed(b.finish());
+    let system = observed(super::systems::chain(8, "10", "100000", "50"));
     let mut drives = vec![Vec::new(); 8];
     drives[3] = vec![Signal::Pulse { value: Number::ONE, from: Number::ZERO, to: Number::ONE }];
     let times = ["0.090", "0.184", "0.272", "1.452"].map(n);
@@ -277,7 +260,7 @@ fn rigid_diverging_and_creeping_motions() {
 
     let mut b = Builder::numbered(1);
     b.stiffness("spring", Nature::Property, &n("6"), &[(0, Number::ONE)]);
-    damper(&mut b, "2", None, 0);
+    b.damper(None, 0, &n("2"));
     let y = &motion(&observed(b.finish()), step(), &["0.7"])[0];
     near(y[0], 0.5 * (1.0 - (-2.1f64).exp()), 1e-14);
     near(y[1], 1.5 * (-2.1f64).exp(), 1e-14);

@@ -215,3 +215,17 @@ fn push(
         form.push(source, nature, binary(term[weight].as_str().expect("a decimal")), row);
     }
 }
+
+/// n equal masses in a row between n + 1 equal springs and dampers, both ends held.
+pub fn chain(n: usize, m: &str, k: &str, c: &str) -> LinearSystem {
+    let mut b = Builder::numbered(n);
+    for i in 0..n {
+        b.mass(i, &number(m));
+    }
+    for i in 0..=n {
+        let (from, to) = (i.checked_sub(1).filter(|_| i < n), i.min(n - 1));
+        b.spring(from, to, &number(k));
+        b.damper(from, to, &number(c));
+    }
+    b.finish()
+}

@@ -1,7 +1,7 @@
 //! Transfer functions: the hard cases with their bounds, and closed forms.
 
 use super::systems::{Builder, HardCase, number};
-use vibc::analysis::{self, FeatureKind, Frequency, Gain, Sweep, Table, Transfer};
+use vibc::analysis::{self, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
 use vibc::base::{Number, Rational};
 use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
 
@@ -154,27 +154,7 @@ fn with_output(mut system: LinearSystem, name: Label) -> LinearSystem {
 /// receptance of the fourth mass; printed with 14 digits there, reproduced to 9e-8 by its own statement.
 #[test]
 fn a_chain_of_eight_masses_has_its_published_receptance() {
-    let n = 8;
-    let mut b = Builder::numbered(n);
-    for i in 0..n {
-        b.mass(i, &number("10"));
-    }
-    for i in 0..=n {
-        let (from, to) = if i == 0 {
-            (None, 0)
-        } else if i == n {
-            (None, n - 1)
-        } else {
-            (Some(i - 1), i)
-        };
-        b.spring(from, to, &number("100000"));
-        let label = b.label("c");
-        let source = b.c.source(label);
-        let row = [(CoordinateId(to as u32), Number::ONE)];
-        let row = row.into_iter().chain(from.map(|i| (CoordinateId(i as u32), Number::from(-1))));
-        b.c.push(source, vibc::system::Nature::Property, number("50"), row);
-    }
-    let system = with_every_pair(b.finish());
+    let system = with_every_pair(super::systems::chain(8, "10", "100000", "50"));
     let transfer = Transfer::of(&system);
     let published = [
         ("5", 1.0236955849989e-4, -8.5187439983774e-6),
@@ -198,7 +178,7 @@ fn table_of(system: &LinearSystem, input: usize, output: usize) -> Table {
     let modes = analysis::modes(system).expect("a regular system");
     let poles = analysis::poles(system, &modes).expect("poles");
     let sweep = Sweep { inputs: vec![input], outputs: vec![output], ..Sweep::default() };
-    analysis::table(&Transfer::of(system), &poles, &sweep)
+    analysis::table(&Roads::of(system, &modes), &poles, &sweep)
 }
 
 /// An antiresonance nine decades deep between two peaks of damping ratio 2e-10, none of them on a grid.
@@ -262,7 +242,7 @@ fn tables_are_printed() {
     let poles = analysis::poles(&system, &modes).expect("poles");
     let at = ["0", "1.5", "1.6"].map(number).to_vec();
     let sweep = Sweep { inputs: vec![0], outputs: vec![0, 1], at, ..Sweep::default() };
-    let table = analysis::table(&Transfer::of(&system), &poles, &sweep);
+    let table = analysis::table(&Roads::of(&system, &modes), &poles, &sweep);
     insta::assert_snapshot!(vibc::backend::transfer::csv(&system, &table));
     insta::assert_snapshot!(vibc::backend::transfer::json(&system, &table));
     insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
@@ -275,6 +255,31 @@ fn tables_are_printed() {
     let poles = analysis::poles(&free, &modes).expect("poles");
     insta::assert_snapshot!(vibc::backend::transfer::csv(
         &free,
-        &analysis::table(&Transfer::of(&free), &poles, &sweep)
+        &analysis::table(&Roads::of(&free, &modes), &poles, &sweep)
     ));
+}
+
+/// All three roads to the receptances of a proportionally damped chain agree within their bounds.
+#[test]
+fn sums_over_modes_agree_with_solutions() {
+    let system = with_every_pair(super::systems::chain(8, "10", "100000", "50"));
+    let modes = analysis::modes(&system).expect("a regular system");
+    let poles = analysis::poles(&system, &modes).expect("poles");
+    let roads = Roads::of(&system, &modes);
+    let at: Vec<Number> = (1..40).map(|i| &Number::from(i) / &Number::from(2)).collect();
+    let table = |tolerance| {
+        let sweep = Sweep { inputs: vec![0, 3], outputs: vec![3, 7], at: at.clone(), tolerance, ..Sweep::default() };
+        analysis::table(&roads, &poles, &sweep)
+    };
+    let direct = Transfer::of(&system);
+    for (tolerance, table) in [(1e-12, table(Some(1e-12))), (1e-17, table(None))] {
+        for row in &table.rows {
+            let truth = direct.between(&Frequency::hertz(&row.frequency), &[0, 3], &[3, 7]);
+            for (gain, truth) in row.gains.iter().flatten().zip(truth.iter().flatten()) {
+                let (gain, truth) = (gain.disc().expect("finite"), truth.disc().expect("finite"));
+                assert!((gain.value - truth.value).to_f64().abs() <= gain.radius + truth.radius);
+                assert!(gain.relative_error() <= tolerance);
+            }
+        }
+    }
 }
