@@ -83,7 +83,9 @@ impl AnalysisError {
     fn text(&self) -> (String, &'static str) {
         match self {
             AnalysisError::TooManyCoordinates { count, limit, .. } => (
-                format!("the model has {count} coordinates; modes of coupled parts are computed up to {limit}"),
+                format!(
+                    "{count} coordinates that act on each other or are shown together are too many: modes are computed up to {limit}"
+                ),
                 "make the model smaller, or take parts apart that do not act on each other",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (

@@ -21,8 +21,15 @@ use std::cmp::Ordering;
 /// Dense matrices of more coordinates than this would take minutes.
 pub const MAX_DENSE: usize = 400;
 
+/// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
+const MAX_COORDINATES: usize = 4000;
+
 /// The undamped modes, ascending in omega^2.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
+    if system.n() > MAX_COORDINATES {
+        let (count, limit) = (system.n(), MAX_COORDINATES);
+        return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
+    }
     let parts = independent_undamped(system);
     let mut local = vec![0u32; system.n()];
     let (mut pairs, mut infinite) = (Vec::new(), 0);
