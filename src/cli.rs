@@ -3,6 +3,8 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibc::analysis::Normalise;
+use vibc::base::unit::{self, Scale};
+use vibc::base::{Angle, Dimension, Number, Rational};
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
 #[derive(Debug, Parser)]
@@ -10,7 +12,7 @@ use vibc::analysis::Normalise;
 #[command(
     after_help = "Exit status: 0 done; 1 the model has errors; 2 the command line is wrong; 3 a file could not be \
                         read or written; 4 a numerical limit, such as no rest found.\n\
-                        To come: transfer, simulate, emit, bench, fmt, lsp."
+                        To come: emit, bench, fmt, lsp."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -23,6 +25,10 @@ pub struct Cli {
 pub enum Command {
     /// The modal report: rest and its stability, matrices, frequencies, shapes, damped poles
     Analyze(Analyze),
+    /// Transfer functions between inputs and outputs: gain and phase over frequency
+    Transfer(Transfer),
+    /// The motion in time under the model's signals and from its initial state
+    Simulate(Simulate),
     /// Diagnostics, nothing else
     Check(Check),
     /// A diagnostic's long text: what it means, an example, the mend
@@ -49,6 +55,61 @@ pub struct Analyze {
     /// Print M, C and K however large they are
     #[arg(long)]
     pub matrices: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Transfer {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// The input, by its name in the model; every input without it
+    #[arg(long, value_name = "INPUT")]
+    pub from: Vec<String>,
+    /// The output, by its name in the model; every output without it
+    #[arg(long, value_name = "OUTPUT")]
+    pub to: Vec<String>,
+    /// The frequencies to cover, such as 0.1Hz..100Hz; from the poles without it
+    #[arg(long, value_name = "FROM..TO", value_parser = range)]
+    pub range: Option<(Number, Number)>,
+    /// So many frequencies, evenly spaced; without it the grid is refined at every peak and antiresonance
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub points: Option<u32>,
+    /// Space the frequencies evenly, not their logarithms
+    #[arg(long)]
+    pub linear: bool,
+    /// This frequency alone, such as 30Hz; may be repeated
+    #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
+    pub at: Vec<Number>,
+    /// The relative error that is good enough, such as 1e-12; every digit of a double without it
+    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    pub format: TableFormat,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// The time of the last sample, such as 10s
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub until: Number,
+    /// The time between samples, such as 1ms
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub step: Number,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
+    pub format: TableFormat,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -92,6 +153,13 @@ pub struct Messages {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     Text,
+    Json,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    Text,
+    Csv,
     Json,
 }
 
@@ -140,10 +208,6 @@ impl From<NormaliseOption> for Normalise {
 #[derive(Debug, Subcommand)]
 pub enum Coming {
     #[command(hide = true, disable_help_flag = true)]
-    Transfer(Anything),
-    #[command(hide = true, disable_help_flag = true)]
-    Simulate(Anything),
-    #[command(hide = true, disable_help_flag = true)]
     Emit(Anything),
     #[command(hide = true, disable_help_flag = true)]
     Bench(Anything),
@@ -163,8 +227,6 @@ pub struct Anything {
 impl Coming {
     pub fn name(&self) -> &'static str {
         match self {
-            Coming::Transfer(_) => "transfer",
-            Coming::Simulate(_) => "simulate",
             Coming::Emit(_) => "emit",
             Coming::Bench(_) => "bench",
             Coming::Fmt(_) => "fmt",
@@ -180,4 +242,58 @@ fn setting(text: &str) -> Result<String, String> {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => Ok(text.into()),
         _ => Err("write NAME=VALUE, such as k=12N/m".into()),
     }
+}
+
+/// Times of more samples than this are a slip of the hand.
+pub const MOST_SAMPLES: f64 = 1e7;
+
+/// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written.
+fn quantity(text: &str, dimension: Dimension) -> Result<(Number, Angle), String> {
+    // A number may end in an exponent, so the longest one that reads is meant.
+    let split = (1..=text.len()).rev().filter(|&at| text.is_char_boundary(at));
+    let read =
+        split.filter_map(|at| Rational::from_decimal(&text[..at]).map(|value| (Number::from(value), &text[at..])));
+    let Some((value, rest)) = read.take(1).next() else { return Err("it does not begin with a number".into()) };
+    let rest = rest.trim();
+    if rest.is_empty() {
+        return if value.is_zero() { Ok((value, Angle::Plain)) } else { Err("it needs a unit".into()) };
+    }
+    let unit = unit::parse(rest).map_err(|_| format!("`{rest}` is no unit"))?;
+    match unit.scale {
+        Scale::Linear(factor) if unit.dimension == dimension => Ok((&value * &factor, unit.angle)),
+        _ => Err(format!("`{rest}` is no unit of {}", dimension.noun().unwrap_or("this"))),
+    }
+}
+
+/// A frequency in Hz.
+fn frequency(text: &str) -> Result<Number, String> {
+    let (value, angle) = quantity(text, Dimension::FREQUENCY)?;
+    match angle {
+        _ if value.is_zero() => Ok(value),
+        Angle::Cycles => Ok(value),
+        Angle::Radians => Ok(&value / &(&Number::pi() * &Number::from(2))),
+        Angle::Plain => Err("write Hz for cycles or rad/s for radians".into()),
+    }
+}
+
+/// A range of frequencies in Hz, from below to above.
+fn range(text: &str) -> Result<(Number, Number), String> {
+    let (from, to) = text.split_once("..").ok_or("write FROM..TO, such as 0.1Hz..100Hz")?;
+    let (from, to) = (frequency(from)?, frequency(to)?);
+    if (&to - &from).is_positive() {
+        Ok((from, to))
+    } else {
+        Err("the range is empty: write the lower end first".into())
+    }
+}
+
+/// A time in s, greater than zero.
+fn time(text: &str) -> Result<Number, String> {
+    let (value, _) = quantity(text, Dimension::TIME)?;
+    if value.is_positive() { Ok(value) } else { Err("it must be greater than zero".into()) }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "write a number, such as 1e-12")?;
+    if value > 0.0 && value < 1.0 { Ok(value) } else { Err("it must lie between 0 and 1".into()) }
 }

@@ -19,11 +19,12 @@ pub mod model;
 pub mod syntax;
 pub mod system;
 
-use analysis::AnalysisError;
+use analysis::{AnalysisError, History, Modes, Poles};
 use backend::ModalAnswer;
-use base::{Code, Diagnostic, Diagnostics, FileId, Sources, Span};
+use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use lower::Lowered;
 use model::{CheckedScene, Overrides};
+use system::LinearSystem;
 
 /// What a run found out about a model.
 #[derive(Clone, Debug)]
@@ -50,6 +51,59 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
         answer(name, lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
     });
     Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// A model with its poles, ready for transfer tables.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    /// The model's name.
+    pub model: String,
+    pub system: LinearSystem,
+    pub modes: Modes,
+    pub poles: Poles,
+}
+
+/// From the text of a model to what transfer tables are computed from.
+pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
+    let analysis = analyze(sources, model, overrides);
+    let answer = analysis.answer.map(|answer| {
+        let ModalAnswer { model, system, modes, poles, .. } = answer;
+        Dynamics { model, system, modes, poles }
+    });
+    Outcome { answer, diagnostics: analysis.diagnostics }
+}
+
+/// A model's motion in time.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// The model's name.
+    pub model: String,
+    pub system: LinearSystem,
+    pub history: History,
+}
+
+/// From the text of a model to its motion at ascending times, s, under its signals and from its initial state.
+pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: &[Number]) -> Outcome<Motion> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = motion(sources, model, overrides, times, &mut diagnostics);
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+fn motion(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    times: &[Number],
+    diagnostics: &mut Diagnostics,
+) -> Option<Motion> {
+    let scene = checked_scene(sources, model, overrides, diagnostics)?;
+    let outcome = lower::lower(&scene);
+    diagnostics.extend(outcome.diagnostics);
+    let system = outcome.lowered?.system;
+    let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    let history = analysis::respond(&system, &drives, times);
+    let history = history.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    Some(Motion { model: scene.scene().name.clone(), system, history })
 }
 
 /// The diagnostics alone: everything up to the linear system.
@@ -114,7 +168,8 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 3] = ["vib::rest::not_found", "vib::limit::modes", "vib::limit::range"];
+const LIMITS: [&str; 5] =
+    ["vib::rest::not_found", "vib::limit::modes", "vib::limit::range", "vib::limit::states", "vib::limit::signal"];
 
 impl<T> Outcome<T> {
     /// `None` where nothing failed.

@@ -4,12 +4,16 @@
 mod cli;
 
 use clap::Parser;
-use cli::{Analyze, Check, Cli, Colour, Command, Format, MessageFormat, Messages, OverrideOptions};
+use cli::{
+    Analyze, Check, Cli, Colour, Command, Format, MessageFormat, Messages, OverrideOptions, Simulate, TableFormat,
+    Transfer,
+};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use vibc::analysis::{self, Roads, Sweep};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
@@ -30,6 +34,8 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let status = match &cli.command {
         Command::Analyze(options) => analyze(options, &cli.messages),
+        Command::Transfer(options) => transfer(options, &cli.messages),
+        Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
         Command::Explain(options) => explain(&options.code),
         Command::Coming(command) => not_available(command.name()),
@@ -39,7 +45,7 @@ fn main() -> ExitCode {
 
 fn analyze(options: &Analyze, messages: &Messages) -> Status {
     if let Some(output) = &options.output
-        && replaces_input(output, options)
+        && replaces_input(output, &options.file, &options.overrides)
     {
         complain(&format!("`-o {}` would replace a file that is read", output.display()));
         return Status::Usage;
@@ -57,10 +63,118 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Format::Text => backend::report::text(answer, &wanted),
         Format::Json => backend::json::json(answer, &wanted),
     };
-    match write_result(options.output.as_deref(), &text) {
+    deliver(options.output.as_deref(), &text)
+}
+
+fn transfer(options: &Transfer, messages: &Messages) -> Status {
+    if let Some(output) = &options.output
+        && replaces_input(output, &options.file, &options.overrides)
+    {
+        complain(&format!("`-o {}` would replace a file that is read", output.display()));
+        return Status::Usage;
+    }
+    let input = match read_all(&options.file, &options.overrides) {
+        Ok(input) => input,
+        Err(unreadable) => return unreadable.report(messages),
+    };
+    let outcome = vibc::dynamics(&input.sources, input.model, &input.overrides);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some(dynamics) = &outcome.answer else { return status };
+    let system = &dynamics.system;
+    let inputs: Vec<String> = system.inputs.iter().map(|input| system.display(input.name)).collect();
+    let outputs: Vec<String> = system.outputs.iter().map(|output| system.display(output.name)).collect();
+    let chosen =
+        chosen("input", &options.from, &inputs).and_then(|i| Ok((i, chosen("output", &options.to, &outputs)?)));
+    let (inputs, outputs) = match chosen {
+        Ok(chosen) => chosen,
+        Err(text) => {
+            complain(&text);
+            return Status::Usage;
+        }
+    };
+    let sweep = Sweep {
+        range: options.range.clone(),
+        points: options.points.map(|points| points as usize),
+        linear: options.linear,
+        at: options.at.clone(),
+        tolerance: options.tolerance,
+        inputs,
+        outputs,
+    };
+    let table = analysis::table(&Roads::of(system, &dynamics.modes), &dynamics.poles, &sweep);
+    let text = match options.format {
+        TableFormat::Text => backend::transfer::text(&dynamics.model, system, &table),
+        TableFormat::Csv => backend::transfer::csv(system, &table),
+        TableFormat::Json => backend::transfer::json(system, &table),
+    };
+    deliver(options.output.as_deref(), &text)
+}
+
+/// The places of the names asked for, or of all names.
+fn chosen(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
+    if names.is_empty() {
+        return Err(format!("the model declares no {what}"));
+    }
+    if wanted.is_empty() {
+        return Ok((0..names.len()).collect());
+    }
+    let place = |name: &String| {
+        let found = names.iter().position(|known| known == name);
+        found.ok_or_else(|| {
+            format!("`{}` is not an {what} of the model; there are {}", diagnostics::readable(name), listed(names))
+        })
+    };
+    wanted.iter().map(place).collect()
+}
+
+/// The first few names.
+fn listed(names: &[String]) -> String {
+    const MOST: usize = 8;
+    let shown: Vec<String> = names.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+    let more = if names.len() > MOST { ", ..." } else { "" };
+    shown.join(", ") + more
+}
+
+fn simulate(options: &Simulate, messages: &Messages) -> Status {
+    if let Some(output) = &options.output
+        && replaces_input(output, &options.file, &options.overrides)
+    {
+        complain(&format!("`-o {}` would replace a file that is read", output.display()));
+        return Status::Usage;
+    }
+    let samples = (&options.until / &options.step).to_f64();
+    if samples > cli::MOST_SAMPLES {
+        complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_SAMPLES));
+        return Status::Usage;
+    }
+    let input = match read_all(&options.file, &options.overrides) {
+        Ok(input) => input,
+        Err(unreadable) => return unreadable.report(messages),
+    };
+    let times = analysis::grid(&options.until, &options.step);
+    let outcome = vibc::simulate(&input.sources, input.model, &input.overrides, &times);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some(motion) = &outcome.answer else { return status };
+    if motion.system.outputs.is_empty() {
+        complain("the model declares no output");
+        return Status::Usage;
+    }
+    let text = match options.format {
+        TableFormat::Text => backend::simulation::text(&motion.model, &motion.system, &motion.history),
+        TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history),
+        TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history),
+    };
+    deliver(options.output.as_deref(), &text)
+}
+
+/// Writes a result, and tells what went wrong.
+fn deliver(output: Option<&Path>, text: &str) -> Status {
+    match write_result(output, text) {
         Ok(()) => Status::Done,
         Err(error) => {
-            let name = options.output.as_deref().unwrap_or(Path::new("standard output"));
+            let name = output.unwrap_or(Path::new("standard output"));
             complain(&format!("cannot write `{}`: {error}", name.display()));
             Status::Io
         }
@@ -94,7 +208,7 @@ fn explain(code: &str) -> Status {
 fn not_available(command: &str) -> Status {
     let version = env!("CARGO_PKG_VERSION");
     complain(&format!(
-        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `check` and `explain`"
+        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `check` and `explain`"
     ));
     Status::Usage
 }
@@ -261,9 +375,9 @@ fn write_new(path: &Path, text: &str, replaced: Option<fs::Metadata>) -> io::Res
 }
 
 /// Whether the output would take the place of a model or of settings.
-fn replaces_input(output: &Path, options: &Analyze) -> bool {
+fn replaces_input(output: &Path, model: &PathBuf, overrides: &OverrideOptions) -> bool {
     let Ok(output) = fs::canonicalize(output) else { return false };
-    let inputs = std::iter::once(&options.file).chain(&options.overrides.settings_file);
+    let inputs = std::iter::once(model).chain(&overrides.settings_file);
     output.is_file() && inputs.flat_map(fs::canonicalize).any(|input| input == output)
 }
 

@@ -49,6 +49,7 @@ mod transfer_modal;
 pub mod transfer_table;
 mod triple;
 
+pub use crate::system::Signal;
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use buckling::{Buckling, buckling};
 pub use error::AnalysisError;
@@ -56,7 +57,6 @@ pub use modes::modes;
 pub use poles::poles;
 pub use response::{History, grid, respond};
 pub use shape::{Normalise, normalise};
-pub use signal::Signal;
 pub use stability::stability;
 pub use transfer::{Disc, Frequency, Gain, Transfer};
 pub use transfer_modal::{ModalPair, ModalSum};

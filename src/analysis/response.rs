@@ -9,9 +9,9 @@ use super::enclosure::norm_bound;
 use super::error::AnalysisError;
 use super::exponential::growth;
 use super::propagator::{Exogenous, StateSpace, dense};
-use super::signal::{Signal, Source, order};
+use super::signal::{Source, order};
 use crate::base::{Ball, Dd, Number};
-use crate::system::LinearSystem;
+use crate::system::{LinearSystem, Signal};
 use std::cmp::Ordering;
 use std::rc::Rc;
 
@@ -369,7 +369,7 @@ fn channels(
     let mut first = 0;
     for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
         for signal in signals {
-            let source = signal.source(step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
+            let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
             let states = source.order();
             channels.push(Channel { input, source, first, active: None });
             first += states;

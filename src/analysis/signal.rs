@@ -4,51 +4,8 @@
 //! Out: breakpoints and coefficients. Every signal is zero before t = 0. Clause: spec.md, "Response".
 
 use crate::base::{Ball, Number};
+use crate::system::Signal;
 use std::cmp::Ordering;
-
-/// A signal of time; SI, angles in radians, frequencies in Hz.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Signal {
-    Step {
-        value: Number,
-        at: Number,
-    },
-    /// `value` is the time integral.
-    Impulse {
-        value: Number,
-        at: Number,
-    },
-    /// From 0 at `from` to `value` at `to`, which it keeps.
-    Ramp {
-        value: Number,
-        from: Number,
-        to: Number,
-    },
-    Pulse {
-        value: Number,
-        from: Number,
-        to: Number,
-    },
-    /// value sin(2 pi frequency t + phase) from t = 0 on
-    Harmonic {
-        value: Number,
-        frequency: Number,
-        phase: Number,
-    },
-    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration))) for 0 <= t <= duration
-    Chirp {
-        value: Number,
-        from: Number,
-        to: Number,
-        duration: Number,
-    },
-    /// Times ascending and values, kept before the first and after the last; between them a line or a natural cubic spline.
-    Table {
-        times: Vec<Number>,
-        values: Vec<Number>,
-        spline: bool,
-    },
-}
 
 /// u(t) = sum c_k (t - at)^k / k! from `at` to the next piece's.
 #[derive(Clone, Debug)]
@@ -81,10 +38,10 @@ const CHIRP_DEGREE: usize = 15;
 const CHIRP_PHASE: f64 = 0.25;
 const MOST_PIECES: usize = 1_000_000;
 
-impl Signal {
-    /// The signal as sources; a chirp is cut so that `step`, if given, is a multiple of its pieces.
-    pub fn source(&self, step: Option<&Number>) -> Result<Source, TooManyPieces> {
-        Ok(match self {
+impl Source {
+    /// A signal as a source; a chirp is cut so that `step`, if given, is a multiple of its pieces.
+    pub fn of(signal: &Signal, step: Option<&Number>) -> Result<Source, TooManyPieces> {
+        Ok(match signal {
             Signal::Step { value, at } => polynomial(vec![jump(at, &[value])]),
             Signal::Impulse { value, at } => Source::Impulse { value: value.to_ball(), at: at.clone() },
             Signal::Ramp { value, from, to } => ramp(value, from, to),
@@ -316,7 +273,7 @@ mod tests {
     fn a_chirp_follows_its_formula() {
         let n = |text: &str| Number::from(text);
         let chirp = Signal::Chirp { value: n("3"), from: n("1"), to: n("5"), duration: n("10") };
-        let source = chirp.source(None).expect("few pieces");
+        let source = Source::of(&chirp, None).expect("few pieces");
         for t in ["0.1", "3.3", "9.99"] {
             let x = t.parse::<f64>().expect("a number");
             let phase = 2.0 * std::f64::consts::PI * (x + 0.2 * x * x);
@@ -329,7 +286,7 @@ mod tests {
     fn a_spline_keeps_a_line_and_its_ends() {
         let numbers = |list: &[&str]| list.iter().map(|&text| Number::from(text)).collect::<Vec<_>>();
         let line = Signal::Table { times: numbers(&["0", "1", "3"]), values: numbers(&["0", "2", "6"]), spline: true };
-        let source = line.source(None).expect("three pieces");
+        let source = Source::of(&line, None).expect("three pieces");
         assert!((value(&source, "2.5") - 5.0).abs() < 1e-15);
         assert!((value(&source, "9") - 6.0).abs() < 1e-15);
     }
@@ -337,7 +294,8 @@ mod tests {
     #[test]
     fn a_ramp_rises_and_stays() {
         let n = |text: &str| Number::from(text);
-        let ramp = Signal::Ramp { value: n("4"), from: n("1"), to: n("3") }.source(None).expect("two pieces");
+        let ramp = Signal::Ramp { value: n("4"), from: n("1"), to: n("3") };
+        let ramp = Source::of(&ramp, None).expect("two pieces");
         assert_eq!([value(&ramp, "0.5"), value(&ramp, "1.5"), value(&ramp, "7")], [0.0, 1.0, 4.0]);
     }
 }

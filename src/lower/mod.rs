@@ -8,6 +8,7 @@
 //! 4. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
 
 pub mod assembly;
+mod drives;
 pub mod error;
 pub mod initial;
 pub mod kinematics;
@@ -15,6 +16,7 @@ pub mod loads;
 pub mod rest;
 pub mod tree;
 
+pub use drives::drives;
 pub use rest::Rest;
 
 use crate::base::Diagnostics;

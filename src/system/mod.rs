@@ -6,6 +6,10 @@
 //! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled
 //! matrix does not (shared by Demmel et al., LAA 299 (1999) 21-80).
 
+pub mod signal;
+
+pub use signal::Signal;
+
 use crate::base::{Ball, Name, Number, Span, Words};
 
 /// Index of a coordinate.

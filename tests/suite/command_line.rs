@@ -330,7 +330,7 @@ fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
 
 #[test]
 fn what_is_to_come_is_refused_by_name() {
-    for command in ["transfer", "simulate", "emit", "bench", "fmt", "lsp"] {
+    for command in ["emit", "bench", "fmt", "lsp"] {
         let refused = run(&[command, "--from", "x", CART]);
         assert_eq!(refused.status, 2);
         assert!(refused.err.contains(&format!("`vibc {command}` is not available yet")), "{}", refused.err);
@@ -360,4 +360,65 @@ fn shapes_are_scaled_as_asked() {
     let (x, angle) = shape("mass");
     // x^T M x of the problem set's mass matrix.
     assert!((1.5 * x * x + x * angle + 2.0 / 3.0 * angle * angle - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_transfer_table_is_told_in_three_forms() {
+    let text = run(&["transfer", CART, "--to", "x"]);
+    assert_eq!((text.status, text.err.as_str()), (0, ""));
+    assert!(text.out.contains("peak") && text.out.contains("antiresonance"), "{}", text.out);
+    let csv = run(&["transfer", CART, "--range", "0.1Hz..2Hz", "--points", "3", "--format", "csv"]);
+    let lines: Vec<&str> = csv.out.lines().collect();
+    assert_eq!(lines[0], "frequency_hz,input,output,re,im,gain,gain_db,phase_deg,error_bound");
+    // Three frequencies, one input, two outputs.
+    assert_eq!(lines.len(), 7);
+    assert!(lines[1].starts_with("0.1,F,x,") && lines[6].starts_with("2.0,F,theta,"), "{}", csv.out);
+    let json = run(&["transfer", CART, "--at", "1Hz", "--at", "2rad/s", "--format", "json"]);
+    let rows: Value = serde_json::from_str(&json.out).expect("an array");
+    assert_eq!(rows.as_array().expect("an array").len(), 4);
+    assert!((rows[2]["frequency_hz"].as_f64().expect("a number") - 1.0 / std::f64::consts::PI).abs() < 1e-15);
+    assert!(rows[0]["error_bound"].as_f64().expect("a number") < 2.3e-16);
+}
+
+/// The mortar after its shot: x0 = -25 * 9.81 / 15791 m and -0.375 m/s, damped by 1 %.
+#[test]
+fn a_motion_is_told_as_csv() {
+    let model = format!("{}/examples/mortar.vib", env!("CARGO_MANIFEST_DIR"));
+    let csv = run(&["simulate", &model, "--until", "1s", "--step", "250ms"]);
+    assert_eq!((csv.status, csv.err.as_str()), (0, ""));
+    let lines: Vec<&str> = csv.out.lines().collect();
+    assert_eq!((lines[0], lines.len()), ("time_s,y", 6));
+    let x: f64 = lines[5].strip_prefix("1.0,").expect("the last time").parse().expect("a number");
+    let (x0, v0, w2, a) = (-25.0 * 9.81 / 15791.0, -0.375, 1.5791f64, 251.33 / 20000.0);
+    let wd = (w2 - a * a).sqrt();
+    let closed = (-a).exp() * (x0 * wd.cos() + (v0 + a * x0) / wd * wd.sin());
+    assert!((x - closed).abs() < 1e-15, "{x} {closed}");
+}
+
+#[test]
+fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
+    for arguments in [
+        &["--from", "G"][..],
+        &["--to", "nothing"],
+        &["--range", "2Hz..1Hz"],
+        &["--range", "1Hz"],
+        &["--range", "1..2"],
+        &["--points", "0"],
+        &["--at", "3kg"],
+        &["--at", "3"],
+        &["--tolerance", "2"],
+        &["--at", "1Hz", "--points", "3"],
+    ] {
+        let refused = run(&[&["transfer", CART], arguments].concat());
+        assert_eq!((refused.status, refused.out.as_str()), (2, ""), "{arguments:?}");
+    }
+    for arguments in
+        [["--until", "0s", "--step", "1s"], ["--until", "1s", "--step", "-1s"], ["--until", "1Hz", "--step", "1s"]]
+    {
+        let refused = run(&[&["simulate", CART], &arguments[..]].concat());
+        assert_eq!((refused.status, refused.out.as_str()), (2, ""), "{arguments:?}");
+    }
+    let many = run(&["simulate", CART, "--until", "1h", "--step", "1us"]);
+    assert_eq!(many.status, 2);
+    assert!(many.err.contains("samples"), "{}", many.err);
 }
