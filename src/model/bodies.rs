@@ -39,9 +39,11 @@ struct Shape {
     gyration: Number,
 }
 
-/// The freedom clauses that most bodies have, made once.
+/// The freedom clauses that most bodies have and the axes, made once.
 #[derive(Clone, Debug)]
 pub struct Directions {
+    x_axis: Arc<Vec3>,
+    y_axis: Arc<Vec3>,
     none: Arc<[Translation]>,
     x: Arc<[Translation]>,
     y: Arc<[Translation]>,
@@ -52,7 +54,27 @@ impl Default for Directions {
     fn default() -> Directions {
         let x = Translation { direction: Vec3::X, motion: "x" };
         let y = Translation { direction: Vec3::Y, motion: "y" };
-        Directions { none: Arc::new([]), x: Arc::new([x.clone()]), y: Arc::new([y.clone()]), x_y: Arc::new([x, y]) }
+        Directions {
+            x_axis: Arc::new(Vec3::X),
+            y_axis: Arc::new(Vec3::Y),
+            none: Arc::new([]),
+            x: Arc::new([x.clone()]),
+            y: Arc::new([y.clone()]),
+            x_y: Arc::new([x, y]),
+        }
+    }
+}
+
+impl Directions {
+    /// A direction, shared where it is an axis.
+    pub fn shared(&self, direction: &Vec3) -> Arc<Vec3> {
+        if *direction == Vec3::X {
+            self.x_axis.clone()
+        } else if *direction == Vec3::Y {
+            self.y_axis.clone()
+        } else {
+            Arc::new(direction.clone())
+        }
     }
 }
 
@@ -63,12 +85,7 @@ impl<'a> Check<'a> {
             let Instance { decl, environment } = self.instances.bodies[index];
             let DeclKind::Body { name: ident, fields } = decl.kind else { continue };
             self.walk.varies = false;
-            let Ok(name) = self.name(ident, environment) else {
-                let name = crate::base::Name::plain(self.words.intern(self.sources.slice(ident.span)));
-                self.broken_bodies.insert(BodyId(index as u32));
-                self.scene.bodies.push(unknown_body(name, ident.span));
-                continue;
-            };
+            let name = self.instances.body_names[index];
             let given = self.fields(fields, &BODY_FIELDS, environment);
             let mut body = unknown_body(name, ident.span);
             let complete = self.body(&mut body, &given, environment);

@@ -9,7 +9,7 @@ use super::error::Error;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, State};
 use super::value::Function;
-use crate::base::{Span, Symbol};
+use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 
 /// Declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output each.
@@ -22,10 +22,13 @@ type Declares = Option<(Ident, fn(u32) -> Part)>;
 #[derive(Debug, Default)]
 pub struct Instances<'a> {
     pub bodies: Vec<Instance<'a>>,
+    /// The names of the bodies and of the elements, in the same order.
+    pub body_names: Vec<Name>,
     pub bases: Vec<Instance<'a>>,
     pub joints: Vec<Instance<'a>>,
     pub couples: Vec<Instance<'a>>,
     pub elements: Vec<Instance<'a>>,
+    pub element_names: Vec<Name>,
     /// Forces, torques and bases: the inputs.
     pub inputs: Vec<Instance<'a>>,
     pub outputs: Vec<Instance<'a>>,
@@ -105,6 +108,7 @@ impl<'a> Check<'a> {
     fn unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
         let Ok((first, last)) = self.bounds(repeat, environment) else { return };
         let symbol = self.words.intern(self.sources.slice(repeat.index));
+        self.not_reserved(repeat.index, environment);
         if let Some(other) = self.taken_index(symbol, environment) {
             let (span, name) = (repeat.index, self.words.text(symbol).to_string());
             self.report(environment, Error::Duplicate { span, name, first: other });
@@ -167,10 +171,8 @@ impl<'a> Check<'a> {
             _ => return,
         };
         let environment = instance.environment;
-        let word = self.sources.slice(name.span);
-        if word == "pi" || Function::named(word).is_some() {
-            let error = Error::Reserved { span: name.span, word: word.to_string() };
-            return self.report(environment, error);
+        if !self.not_reserved(name.span, environment) {
+            return;
         }
         let (span, id) = (name.span, DefinitionId(self.definitions.len() as u32));
         let Ok(name) = self.declared_name(name, environment) else { return };
@@ -182,8 +184,18 @@ impl<'a> Check<'a> {
         self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false });
     }
 
+    /// Refuses names that mean something wherever a number stands.
+    fn not_reserved(&mut self, span: Span, environment: Environment) -> bool {
+        let word = self.sources.slice(span);
+        let reserved = word == "pi" || Function::named(word).is_some();
+        if reserved {
+            self.report(environment, Error::Reserved { span, word: word.to_string() });
+        }
+        !reserved
+    }
+
     /// The name that is declared; its word is known from then on even where its indices have no value.
-    fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<crate::base::Name> {
+    fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
         let name = self.name(ident, environment);
         if let Err(Stop::Reported) = name {
             self.broken_words.insert(self.sources.slice(ident.span));
@@ -223,15 +235,26 @@ impl<'a> Check<'a> {
     }
 
     fn declare_part_name(&mut self, ident: Ident, part: Part, environment: Environment) {
+        let name = self.part_name_declared(ident, part, environment);
+        let name = name.unwrap_or_else(|_| Name::plain(self.words.intern(self.sources.slice(ident.span))));
+        match part {
+            Part::Body(_) => self.instances.body_names.push(name),
+            Part::Element(_) => self.instances.element_names.push(name),
+            _ => {}
+        }
+    }
+
+    fn part_name_declared(&mut self, ident: Ident, part: Part, environment: Environment) -> Evaluated<Name> {
         let span = ident.span;
         if self.sources.slice(span) == "ground" {
-            return self.report(environment, Error::Reserved { span, word: "ground".into() });
+            return self.fail(environment, Error::Reserved { span, word: "ground".into() });
         }
-        let Ok(name) = self.declared_name(ident, environment) else { return };
+        let name = self.declared_name(ident, environment)?;
         if let Err(other) = self.parts.declare(name, span, part) {
             let (name, first) = (self.words.display(name), self.part_span(other));
             self.report(environment, Error::Duplicate { span, name, first: Some(first) });
         }
+        Ok(name)
     }
 
     /// Where a part is declared: the word of its name.

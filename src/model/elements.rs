@@ -28,6 +28,9 @@ const FREE_ANGLE: Expected = Expected::new("an angle", Dimension::NONE, "free_le
 const TENSION: Expected = Expected::new("a force", Dimension::FORCE, "preload = 20 N");
 const TWIST: Expected = Expected::new("a torque", Dimension::TORQUE, "preload = 2 N*m");
 
+/// Between what, by what law, and on which motion.
+type Acting = ([Attachment; 2], Law, Geometry);
+
 /// Stiffness or damping coefficient with what its unit says.
 struct Coefficient {
     value: Number,
@@ -45,6 +48,10 @@ impl<'a> Check<'a> {
                 ElementKeyword::Spring => self.spring(name, ends, fields, environment),
                 ElementKeyword::Damper => self.damper(name, ends, fields, environment),
             };
+            let element = element.map(|(ends, law, geometry)| {
+                let (name, span) = (self.instances.element_names[index], name.span);
+                Element { name, span, ends, law, geometry }
+            });
             match element {
                 Ok(element) => self.scene.elements.push(element),
                 Err(_) => self.broken_elements = true,
@@ -52,7 +59,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn spring(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Element> {
+    fn spring(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Acting> {
         let given = self.fields(fields, &SPRING_FIELDS, environment);
         let pair = self.element_ends(ends, environment);
         let coefficient = self.coefficient(&given, ident, Dimension::TORSIONAL_STIFFNESS, &STIFFNESS, environment)?;
@@ -67,10 +74,10 @@ impl<'a> Check<'a> {
             self.report(environment, Error::NegativeStiffness { span: expr });
         }
         let law = Law::Spring { stiffness: coefficient.value, rest };
-        Ok(Element { name: self.name(ident, environment)?, span: ident.span, ends: pair, law, geometry })
+        Ok((pair, law, geometry))
     }
 
-    fn damper(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Element> {
+    fn damper(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Acting> {
         let given = self.fields(fields, &DAMPER_FIELDS, environment);
         let pair = self.element_ends(ends, environment);
         let coefficient = self.coefficient(&given, ident, Dimension::TORSIONAL_DAMPING, &DAMPING, environment)?;
@@ -81,7 +88,7 @@ impl<'a> Check<'a> {
             self.report(environment, Error::NegativeDamping { span });
         }
         let law = Law::Damper { damping: coefficient.value };
-        Ok(Element { name: self.name(ident, environment)?, span: ident.span, ends: pair, law, geometry })
+        Ok((pair, law, geometry))
     }
 
     /// The ends, which are two different parts.

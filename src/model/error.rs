@@ -163,6 +163,9 @@ pub enum Error {
         span: Span,
         message: String,
     },
+    SettingName {
+        span: Span,
+    },
     SettingValue {
         span: Span,
     },
@@ -544,6 +547,8 @@ impl Error {
             }
             NotToml { span, message } => error("vib::setting::toml", span, format!("this is not TOML: {message}"))
                 .help("write a line for each parameter, such as `k = \"12 N/m\"`"),
+            SettingName { span } => error("vib::setting::form", span, "this is no name of a parameter")
+                .help("write `NAME=VALUE`, such as `k=12N/m` or `k[3]=12N/m`"),
             SettingValue { span } => error("vib::setting::form", span, "a number with its unit is expected here")
                 .help("write it as in a model: `12N/m`, `30 Hz`, `2 %`; in TOML in quotes"),
             UnknownParameter { span, word, suggestion, known } => {

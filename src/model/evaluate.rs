@@ -364,8 +364,37 @@ impl<'a> Check<'a> {
     }
 
     fn index(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {
+        if let Some(index) = self.plain_index(expr, environment).and_then(|index| i32::try_from(index).ok()) {
+            return Ok(index);
+        }
         let value = self.walk(expr, environment)?;
         self.as_whole(&value, expr, environment)
+    }
+
+    /// `i`, `i-1`, `2*i+1`: sums and products of indices and whole numbers, without the machinery of quantities; `None`
+    /// for everything else. A chain of a million springs has three million such.
+    fn plain_index(&mut self, expr: ExprId, environment: Environment) -> Option<i64> {
+        let node = *self.tree.expr(expr);
+        match node.kind {
+            ExprKind::Literal { .. } => self.sources.slice(node.span).parse().ok(),
+            ExprKind::Name { indices } if indices.is_empty() => {
+                let symbol = self.known_symbol(node.span, environment)?;
+                let index = self.environments.value(environment, symbol)?;
+                self.walk.varies = true;
+                Some(i64::from(index))
+            }
+            ExprKind::Binary { operator, left, right } => {
+                let left = self.plain_index(left, environment)?;
+                let right = self.plain_index(right, environment)?;
+                match operator {
+                    Binary::Add => left.checked_add(right),
+                    Binary::Subtract => left.checked_sub(right),
+                    Binary::Multiply => left.checked_mul(right),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
     }
 
     /// The name that an identifier stands for, its word entered among the words.

@@ -5,6 +5,7 @@
 //! line follows from the part it is welded to, or from the slide that holds it.
 
 use super::Check;
+use super::bodies::Directions;
 use super::scene::{BodyId, Freedom, Joint, JointKind, Part, Scene};
 use crate::base::Vec3;
 use std::sync::Arc;
@@ -33,7 +34,7 @@ pub struct Freedoms {
 
 impl<'a> Check<'a> {
     pub fn freedoms(&mut self) {
-        self.freedoms = Freedoms::of(&self.scene);
+        self.freedoms = Freedoms::of(&self.scene, &self.directions);
         self.jointless_bodies();
     }
 
@@ -47,7 +48,7 @@ impl<'a> Check<'a> {
             Part::Body(id) if self.scene.bodies[id.index()].freedom == Freedom::FromJoints => {
                 self.freedoms.lines.get(id.index()).cloned().unwrap_or(Line::Other)
             }
-            part => own_line(&self.scene, part),
+            part => own_line(&self.scene, &self.directions, part),
         }
     }
 }
@@ -64,7 +65,7 @@ fn can_turn(scene: &Scene, freedoms: &Freedoms, part: Part) -> bool {
 }
 
 /// The line of a part that stands on the ground by its own clause.
-fn own_line(scene: &Scene, part: Part) -> Line {
+fn own_line(scene: &Scene, directions: &Directions, part: Part) -> Line {
     let translations = match part {
         Part::Ground => return Line::Fixed,
         Part::Base(id) => &scene.bases[id.index()].translations,
@@ -75,13 +76,13 @@ fn own_line(scene: &Scene, part: Part) -> Line {
     };
     match &translations[..] {
         [] => Line::Fixed,
-        [one] => Line::Along(Arc::new(one.direction.clone())),
+        [one] => Line::Along(directions.shared(&one.direction)),
         _ => Line::Other,
     }
 }
 
 impl Freedoms {
-    pub fn of(scene: &Scene) -> Freedoms {
+    pub fn of(scene: &Scene, directions: &Directions) -> Freedoms {
         let mut freedoms = Freedoms::default();
         if scene.joints.is_empty() {
             return freedoms;
@@ -93,7 +94,7 @@ impl Freedoms {
             }
         }
         freedoms.turns = turning(scene);
-        freedoms.lines = lines(scene, &freedoms);
+        freedoms.lines = lines(scene, directions, &freedoms);
         freedoms
     }
 
@@ -165,7 +166,7 @@ impl Groups {
 }
 
 /// The lines of the bodies without a freedom clause, passed on from part to part along slides and welds.
-fn lines(scene: &Scene, freedoms: &Freedoms) -> Vec<Line> {
+fn lines(scene: &Scene, directions: &Directions, freedoms: &Freedoms) -> Vec<Line> {
     let neighbours = Neighbours::of(scene);
     let mut lines: Vec<Option<Line>> = vec![None; scene.bodies.len() + 1 + scene.bases.len()];
     let mut queue = Vec::new();
@@ -174,7 +175,7 @@ fn lines(scene: &Scene, freedoms: &Freedoms) -> Vec<Line> {
     let bodies = bodies.map(|index| Part::Body(BodyId(index as u32)));
     let bases = (0..scene.bases.len()).map(|index| Part::Base(super::scene::BaseId(index as u32)));
     for part in bodies.chain([Part::Ground]).chain(bases) {
-        let line = if can_turn(scene, freedoms, part) { Line::Other } else { own_line(scene, part) };
+        let line = if can_turn(scene, freedoms, part) { Line::Other } else { own_line(scene, directions, part) };
         lines[node(scene, part)] = Some(line);
         queue.push(node(scene, part));
     }
@@ -205,7 +206,7 @@ fn passed_on(line: &Line, joint: &Joint) -> Line {
 
 /// Not certainly of different directions.
 pub fn are_parallel(a: &Vec3, b: &Vec3) -> bool {
-    a.cross(b).may_be_zero()
+    std::ptr::eq(a, b) || a.cross(b).may_be_zero()
 }
 
 /// For each node its joints.

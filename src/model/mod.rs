@@ -1,8 +1,8 @@
 //! Syntax tree to the scene that was meant: names, units, freedoms. Clause: spec.md, "Units" to "Freedoms".
 //!
 //! # Steps
-//! 1. `collect`: names and instances, `repeat` unrolled
-//! 2. `overrides`, `evaluate`: every parameter gets its value
+//! 1. `overrides`, `collect`: values from outside; names and instances, `repeat` unrolled
+//! 2. `evaluate`: every parameter gets its value
 //! 3. `bodies`, `joints`, `freedoms`, `needs`: what moves, and how
 //! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on it, and what is asked
 //! 5. `needs` again: what is declared and never used
@@ -43,7 +43,7 @@ use error::Error;
 use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
-use overrides::Override;
+use overrides::Given;
 use scene::{BaseId, BodyId, Scene};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
 use std::collections::{HashMap, HashSet};
@@ -85,8 +85,9 @@ pub struct Checked {
 /// The scene that a tree means.
 pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
     let mut check = Check::new(sources, tree);
-    check.collect();
     check.overrides(overrides);
+    check.collect();
+    check.overridden_names();
     check.settle_definitions();
     check.bodies();
     check.bases();
@@ -117,8 +118,7 @@ struct Check<'a> {
     diagnostics: Diagnostics,
     /// What has been said, so that the repetitions of a `repeat` say it once.
     said: HashSet<(Code, Span)>,
-    /// What `--set` and settings give parameters, by the parameter's place.
-    overrides: Table<u32, Override>,
+    overrides: Given,
     /// Whether this is a value from outside, which knows no name of the model.
     outside: bool,
     /// Words of declarations that could not be read or unrolled: nobody is told that they are unknown.
@@ -157,7 +157,7 @@ impl<'a> Check<'a> {
             units: HashMap::new(),
             diagnostics: Diagnostics::new(),
             said: HashSet::new(),
-            overrides: Table::default(),
+            overrides: Given::default(),
             outside: false,
             broken_words: HashSet::new(),
             searches: 0,

@@ -2,13 +2,13 @@
 //! quantity like the declared one. Clause: spec.md, "Names, parameters, `repeat`".
 
 use super::Check;
+use super::Overrides;
 use super::error::Error;
 use super::evaluate::Evaluated;
 use super::expect::Expected;
-use super::scope::{DefinitionId, DefinitionKind, Environment};
+use super::scope::{DefinitionId, DefinitionKind, Environment, Table};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
-use super::{Overrides, Stop};
 use crate::base::{Angle, Dimension, FileId, Name, Number, Quantity, Sources, Span};
 use crate::syntax;
 
@@ -22,19 +22,28 @@ const SHOWN: usize = 8;
 #[derive(Clone, Debug)]
 pub struct Override {
     pub value: Scalar,
-    /// Where it is written.
+    /// Where the value is written.
     pub span: Span,
+}
+
+/// The values given, by the parameter's name: they hold before any parameter is declared, since the bounds of a `repeat`
+/// may depend on them.
+#[derive(Debug, Default)]
+pub struct Given {
+    values: Table<Name, Override>,
+    /// Every name in order of mention, and where.
+    names: Vec<(Name, Span)>,
 }
 
 /// A line `name = value` of settings or arguments.
 struct Setting {
     /// The parameter's name, with its indices.
     name: Span,
-    value: Given,
+    value: Written,
 }
 
 /// The value as the settings give it.
-enum Given {
+enum Written {
     /// The text of an expression, as on the command line.
     Text(Span),
     /// Something that is no number.
@@ -62,53 +71,61 @@ impl<'a> Check<'a> {
     }
 
     fn take(&mut self, setting: Setting) -> Evaluated<()> {
-        let id = self.parameter(setting.name)?;
+        let text = self.sources.slice(setting.name);
+        let Some(name) = self.read_name(text) else {
+            let error = Error::SettingName { span: setting.name };
+            return self.fail(Environment::TOP, error);
+        };
+        self.overrides.names.push((name, setting.name));
         let span = match setting.value {
-            Given::Text(span) => span,
-            Given::Other(span) => return self.fail(Environment::TOP, Error::SettingValue { span }),
+            Written::Text(span) => span,
+            Written::Other(span) => return self.fail(Environment::TOP, Error::SettingValue { span }),
         };
         let value = self.value_from_outside(span)?;
-        self.overrides.insert(id.0, Override { value, span });
+        self.overrides.values.insert(name, Override { value, span });
         Ok(())
     }
 
-    /// The parameter of this name, `k` or `k[3]`.
-    fn parameter(&mut self, span: Span) -> Evaluated<DefinitionId> {
-        let text = self.sources.slice(span);
-        let Some(name) = self.read_name(text) else {
-            return self.unknown_parameter(span, text);
-        };
-        let Some(id) = self.values.get(name) else {
-            return self.unknown_parameter(span, text);
-        };
-        let definition = &self.definitions[id.0 as usize];
-        if definition.kind == DefinitionKind::Param {
-            return Ok(id);
+    /// Says which of the names given are none of parameters; all are declared by now.
+    pub fn overridden_names(&mut self) {
+        for index in 0..self.overrides.names.len() {
+            let (name, span) = self.overrides.names[index];
+            let Some(id) = self.values.get(name) else {
+                self.unknown_parameter(span);
+                continue;
+            };
+            let definition = &self.definitions[id.0 as usize];
+            if definition.kind != DefinitionKind::Param {
+                let (word, kind) = (self.words.display(name), definition.kind);
+                let declared = definition.span;
+                self.report(Environment::TOP, Error::NotAParameter { span, word, kind, declared });
+            }
         }
-        let (word, kind, declared) = (text.to_string(), definition.kind, definition.span);
-        self.fail(Environment::TOP, Error::NotAParameter { span, word, kind, declared })
     }
 
-    /// A word and whole numbers in brackets; `None` for what no parameter is called.
-    fn read_name(&self, text: &str) -> Option<Name> {
+    /// A word and whole numbers in brackets.
+    fn read_name(&mut self, text: &str) -> Option<Name> {
         let (word, indices) = text.split_once('[').map_or((text, None), |(word, rest)| (word, Some(rest)));
-        let symbol = self.words.get(word)?;
+        let is_word = !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
+        let symbol = is_word.then(|| self.words.intern(word))?;
         let Some(indices) = indices else { return Some(Name::plain(symbol)) };
         let indices = indices.strip_suffix(']')?.replace("][", ",");
         let indices: Option<Vec<i32>> = indices.split(',').map(|index| index.trim().parse().ok()).collect();
         Name::indexed(symbol, &indices?)
     }
 
-    fn unknown_parameter<T>(&mut self, span: Span, text: &str) -> Evaluated<T> {
+    fn unknown_parameter(&mut self, span: Span) {
+        let text = self.sources.slice(span);
         let word = text.split('[').next().unwrap_or(text);
         if self.broken_words.contains(word) {
-            return Err(Stop::Reported);
+            return;
         }
         let params = self.definitions.iter().filter(|definition| definition.kind == DefinitionKind::Param);
         let known = params.map(|definition| self.words.text(definition.name.symbol));
         let suggestion = nearest(word, known.clone()).map(str::to_string);
         let known = known.take(SHOWN).map(str::to_string).collect();
-        self.fail(Environment::TOP, Error::UnknownParameter { span, word: text.to_string(), suggestion, known })
+        let word = text.to_string();
+        self.report(Environment::TOP, Error::UnknownParameter { span, word, suggestion, known });
     }
 
     /// A value written outside of the model: it knows no name of it.
@@ -133,7 +150,8 @@ impl<'a> Check<'a> {
 
     /// The value that a parameter has, given its declared one.
     pub fn overridden(&mut self, id: DefinitionId, declared: Scalar) -> Evaluated<Scalar> {
-        let Some(Override { value, span }) = self.overrides.get(&id.0) else { return Ok(declared) };
+        let name = self.definitions[id.0 as usize].name;
+        let Some(Override { value, span }) = self.overrides.values.get(&name) else { return Ok(declared) };
         let span = *span;
         match like(&declared, value) {
             Ok(value) => Ok(value),
@@ -160,7 +178,7 @@ impl<'a> Check<'a> {
             match line.find('=') {
                 Some(at) => settings.push(Setting {
                     name: trimmed(file, line_start, &line[..at]),
-                    value: Given::Text(trimmed(file, line_start + at + 1, &line[at + 1..])),
+                    value: Written::Text(trimmed(file, line_start + at + 1, &line[at + 1..])),
                 }),
                 None => {
                     let span = trimmed(file, line_start, line);
@@ -194,17 +212,17 @@ impl<'a> Check<'a> {
 }
 
 /// The value of a TOML entry.
-fn given(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Given {
+fn given(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Written {
     use toml::de::DeValue;
     let whole = Span::new(file, value.span().start, value.span().end);
     match value.get_ref() {
-        DeValue::Integer(_) | DeValue::Float(_) => Given::Text(whole),
+        DeValue::Integer(_) | DeValue::Float(_) => Written::Text(whole),
         DeValue::String(content) => {
             let inside = unquoted(text, file, value.span());
             // A text with escapes is not what stands in the file: no number needs any.
-            if text.get(inside.range()) == Some(content) { Given::Text(inside) } else { Given::Other(whole) }
+            if text.get(inside.range()) == Some(content) { Written::Text(inside) } else { Written::Other(whole) }
         }
-        _ => Given::Other(whole),
+        _ => Written::Other(whole),
     }
 }
 
