@@ -2,7 +2,7 @@
 //! its centre. Clause: spec.md, "Parts" and "Freedoms".
 
 use super::Check;
-use super::error::Error;
+use super::error::{PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::fields::Given;
@@ -130,7 +130,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<()> {
         if number.is_negative() {
-            return self.fail(environment, Error::Negative { span, what });
+            return self.fail(environment, ValueError::Negative { span, what });
         }
         Ok(())
     }
@@ -166,14 +166,14 @@ impl<'a> Check<'a> {
         let Some(mass) = &body.mass else { return Ok(given.number) };
         let Some(centre) = &body.centre else {
             let name = self.words.display(body.name);
-            return self.fail(environment, Error::InertiaWithoutPlace { span: given.span, name });
+            return self.fail(environment, PartError::InertiaWithoutPlace { span: given.span, name });
         };
         let d = centre.sub(&about);
         let of_the_mass = mass * &d.dot(&d);
         let own = &given.number - &of_the_mass;
         if own.is_negative() {
             let (least, given_value) = (of_the_mass.to_f64(), given.number.to_f64());
-            return self.fail(environment, Error::InertiaTooSmall { span: given.span, least, given: given_value });
+            return self.fail(environment, PartError::InertiaTooSmall { span: given.span, least, given: given_value });
         }
         Ok(own)
     }
@@ -182,13 +182,14 @@ impl<'a> Check<'a> {
     fn shape(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Option<Shape>> {
         let Some(field) = given.get(SHAPE) else { return Ok(None) };
         if let Some(inertia) = given.get(INERTIA_FIELD) {
-            let error = Error::GivenTwice { span: inertia.key, other: field.key, what: "the inertia" };
+            let error = PartError::GivenTwice { span: inertia.key, other: field.key, what: "the inertia" };
             return self.fail(environment, error);
         }
         let expr = self.field_expr(field, environment)?;
         let shape = self.shape_of(expr, environment)?;
         if let (Some(at), Some(_)) = (given.get(AT), &shape.centre) {
-            return self.fail(environment, Error::GivenTwice { span: at.key, other: field.key, what: "the position" });
+            return self
+                .fail(environment, PartError::GivenTwice { span: at.key, other: field.key, what: "the position" });
         }
         Ok(Some(shape))
     }
@@ -197,7 +198,7 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         let node = *tree.expr(expr);
         let ExprKind::Call { name_len, arguments } = node.kind else {
-            return self.fail(environment, Error::UnknownShape { span: node.span, suggestion: None });
+            return self.fail(environment, PartError::UnknownShape { span: node.span, suggestion: None });
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         match (self.sources.slice(word), tree.list(arguments)) {
@@ -209,7 +210,7 @@ impl<'a> Check<'a> {
             (name @ ("disk" | "ring"), given) => self.fail(environment, wrong_count(node.span, name, 1, given.len())),
             (name, _) => {
                 let suggestion = nearest(name, ["rod", "disk", "ring", "box"]);
-                self.fail(environment, Error::UnknownShape { span: word, suggestion })
+                self.fail(environment, PartError::UnknownShape { span: word, suggestion })
             }
         }
     }
@@ -222,7 +223,7 @@ impl<'a> Check<'a> {
         let along = second.sub(&first);
         if along.may_be_zero() {
             let span = self.tree.expr(a).span.to(self.tree.expr(b).span);
-            return self.fail(environment, Error::ShapeSize { span, what: "a rod needs two different ends" });
+            return self.fail(environment, PartError::ShapeSize { span, what: "a rod needs two different ends" });
         }
         let half = Number::from(Rational::new(1, 2));
         let gyration = &along.dot(&along) * &Number::from(Rational::new(1, 12));
@@ -249,7 +250,7 @@ impl<'a> Check<'a> {
             return Ok(length);
         }
         let span = self.tree.expr(expr).span;
-        self.fail(environment, Error::ShapeSize { span, what: "the size of a shape is greater than zero" })
+        self.fail(environment, PartError::ShapeSize { span, what: "the size of a shape is greater than zero" })
     }
 
     /// The freedom clause: `moves ...`, `turns`, both, or `free`.
@@ -261,7 +262,7 @@ impl<'a> Check<'a> {
         if free {
             let other = given.get(MOVES).or(given.get(TURNS));
             if let (Some(other), Some(free)) = (other, given.get(FREE)) {
-                return self.fail(environment, Error::FreeAndMore { span: other.key, free: free.key });
+                return self.fail(environment, PartError::FreeAndMore { span: other.key, free: free.key });
             }
             return Ok(Freedom::OnGround { translations: self.directions.x_y.clone(), turns: true });
         }
@@ -284,7 +285,7 @@ impl<'a> Check<'a> {
         let words = match field.value {
             FieldValue::Moves(words) => words,
             FieldValue::MovesAlong(expr) => return self.oblique(expr, environment).map(Some),
-            _ => return self.fail(environment, Error::MovesWhere { span: field.key }),
+            _ => return self.fail(environment, PartError::MovesWhere { span: field.key }),
         };
         let tree = self.tree;
         let texts: Vec<&str> = tree.list(words).iter().map(|&word| self.sources.slice(tree.expr(word).span)).collect();
@@ -295,7 +296,7 @@ impl<'a> Check<'a> {
             _ => {
                 let spans = tree.list(words).iter().map(|&word| tree.expr(word).span);
                 let span = spans.reduce(Span::to).unwrap_or(field.key);
-                self.fail(environment, Error::MovesWhere { span })
+                self.fail(environment, PartError::MovesWhere { span })
             }
         }
     }
@@ -341,7 +342,7 @@ impl<'a> Check<'a> {
         }
         if translations.is_none() && !turns {
             let name = self.words.display(name);
-            return self.fail(environment, Error::BaseWithoutMotion { span: ident.span, name });
+            return self.fail(environment, PartError::BaseWithoutMotion { span: ident.span, name });
         }
         let translations = translations.unwrap_or_else(|| self.directions.none.clone());
         Ok(Base { name, span: ident.span, at, translations, turns })
@@ -359,8 +360,8 @@ fn unknown_body(name: crate::base::Name, span: Span) -> Body {
     Body { name, span, mass: None, inertia: None, centre: None, freedom: Freedom::FromJoints }
 }
 
-fn wrong_count(span: Span, function: &str, expected: usize, found: usize) -> Error {
-    Error::ArgumentCount { span, function: shape_name(function), expected, found }
+fn wrong_count(span: Span, function: &str, expected: usize, found: usize) -> ValueError {
+    ValueError::ArgumentCount { span, function: shape_name(function), expected, found }
 }
 
 fn shape_name(name: &str) -> &'static str {

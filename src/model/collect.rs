@@ -5,7 +5,7 @@
 //! counted before any is made: what is too much is refused without work.
 
 use super::Check;
-use super::error::Error;
+use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, State};
 use super::value::Function;
@@ -102,7 +102,7 @@ impl<'a> Check<'a> {
 
     fn too_many<T>(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<T> {
         let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
-        self.fail(environment, Error::TooManyInstances { span, limit: MAX_INSTANCES })
+        self.fail(environment, NameError::TooManyInstances { span, limit: MAX_INSTANCES })
     }
 
     fn unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
@@ -111,7 +111,7 @@ impl<'a> Check<'a> {
         self.not_reserved(repeat.index, environment);
         if let Some(other) = self.taken_index(symbol, environment) {
             let (span, name) = (repeat.index, self.words.text(symbol).to_string());
-            self.report(environment, Error::Duplicate { span, name, first: other });
+            self.report(environment, NameError::Duplicate { span, name, first: other });
         }
         for value in first..=last {
             let inside = self.environments.bind(environment, symbol, value);
@@ -148,7 +148,7 @@ impl<'a> Check<'a> {
         }
         if repetitions < 0 {
             let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
-            return self.fail(environment, Error::ReversedBounds { span, first, last });
+            return self.fail(environment, NameError::ReversedBounds { span, first, last });
         }
         Ok((self.as_index(first, repeat.first, environment)?, self.as_index(last, repeat.last, environment)?))
     }
@@ -178,7 +178,7 @@ impl<'a> Check<'a> {
         let Ok(name) = self.declared_name(name, environment) else { return };
         if let Err(other) = self.values.declare(name, span, id) {
             let (name, first) = (self.words.display(name), Some(self.definitions[other.0 as usize].span));
-            return self.report(environment, Error::Duplicate { span, name, first });
+            return self.report(environment, NameError::Duplicate { span, name, first });
         }
         let state = State::Unsettled;
         self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false });
@@ -189,7 +189,7 @@ impl<'a> Check<'a> {
         let word = self.sources.slice(span);
         let reserved = word == "pi" || Function::named(word).is_some();
         if reserved {
-            self.report(environment, Error::Reserved { span, word: word.to_string() });
+            self.report(environment, NameError::Reserved { span, word: word.to_string() });
         }
         !reserved
     }
@@ -247,12 +247,12 @@ impl<'a> Check<'a> {
     fn part_name_declared(&mut self, ident: Ident, part: Part, environment: Environment) -> Evaluated<Name> {
         let span = ident.span;
         if self.sources.slice(span) == "ground" {
-            return self.fail(environment, Error::Reserved { span, word: "ground".into() });
+            return self.fail(environment, NameError::Reserved { span, word: "ground".into() });
         }
         let name = self.declared_name(ident, environment)?;
         if let Err(other) = self.parts.declare(name, span, part) {
             let (name, first) = (self.words.display(name), self.part_span(other));
-            self.report(environment, Error::Duplicate { span, name, first: Some(first) });
+            self.report(environment, NameError::Duplicate { span, name, first: Some(first) });
         }
         Ok(name)
     }

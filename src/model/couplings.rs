@@ -2,7 +2,7 @@
 //! of motions that are zero, and values for single motions. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::{NameError, QuestionError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::{Combination, Piece};
@@ -44,7 +44,7 @@ impl<'a> Check<'a> {
             (Some(one), None) | (None, Some(one)) => one.terms,
             (None, None) => {
                 let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
-                return self.fail(environment, Error::NoMotion { span });
+                return self.fail(environment, QuestionError::NoMotion { span });
             }
         };
         let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
@@ -59,7 +59,7 @@ impl<'a> Check<'a> {
             Piece::Scalar(zero) if zero.bare_zero => Ok(None),
             Piece::Scalar(_) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::NonLinear { span })
+                self.fail(environment, QuestionError::NonLinear { span })
             }
         }
     }
@@ -76,7 +76,7 @@ impl<'a> Check<'a> {
         if terms.iter().all(is_displacement) && terms.iter().any(is_of_body) {
             return Ok(());
         }
-        self.fail(environment, Error::CoupleOfOthers { span })
+        self.fail(environment, QuestionError::CoupleOfOthers { span })
     }
 
     pub fn initials(&mut self) {
@@ -98,7 +98,7 @@ impl<'a> Check<'a> {
         states.sort_by_key(|(body, _)| *body);
         for pair in states.windows(2) {
             if pair[0].0 == pair[1].0 {
-                let error = Error::SettingTwice { span: pair[1].1, first: pair[0].1, what: "the initial state" };
+                let error = NameError::SettingTwice { span: pair[1].1, first: pair[0].1, what: "the initial state" };
                 self.report(Environment::TOP, error);
             }
         }
@@ -110,7 +110,7 @@ impl<'a> Check<'a> {
         let Part::Body(body) = part else {
             let found = if part == Part::Ground { "the ground" } else { "a base" };
             let word = self.sources.slice(ident.span).to_string();
-            return self.fail(environment, Error::NoInitialState { span: ident.span, word, found });
+            return self.fail(environment, QuestionError::NoInitialState { span: ident.span, word, found });
         };
         let mut values = Vec::new();
         for (index, expected) in INITIAL_VALUES.iter().enumerate() {

@@ -3,7 +3,7 @@
 
 use super::Check;
 use super::ends::are_apart;
-use super::error::Error;
+use super::error::{NameError, PartError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::fields::Given;
@@ -71,7 +71,7 @@ impl<'a> Check<'a> {
         }
         if coefficient.value.is_negative() {
             let expr = given.get(COEFFICIENT).map_or(ident.span, |field| field.key);
-            self.report(environment, Error::NegativeStiffness { span: expr });
+            self.report(environment, PartError::NegativeStiffness { span: expr });
         }
         let law = Law::Spring { stiffness: coefficient.value, rest };
         Ok((pair, law, geometry))
@@ -85,7 +85,7 @@ impl<'a> Check<'a> {
         let geometry = self.geometry(given.get(ALONG), &pair, coefficient.torsional, environment)?;
         if coefficient.value.is_negative() {
             let span = given.get(COEFFICIENT).map_or(ident.span, |field| field.key);
-            self.report(environment, Error::NegativeDamping { span });
+            self.report(environment, PartError::NegativeDamping { span });
         }
         let law = Law::Damper { damping: coefficient.value };
         Ok((pair, law, geometry))
@@ -96,7 +96,7 @@ impl<'a> Check<'a> {
         let pair = self.attachments(ends, environment)?;
         if pair[0].part == pair[1].part {
             let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
-            return self.fail(environment, Error::EqualEnds { span, part });
+            return self.fail(environment, PartError::EqualEnds { span, part });
         }
         self.sound(&pair)?;
         Ok(pair)
@@ -115,7 +115,7 @@ impl<'a> Check<'a> {
             if given.broken {
                 return Err(super::Stop::Reported);
             }
-            return self.fail(environment, Error::FieldMissing { span: ident.span, expected: *expected });
+            return self.fail(environment, NameError::FieldMissing { span: ident.span, expected: *expected });
         };
         let expr = self.field_expr(field, environment)?;
         let turns = Expected { dimension: torsional, ..*expected };
@@ -146,12 +146,12 @@ impl<'a> Check<'a> {
     ) -> Evaluated<SpringRest> {
         let (free, preload) = (given.get(FREE_LENGTH), given.get(PRELOAD));
         if let (Some(free), Some(preload)) = (free, preload) {
-            return self.fail(environment, Error::FreeLengthAndPreload { span: preload.key, free: free.key });
+            return self.fail(environment, PartError::FreeLengthAndPreload { span: preload.key, free: free.key });
         }
         let length = if torsional { &FREE_ANGLE } else { &FREE };
         if let Some((length, span)) = self.field_number(free, environment, length)? {
             if !torsional && length.is_negative() {
-                return self.fail(environment, Error::Negative { span, what: "free_length" });
+                return self.fail(environment, ValueError::Negative { span, what: "free_length" });
             }
             return Ok(SpringRest::FreeLength(length));
         }
@@ -177,13 +177,13 @@ impl<'a> Check<'a> {
         match (torsional, direction) {
             (true, Some(_)) => {
                 let span = along.map_or(pair[0].span, |field| field.key);
-                self.fail(environment, Error::DirectionOfTorsion { span })
+                self.fail(environment, PartError::DirectionOfTorsion { span })
             }
             (true, None) if pair.iter().any(|end| self.can_turn(end.part)) => Ok(Geometry::Torsion),
             (true, None) if self.broken_joints => Err(super::Stop::Reported),
             (true, None) => {
                 let span = pair[0].span.to(pair[1].span);
-                self.fail(environment, Error::NoEndTurns { span })
+                self.fail(environment, PartError::NoEndTurns { span })
             }
             (false, Some(direction)) => Ok(Geometry::Along(direction)),
             (false, None) => self.line_or_direction(pair, environment),
@@ -206,10 +206,10 @@ impl<'a> Check<'a> {
         }
         let span = pair[0].span.to(pair[1].span);
         let error = match places {
-            (Some(_), Some(_)) => Error::ZeroLength { span },
+            (Some(_), Some(_)) => PartError::ZeroLength { span },
             _ => {
                 let without = if pair[0].at.is_none() { 0 } else { 1 };
-                Error::DirectionUnknown { span, part: self.part_name(pair[without].part) }
+                PartError::DirectionUnknown { span, part: self.part_name(pair[without].part) }
             }
         };
         self.fail(environment, error)
@@ -235,7 +235,7 @@ impl<'a> Check<'a> {
         let placed = pair.iter().all(|end| end.at.is_some());
         if matches!((rest, geometry), (SpringRest::FreeLength(_), Geometry::Along(_))) && !placed {
             let span = pair[0].span.to(pair[1].span);
-            return self.fail(environment, Error::NoDrawnLength { span });
+            return self.fail(environment, PartError::NoDrawnLength { span });
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 //! its drawn position. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
 use super::scene::{Attachment, BaseId, BodyId, Part};
 use super::scope::{self, Environment};
@@ -47,7 +47,7 @@ impl<'a> Check<'a> {
             scope::Part::Base(index) => Ok(Part::Base(BaseId(index))),
             other => {
                 let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
-                let error = Error::NotABody { span: ident.span, word, found, declared: self.part_span(other) };
+                let error = NameError::NotABody { span: ident.span, word, found, declared: self.part_span(other) };
                 self.fail(environment, error)
             }
         }

@@ -6,7 +6,7 @@
 //! list, and the innermost is settled first, from a fresh start: a chain of a million parameters needs no deep stack.
 
 use super::Check;
-use super::error::Error;
+use super::error::{NameError, ValueError};
 use super::scope::{DefinitionId, DefinitionKind, Environment, State};
 use super::value::{self, Function, Scalar, Value};
 use crate::base::unit::{self, Scale, Unit};
@@ -99,7 +99,7 @@ impl<'a> Check<'a> {
             (DefinitionKind::Point, value) => self.as_position(value, expr, environment).map(Value::Vector),
             (DefinitionKind::Param, Value::Vector(_)) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::Kind { span, needed: "a number", found: "a point" })
+                self.fail(environment, ValueError::Kind { span, needed: "a number", found: "a point" })
             }
             (DefinitionKind::Param, Value::Scalar(scalar)) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
@@ -126,10 +126,10 @@ impl<'a> Check<'a> {
             ExprKind::Call { name_len, arguments } => self.call(node.span, name_len, arguments, environment),
             ExprKind::Tuple { items } => self.tuple(node.span, items, environment),
             ExprKind::Member { .. } | ExprKind::At { .. } => {
-                self.fail(environment, Error::MotionAsValue { span: node.span })
+                self.fail(environment, ValueError::MotionAsValue { span: node.span })
             }
             ExprKind::Text => {
-                self.fail(environment, Error::Kind { span: node.span, needed: "a number", found: "a text" })
+                self.fail(environment, ValueError::Kind { span: node.span, needed: "a number", found: "a text" })
             }
         }
     }
@@ -139,7 +139,7 @@ impl<'a> Check<'a> {
         let text = self.sources.slice(span);
         let (digits, rest) = text.split_at(usize::from(number_len).min(text.len()));
         let Some(number) = Rational::from_decimal(digits) else {
-            return self.fail(environment, Error::Overflow { span });
+            return self.fail(environment, ValueError::Overflow { span });
         };
         let number = if negated { Number::from(-&number) } else { Number::from(number) };
         let unit_text = rest.trim_start();
@@ -157,7 +157,7 @@ impl<'a> Check<'a> {
             Scale::Linear(factor) => &number * &factor,
             Scale::Decibel => match number.from_decibel() {
                 Some(ratio) => ratio,
-                None => return self.fail(environment, Error::Overflow { span }),
+                None => return self.fail(environment, ValueError::Overflow { span }),
             },
         };
         Ok(Quantity { si, dimension, angle }.into())
@@ -204,8 +204,8 @@ impl<'a> Check<'a> {
             Binary::Multiply => value::multiply,
             Binary::Divide => value::divide,
             Binary::Power => value::power,
-            Binary::Arrow => return self.fail(environment, Error::ArrowAsValue { span }),
-            _ => return self.fail(environment, Error::ComparisonAsValue { span }),
+            Binary::Arrow => return self.fail(environment, ValueError::ArrowAsValue { span }),
+            _ => return self.fail(environment, ValueError::ComparisonAsValue { span }),
         };
         // Both sides are looked at, so that both sides' mistakes are told.
         let a = self.walk(left, environment);
@@ -215,7 +215,7 @@ impl<'a> Check<'a> {
         let b = self.walk(right, environment)?;
         operation(&a?, &b).or_else(|fault| {
             let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
-            self.fail(environment, Error::Operation { fault, operator, left, right })
+            self.fail(environment, ValueError::Operation { fault, operator, left, right })
         })
     }
 
@@ -229,7 +229,8 @@ impl<'a> Check<'a> {
         let given = tree.list(arguments);
         let (least, most) = function.arguments;
         if given.len() < least || given.len() > most {
-            let error = Error::ArgumentCount { span, function: function.name, expected: least, found: given.len() };
+            let error =
+                ValueError::ArgumentCount { span, function: function.name, expected: least, found: given.len() };
             return self.fail(environment, error);
         }
         let mut values = Vec::with_capacity(given.len());
@@ -237,15 +238,15 @@ impl<'a> Check<'a> {
             values.push(self.walk(argument, environment)?);
         }
         let argument = tree.expr(given[0]).span;
-        function
-            .apply(&values)
-            .or_else(|fault| self.fail(environment, Error::Function { fault, function: function.name, argument, span }))
+        function.apply(&values).or_else(|fault| {
+            self.fail(environment, ValueError::Function { fault, function: function.name, argument, span })
+        })
     }
 
     fn tuple(&mut self, span: Span, items: ExprList, environment: Environment) -> Evaluated<Value> {
         let tree = self.tree;
         let &[x, y] = tree.list(items) else {
-            return self.fail(environment, Error::Components { span, found: tree.list(items).len() });
+            return self.fail(environment, ValueError::Components { span, found: tree.list(items).len() });
         };
         let a = self.component(x, environment);
         if let Err(Stop::Deep) = a {
@@ -254,7 +255,7 @@ impl<'a> Check<'a> {
         let b = self.component(y, environment)?;
         value::vector(&a?, &b).map(Value::Vector).or_else(|fault| {
             let (left, right) = (tree.expr(x).span, tree.expr(y).span);
-            self.fail(environment, Error::Pair { fault, left, right })
+            self.fail(environment, ValueError::Pair { fault, left, right })
         })
     }
 
@@ -263,7 +264,7 @@ impl<'a> Check<'a> {
             Value::Scalar(scalar) => Ok(scalar),
             Value::Vector(_) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::Kind { span, needed: "a number", found: "a point" })
+                self.fail(environment, ValueError::Kind { span, needed: "a number", found: "a point" })
             }
         }
     }
@@ -331,13 +332,13 @@ impl<'a> Check<'a> {
     }
 
     /// The definitions between the first mention of `id` and this one, which is in the last of them.
-    fn cycle(&self, id: DefinitionId, span: Span) -> Error {
+    fn cycle(&self, id: DefinitionId, span: Span) -> NameError {
         let start = self.walk.in_progress.iter().rposition(|&member| member == id).unwrap_or(0);
         let members = self.walk.in_progress[start..].iter().map(|member| {
             let definition = &self.definitions[member.0 as usize];
             (self.words.display(definition.name), definition.span)
         });
-        Error::Cycle { span, members: members.collect() }
+        NameError::Cycle { span, members: members.collect() }
     }
 
     /// A word with the values of its indices.
@@ -355,7 +356,7 @@ impl<'a> Check<'a> {
         let mut values = [0; crate::base::name::MAX_INDICES];
         if given.len() > values.len() {
             let span = tree.expr(given[values.len()]).span;
-            return self.fail(environment, Error::TooManyIndices { span });
+            return self.fail(environment, NameError::TooManyIndices { span });
         }
         for (value, &index) in values.iter_mut().zip(given) {
             *value = self.index(index, environment)?;
@@ -420,17 +421,17 @@ impl<'a> Check<'a> {
 
     pub fn as_index(&mut self, whole: i64, expr: ExprId, environment: Environment) -> Evaluated<i32> {
         let span = self.tree.expr(expr).span;
-        i32::try_from(whole).or_else(|_| self.fail(environment, Error::NotWhole { span }))
+        i32::try_from(whole).or_else(|_| self.fail(environment, NameError::NotWhole { span }))
     }
 
     pub fn as_integer(&mut self, value: &Value, expr: ExprId, environment: Environment) -> Evaluated<i64> {
         let span = self.tree.expr(expr).span;
         let Value::Scalar(Scalar { quantity, .. }) = value else {
-            return self.fail(environment, Error::Kind { span, needed: "a whole number", found: "a point" });
+            return self.fail(environment, ValueError::Kind { span, needed: "a whole number", found: "a point" });
         };
         match quantity.si.exact().and_then(Rational::to_i64) {
             Some(whole) if quantity.dimension == Dimension::NONE => Ok(whole),
-            _ => self.fail(environment, Error::NotWhole { span }),
+            _ => self.fail(environment, NameError::NotWhole { span }),
         }
     }
 

@@ -3,7 +3,7 @@
 //! Clause: spec.md, "Units".
 
 use super::Check;
-use super::error::Error;
+use super::error::ValueError;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{DefinitionId, Environment, Table};
 use super::value::{Scalar, Value, Vector};
@@ -67,7 +67,7 @@ impl<'a> Check<'a> {
             Angle::Radians => Ok(&quantity.si / &(&Number::from(2) * &Number::pi())),
             Angle::Plain => {
                 let (span, value) = (self.tree.expr(expr).span, quantity.si.to_f64());
-                self.fail(environment, Error::FrequencyReading { span, value })
+                self.fail(environment, ValueError::FrequencyReading { span, value })
             }
         }
     }
@@ -115,10 +115,10 @@ impl<'a> Check<'a> {
     fn oblique_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         let span = self.tree.expr(expr).span;
         let Value::Vector(Vector { si, .. }) = self.evaluate(expr, environment)? else {
-            return self.fail(environment, Error::Kind { span, needed: "a direction", found: "a number" });
+            return self.fail(environment, ValueError::Kind { span, needed: "a direction", found: "a number" });
         };
         if si.may_be_zero() {
-            return self.fail(environment, Error::NoDirection { span });
+            return self.fail(environment, ValueError::NoDirection { span });
         }
         Ok(si)
     }
@@ -174,7 +174,7 @@ impl<'a> Check<'a> {
             Value::Scalar(scalar) => Ok(scalar),
             Value::Vector(_) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::Kind { span, needed: expected.noun, found: "a point" })
+                self.fail(environment, ValueError::Kind { span, needed: expected.noun, found: "a point" })
             }
         }
     }
@@ -185,9 +185,10 @@ impl<'a> Check<'a> {
         let (span, expected) = (node.span, *expected);
         let error = match node.kind {
             ExprKind::Literal { .. } if found.is_none() && !self.sources.slice(span).ends_with('%') => {
-                Error::UnitMissing { span, number: self.sources.slice(span).to_string(), expected }
+                ValueError::UnitMissing { span, number: self.sources.slice(span).to_string(), expected }
             }
-            _ => Error::UnitMismatch { span, found, expected, declared: self.declaration_of(expr, environment) },
+            ExprKind::Literal { .. } if is_gram_for_gravity(found, expected) => ValueError::GramForGravity { span },
+            _ => ValueError::UnitMismatch { span, found, expected, declared: self.declaration_of(expr, environment) },
         };
         self.report(environment, error);
         Stop::Reported
@@ -208,7 +209,7 @@ impl<'a> Check<'a> {
     pub fn as_position(&mut self, value: Value, expr: ExprId, environment: Environment) -> Evaluated<Vector> {
         let span = self.tree.expr(expr).span;
         let Value::Vector(vector) = value else {
-            return self.fail(environment, Error::Kind { span, needed: "a position", found: "a number" });
+            return self.fail(environment, ValueError::Kind { span, needed: "a position", found: "a number" });
         };
         if let Some(found) = vector.dimension.filter(|&found| found != Dimension::LENGTH) {
             return Err(self.mismatch(found, expr, environment, &POSITION));
@@ -225,6 +226,11 @@ impl<'a> Check<'a> {
             return Ok(());
         }
         let span = self.tree.expr(expr).span;
-        self.fail(environment, Error::Overflow { span })
+        self.fail(environment, ValueError::Overflow { span })
     }
+}
+
+/// `9.81 g`: a mass where an acceleration is wanted.
+fn is_gram_for_gravity(found: Dimension, expected: Expected) -> bool {
+    found == Dimension::MASS && expected.dimension == Dimension::ACCELERATION
 }

@@ -2,7 +2,7 @@
 //! the answer. This list is the only place; a feature that comes is a line that goes.
 
 use super::Check;
-use super::error::Error;
+use super::error::QuestionError;
 use super::scene::{Scene, Signal};
 use super::scope::Environment;
 use crate::base::Span;
@@ -34,7 +34,7 @@ impl Check<'_> {
         self.walk.varies = false;
         for (what, first) in NOT_AVAILABLE {
             if let Some(span) = first(&self.scene) {
-                self.report(Environment::TOP, Error::NotAvailable { span, what });
+                self.report(Environment::TOP, QuestionError::NotAvailable { span, what });
             }
         }
     }

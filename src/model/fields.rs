@@ -2,7 +2,7 @@
 //! name, or all of them by place in a list of known ones. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::scope::Environment;
@@ -43,7 +43,7 @@ impl<'a> Check<'a> {
                         given.fields[place] = Some(field);
                         continue;
                     }
-                    Some(first) => Error::FieldTwice { span: field.key, first: first.key, word: word.to_string() },
+                    Some(first) => NameError::FieldTwice { span: field.key, first: first.key, word: word.to_string() },
                 },
             };
             given.broken = true;
@@ -52,9 +52,9 @@ impl<'a> Check<'a> {
         given
     }
 
-    fn unknown_field(&self, field: &Field, word: &str, known: &'static [&'static str]) -> Error {
+    fn unknown_field(&self, field: &Field, word: &str, known: &'static [&'static str]) -> NameError {
         let suggestion = nearest(word, known.iter().copied());
-        Error::UnknownField { span: field.key, word: word.to_string(), suggestion, known }
+        NameError::UnknownField { span: field.key, word: word.to_string(), suggestion, known }
     }
 
     /// The expression of `name = expression`.
@@ -63,11 +63,11 @@ impl<'a> Check<'a> {
             FieldValue::Expr(expr) => Ok(expr),
             FieldValue::About(_, about) => {
                 let span = self.tree.expr(about).span;
-                self.fail(environment, Error::AboutElsewhere { span })
+                self.fail(environment, NameError::AboutElsewhere { span })
             }
             FieldValue::Flag | FieldValue::Moves(_) | FieldValue::MovesAlong(_) => {
                 let word = self.sources.slice(field.key).to_string();
-                self.fail(environment, Error::FieldWithoutValue { span: field.key, word })
+                self.fail(environment, NameError::FieldWithoutValue { span: field.key, word })
             }
         }
     }
@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
             Some((FieldValue::Flag, _)) => Ok(true),
             Some((_, span)) => {
                 let word = self.sources.slice(span).to_string();
-                self.report(environment, Error::FlagWithValue { span, word });
+                self.report(environment, NameError::FlagWithValue { span, word });
                 Err(Stop::Reported)
             }
         }

@@ -1,7 +1,7 @@
 //! Forces, torques and bases as inputs. In: ends, direction and signal; out: an [`Input`]. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::PartError;
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
 use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part, Signal};
@@ -75,7 +75,7 @@ impl<'a> Check<'a> {
         match self.line(end.part) {
             Line::Along(line) => Ok(line),
             _ if self.broken_joints => Err(Stop::Reported),
-            _ => self.fail(environment, Error::ForceWithoutDirection { span: end.span }),
+            _ => self.fail(environment, PartError::ForceWithoutDirection { span: end.span }),
         }
     }
 
@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
                 return Err(Stop::Reported);
             }
             let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ident.span);
-            return self.fail(environment, Error::NoEndTurns { span });
+            return self.fail(environment, PartError::NoEndTurns { span });
         }
         let signal = self.signal(signal, &TORQUE_SIGNAL, environment)?;
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)
@@ -115,11 +115,11 @@ impl<'a> Check<'a> {
             && a.part == b.part
         {
             let part = self.part_name(a.part);
-            return self.fail(environment, Error::EqualEnds { span, part });
+            return self.fail(environment, PartError::EqualEnds { span, part });
         }
         if !ends.iter().any(|end| matches!(end.part, Part::Body(_))) {
             let part = self.part_name(ends[0].part);
-            return self.fail(environment, Error::InputWithoutEffect { span, part });
+            return self.fail(environment, PartError::InputWithoutEffect { span, part });
         }
         Ok(ends)
     }
@@ -153,7 +153,7 @@ impl<'a> Check<'a> {
             }
             (Some(signal), _) => {
                 let span = self.tree.expr(signal).span;
-                return self.fail(environment, Error::SignalOfManyMotions { span });
+                return self.fail(environment, PartError::SignalOfManyMotions { span });
             }
             (None, _) => (Vec::new(), None),
         };

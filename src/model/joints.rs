@@ -2,7 +2,7 @@
 
 use super::Check;
 use super::ends::are_apart;
-use super::error::Error;
+use super::error::PartError;
 use super::evaluate::Evaluated;
 use super::scene::{Attachment, Joint, JointKind, Part};
 use super::scope::{Environment, Instance};
@@ -39,7 +39,7 @@ impl<'a> Check<'a> {
         self.sound(&pair)?;
         if pair[0].part == pair[1].part {
             let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
-            return self.fail(environment, Error::JointOfOnePart { span, part });
+            return self.fail(environment, PartError::JointOfOnePart { span, part });
         }
         let kind = match (kind, along) {
             (JointKeyword::Pivot, _) => {
@@ -47,7 +47,7 @@ impl<'a> Check<'a> {
                 JointKind::Pivot { at: (*at).clone() }
             }
             (JointKeyword::Slide, Some(along)) => JointKind::Slide { along: (*along).clone() },
-            (JointKeyword::Slide, None) => return self.fail(environment, Error::SlideWithoutDirection { span }),
+            (JointKeyword::Slide, None) => return self.fail(environment, PartError::SlideWithoutDirection { span }),
             (JointKeyword::Weld, _) => {
                 self.welded_points(ends, &pair, environment)?;
                 JointKind::Weld
@@ -74,7 +74,7 @@ impl<'a> Check<'a> {
                 _ => {
                     let span = pair[0].span.to(pair[1].span);
                     let part = self.part_name(pair[0].part);
-                    return self.fail(environment, Error::PivotWithoutPlace { span, part });
+                    return self.fail(environment, PartError::PivotWithoutPlace { span, part });
                 }
             },
         };
@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Arc<Vec3>> {
         if are_apart(&first, second) {
             let places = [shown(&first), shown(second)];
-            return self.fail(environment, Error::EndsApart { spans: [pair[0].span, pair[1].span], places });
+            return self.fail(environment, PartError::EndsApart { spans: [pair[0].span, pair[1].span], places });
         }
         Ok(first)
     }
@@ -116,7 +116,7 @@ impl<'a> Check<'a> {
             let body = &self.scene.bodies[index];
             let (span, name) = (body.span, self.words.display(body.name));
             if !self.is_broken(Part::Body(super::scene::BodyId(index as u32))) {
-                self.report(self.instances.bodies[index].environment, Error::NoFreedom { span, name });
+                self.report(self.instances.bodies[index].environment, PartError::NoFreedom { span, name });
             }
         }
     }

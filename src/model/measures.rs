@@ -2,7 +2,7 @@
 //! name resolved and every number in SI. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::{NameError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
@@ -67,7 +67,7 @@ impl<'a> Check<'a> {
         let low_value = low_value?;
         if !(&high_value - &low_value).is_positive() {
             let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
-            return self.fail(environment, Error::RangeReversed { span });
+            return self.fail(environment, QuestionError::RangeReversed { span });
         }
         let measured = measured?;
         let value = self.value_of_measure(&measured, value, environment)?;
@@ -90,7 +90,7 @@ impl<'a> Check<'a> {
             (DefinitionKind::Param, _) => Err(Stop::Reported),
             _ => {
                 let word = self.words.display(name);
-                self.fail(environment, Error::NotAParameter { span: ident.span, word, kind, declared })
+                self.fail(environment, NameError::NotAParameter { span: ident.span, word, kind, declared })
             }
         }
     }
@@ -141,11 +141,11 @@ impl<'a> Check<'a> {
             let measured = self.measure(condition, environment)?;
             return match measured.measure {
                 Measure::Stable => Ok((Measure::Stable, None)),
-                _ => self.fail(environment, Error::RequireWhat { span: node.span }),
+                _ => self.fail(environment, QuestionError::RequireWhat { span: node.span }),
             };
         };
         let Some(comparison) = comparison(operator) else {
-            return self.fail(environment, Error::RequireWhat { span: node.span });
+            return self.fail(environment, QuestionError::RequireWhat { span: node.span });
         };
         let (measure, value, comparison) =
             if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
@@ -176,7 +176,7 @@ impl<'a> Check<'a> {
                 let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
                 self.called_measure(word, node.span, tree.list(arguments), environment)
             }
-            _ => self.fail(environment, Error::NotAMeasure { span: node.span }),
+            _ => self.fail(environment, QuestionError::NotAMeasure { span: node.span }),
         }
     }
 
@@ -218,7 +218,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Measured> {
         let node = *self.tree.expr(path);
         let ExprKind::Binary { operator: Binary::Arrow, left, right } = node.kind else {
-            return self.fail(environment, Error::ArrowMissing { span: node.span });
+            return self.fail(environment, QuestionError::ArrowMissing { span: node.span });
         };
         let input = self.measured_input(left, environment);
         let output = self.measured_output(right, environment);
@@ -229,7 +229,7 @@ impl<'a> Check<'a> {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
         }
         let Some(dimension) = dimension.per(per) else {
-            return self.fail(environment, Error::Overflow { span: node.span });
+            return self.fail(environment, ValueError::Overflow { span: node.span });
         };
         Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
     }
@@ -249,7 +249,7 @@ impl<'a> Check<'a> {
             other => {
                 let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
                 let declared = self.part_span(other);
-                self.fail(environment, Error::NotAnOutput { span: ident.span, word, found, declared })
+                self.fail(environment, QuestionError::NotAnOutput { span: ident.span, word, found, declared })
             }
         }
     }
@@ -266,7 +266,7 @@ impl<'a> Check<'a> {
         };
         let owner = *self.tree.expr(name);
         let ExprKind::Name { indices } = owner.kind else {
-            return self.fail(environment, Error::NotAnInput { span: owner.span, found: "an expression" });
+            return self.fail(environment, QuestionError::NotAnInput { span: owner.span, found: "an expression" });
         };
         let ident = Ident { span: self.word_of(owner.span), indices };
         let name = self.name(ident, environment)?;
@@ -276,7 +276,7 @@ impl<'a> Check<'a> {
         }
         match self.input_of(name, motion) {
             Some(input) => Ok(input),
-            None => self.fail(environment, Error::NotAnInput { span: node.span, found: part.noun() }),
+            None => self.fail(environment, QuestionError::NotAnInput { span: node.span, found: part.noun() }),
         }
     }
 
@@ -307,7 +307,7 @@ impl<'a> Check<'a> {
             Ok(mode) if mode > 0 => Ok(mode),
             _ => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::ModeNumber { span })
+                self.fail(environment, QuestionError::ModeNumber { span })
             }
         }
     }
@@ -320,7 +320,7 @@ impl<'a> Check<'a> {
             Measure::Phase { .. } => PHASE,
             Measure::Stable => {
                 let span = self.tree.expr(expr).span;
-                return self.fail(environment, Error::RequireWhat { span });
+                return self.fail(environment, QuestionError::RequireWhat { span });
             }
             _ => Expected::new(noun_of(measured.dimension), measured.dimension, example_of(measured.dimension)),
         };
@@ -351,12 +351,12 @@ fn is_measure_name(text: &str) -> bool {
     MEASURES.iter().any(|(name, _)| *name == text)
 }
 
-fn unknown_measure(text: &str, word: Span, span: Span) -> Error {
+fn unknown_measure(text: &str, word: Span, span: Span) -> QuestionError {
     match MEASURES.iter().find(|(name, _)| *name == text) {
-        Some((name, form)) => Error::MeasureArguments { span, name, form },
+        Some((name, form)) => QuestionError::MeasureArguments { span, name, form },
         None => {
             let suggestion = nearest(text, MEASURES.iter().map(|(name, _)| *name));
-            Error::UnknownMeasure { span: word, word: text.to_string(), suggestion }
+            QuestionError::UnknownMeasure { span: word, word: text.to_string(), suggestion }
         }
     }
 }

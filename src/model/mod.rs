@@ -182,8 +182,8 @@ impl<'a> Check<'a> {
     }
 
     /// Says what is wrong, once for each place.
-    fn report(&mut self, environment: Environment, error: Error) {
-        let mut diagnostic = error.diagnostic();
+    fn report(&mut self, environment: Environment, error: impl Into<Error>) {
+        let mut diagnostic = error.into().diagnostic();
         if !self.said.insert((diagnostic.code, diagnostic.primary.span)) {
             return;
         }
@@ -198,7 +198,7 @@ impl<'a> Check<'a> {
     }
 
     /// Says what is wrong and stops here.
-    fn fail<T>(&mut self, environment: Environment, error: Error) -> Evaluated<T> {
+    fn fail<T>(&mut self, environment: Environment, error: impl Into<Error>) -> Evaluated<T> {
         self.report(environment, error);
         Err(Stop::Reported)
     }

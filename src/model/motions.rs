@@ -2,7 +2,7 @@
 //! `rod.angle` or `table.y - floor.y`; out: coefficients and motions, checked in dimension. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::{NameError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
 use super::scene::{BaseId, BodyId, ElementId, Freedom, Geometry, Motion, MotionTerm, Output, Part};
@@ -84,7 +84,7 @@ impl<'a> Check<'a> {
             Piece::Motions(combination) => Ok(combination),
             Piece::Scalar(_) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, Error::NoMotion { span })
+                self.fail(environment, QuestionError::NoMotion { span })
             }
         }
     }
@@ -96,7 +96,7 @@ impl<'a> Check<'a> {
             return match self.evaluate(expr, environment)? {
                 Value::Scalar(scalar) => Ok(Piece::Scalar(scalar)),
                 Value::Vector(_) => {
-                    self.fail(environment, Error::Kind { span: node.span, needed: "a motion", found: "a point" })
+                    self.fail(environment, ValueError::Kind { span: node.span, needed: "a motion", found: "a point" })
                 }
             };
         }
@@ -107,8 +107,8 @@ impl<'a> Check<'a> {
                 Ok(scaled(piece, &Number::from(-1)))
             }
             ExprKind::Binary { operator, left, right } => self.combined(operator, left, right, environment),
-            ExprKind::At { .. } => self.fail(environment, Error::PointWithoutMotion { span: node.span }),
-            _ => self.fail(environment, Error::NonLinear { span: node.span }),
+            ExprKind::At { .. } => self.fail(environment, QuestionError::PointWithoutMotion { span: node.span }),
+            _ => self.fail(environment, QuestionError::NonLinear { span: node.span }),
         }
     }
 
@@ -152,7 +152,7 @@ impl<'a> Check<'a> {
                 let inverse = self.inverse(&b, places, environment)?;
                 self.product(a, &inverse, places, environment)
             }
-            _ => self.fail(environment, Error::NonLinear { span }),
+            _ => self.fail(environment, QuestionError::NonLinear { span }),
         }
     }
 
@@ -178,7 +178,7 @@ impl<'a> Check<'a> {
         if a.dimension != b.dimension {
             let fault = Fault::Dimensions(a.dimension, b.dimension);
             let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
-            return self.fail(environment, Error::Operation { fault, operator, left, right });
+            return self.fail(environment, ValueError::Operation { fault, operator, left, right });
         }
         if a.angle != b.angle {
             a.angle = Angle::Plain;
@@ -205,7 +205,7 @@ impl<'a> Check<'a> {
             }
             Ok(Value::Vector(_)) | Err(_) => {
                 let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
-                let error = Error::Operation { fault: Fault::Exponent, operator: Binary::Multiply, left, right };
+                let error = ValueError::Operation { fault: Fault::Exponent, operator: Binary::Multiply, left, right };
                 self.fail(environment, error)
             }
         }
@@ -223,7 +223,7 @@ impl<'a> Check<'a> {
             Ok(Value::Vector(_)) => Err(Stop::Reported),
             Err(fault) => {
                 let (left, right) = (self.tree.expr(left).span, self.tree.expr(right).span);
-                self.fail(environment, Error::Operation { fault, operator: Binary::Divide, left, right })
+                self.fail(environment, ValueError::Operation { fault, operator: Binary::Divide, left, right })
             }
         }
     }
@@ -238,7 +238,7 @@ impl<'a> Check<'a> {
         };
         let owner = *self.tree.expr(owner);
         let ExprKind::Name { indices } = owner.kind else {
-            return self.fail(environment, Error::MotionOfWhat { span: owner.span });
+            return self.fail(environment, QuestionError::MotionOfWhat { span: owner.span });
         };
         let ident = Ident { span: self.word_of(owner.span), indices };
         let text = self.sources.slice(word);
@@ -249,7 +249,7 @@ impl<'a> Check<'a> {
             other => {
                 let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
                 let declared = self.part_span(other);
-                return self.fail(environment, Error::NotABody { span: ident.span, word, found, declared });
+                return self.fail(environment, NameError::NotABody { span: ident.span, word, found, declared });
             }
         };
         let is_angle = matches!(motion, Motion::Turn { .. }) || dimension.is_none();
@@ -272,14 +272,14 @@ impl<'a> Check<'a> {
             let known = || BODY_MOTIONS.iter().map(|(name, ..)| *name);
             let (suggestion, of) = (nearest(text, known()), "a body");
             let known = known().collect();
-            let error = Error::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
+            let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
             return self.fail(environment, error);
         };
         self.sound_part(part)?;
         let direction = axis.map(Axis::direction);
         if !self.has_freedom(part, at.as_deref(), direction.as_ref()) {
             let name = self.part_name(part);
-            let error = Error::NoSuchFreedom { span: word, name, turns: direction.is_none() };
+            let error = QuestionError::NoSuchFreedom { span: word, name, turns: direction.is_none() };
             return self.fail(environment, error);
         }
         let motion = match direction {
@@ -343,7 +343,7 @@ impl<'a> Check<'a> {
         if !ELEMENT_MOTIONS.contains(&text) || has_point {
             let (suggestion, of) = (nearest(text, ELEMENT_MOTIONS), "a spring or damper");
             let known = ELEMENT_MOTIONS.to_vec();
-            let error = Error::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
+            let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
             return self.fail(environment, error);
         }
         if self.broken_elements {

@@ -5,7 +5,7 @@
 //! lowered; here it is asked that nothing is left out by oversight.
 
 use super::Check;
-use super::error::Error;
+use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
 use super::scene::{Body, BodyId, Freedom, JointKind, Part};
 use super::scope::Environment;
@@ -66,7 +66,7 @@ impl<'a> Check<'a> {
             }
         } else if turns && body.centre.is_none() {
             let (span, name) = (body.span, self.words.display(body.name));
-            self.report(environment, Error::CentreMissing { span, name });
+            self.report(environment, PartError::CentreMissing { span, name });
         }
     }
 
@@ -91,7 +91,7 @@ impl<'a> Check<'a> {
     fn missing(&mut self, id: BodyId, what: &'static str, freedom: &'static str, environment: Environment) {
         let body = &self.scene.bodies[id.index()];
         let (span, name) = (body.span, self.words.display(body.name));
-        self.report(environment, Error::PropertyMissing { span, name, what, freedom });
+        self.report(environment, PartError::PropertyMissing { span, name, what, freedom });
     }
 
     /// The field of a body's declaration.
@@ -119,7 +119,7 @@ impl<'a> Check<'a> {
     fn idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
         if let Some(field) = self.field_of(id, word) {
             let (span, name) = (field.key, self.words.display(self.scene.bodies[id.index()].name));
-            self.report(environment, Error::Idle { span, name, word, why });
+            self.report(environment, QuestionError::Idle { span, name, word, why });
         }
     }
 
@@ -132,7 +132,7 @@ impl<'a> Check<'a> {
         self.walk.varies = false;
         if self.instances.bodies.is_empty() {
             let span = Span::new(self.tree.file, 0, 0);
-            return self.report(Environment::TOP, Error::Empty { span });
+            return self.report(Environment::TOP, PartError::Empty { span });
         }
         self.unused_definitions();
         self.idle_gravity();
@@ -144,7 +144,7 @@ impl<'a> Check<'a> {
         let field = self.scene.gravity.clone();
         let acts = (0..self.scene.bodies.len()).any(|index| self.gravity_acts(BodyId(index as u32), &field));
         if !acts {
-            self.report(Environment::TOP, Error::IdleGravity { span });
+            self.report(Environment::TOP, QuestionError::IdleGravity { span });
         }
     }
 
@@ -174,7 +174,7 @@ impl<'a> Check<'a> {
             if !used.contains(&definition.span) {
                 let (span, kind) = (definition.span, definition.kind);
                 let name = self.words.text(definition.name.symbol).to_string();
-                self.report(Environment::TOP, Error::Unused { span, name, kind });
+                self.report(Environment::TOP, QuestionError::Unused { span, name, kind });
             }
         }
     }

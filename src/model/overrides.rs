@@ -3,7 +3,7 @@
 
 use super::Check;
 use super::Overrides;
-use super::error::Error;
+use super::error::{NameError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scope::{DefinitionId, DefinitionKind, Environment, Table};
@@ -73,13 +73,13 @@ impl<'a> Check<'a> {
     fn take(&mut self, setting: Setting) -> Evaluated<()> {
         let text = self.sources.slice(setting.name);
         let Some(name) = self.read_name(text) else {
-            let error = Error::SettingName { span: setting.name };
+            let error = NameError::SettingName { span: setting.name };
             return self.fail(Environment::TOP, error);
         };
         self.overrides.names.push((name, setting.name));
         let span = match setting.value {
             Written::Text(span) => span,
-            Written::Other(span) => return self.fail(Environment::TOP, Error::SettingValue { span }),
+            Written::Other(span) => return self.fail(Environment::TOP, NameError::SettingValue { span }),
         };
         let value = self.value_from_outside(span)?;
         self.overrides.values.insert(name, Override { value, span });
@@ -98,7 +98,7 @@ impl<'a> Check<'a> {
             if definition.kind != DefinitionKind::Param {
                 let (word, kind) = (self.words.display(name), definition.kind);
                 let declared = definition.span;
-                self.report(Environment::TOP, Error::NotAParameter { span, word, kind, declared });
+                self.report(Environment::TOP, NameError::NotAParameter { span, word, kind, declared });
             }
         }
     }
@@ -125,14 +125,14 @@ impl<'a> Check<'a> {
         let suggestion = nearest(word, known.clone()).map(str::to_string);
         let known = known.take(SHOWN).map(str::to_string).collect();
         let word = text.to_string();
-        self.report(Environment::TOP, Error::UnknownParameter { span, word, suggestion, known });
+        self.report(Environment::TOP, NameError::UnknownParameter { span, word, suggestion, known });
     }
 
     /// A value written outside of the model: it knows no name of it.
     fn value_from_outside(&mut self, span: Span) -> Evaluated<Scalar> {
         let sources: &'a Sources = self.sources;
         let Some((tree, expr)) = syntax::parse_value(sources, span) else {
-            return self.fail(Environment::TOP, Error::SettingValue { span });
+            return self.fail(Environment::TOP, NameError::SettingValue { span });
         };
         let mut outside = Check::new(sources, &tree);
         outside.outside = true;
@@ -144,7 +144,9 @@ impl<'a> Check<'a> {
         self.diagnostics.extend(std::mem::take(&mut outside.diagnostics));
         match value? {
             Value::Scalar(scalar) => Ok(scalar),
-            Value::Vector(_) => self.fail(Environment::TOP, Error::Kind { span, needed: "a number", found: "a point" }),
+            Value::Vector(_) => {
+                self.fail(Environment::TOP, ValueError::Kind { span, needed: "a number", found: "a point" })
+            }
         }
     }
 
@@ -182,7 +184,7 @@ impl<'a> Check<'a> {
                 }),
                 None => {
                     let span = trimmed(file, line_start, line);
-                    self.report(Environment::TOP, Error::NoEqualsSign { span });
+                    self.report(Environment::TOP, NameError::NoEqualsSign { span });
                 }
             }
         }
@@ -197,7 +199,7 @@ impl<'a> Check<'a> {
             Err(error) => {
                 let range = error.span().unwrap_or(0..0);
                 let span = Span::new(file, range.start, range.end);
-                self.report(Environment::TOP, Error::NotToml { span, message: error.message().to_string() });
+                self.report(Environment::TOP, NameError::NotToml { span, message: error.message().to_string() });
                 return Vec::new();
             }
         };
@@ -252,11 +254,11 @@ pub enum Unlike {
 
 impl Unlike {
     /// `given` is written at `span`.
-    pub fn error(self, span: Span, declared: &Scalar) -> Error {
+    pub fn error(self, span: Span, declared: &Scalar) -> ValueError {
         match self {
-            Unlike::Reading => Error::ReadingLike { span, declared: declared.quantity.angle },
+            Unlike::Reading => ValueError::ReadingLike { span, declared: declared.quantity.angle },
             Unlike::Dimension(found) => {
-                Error::UnlikeDeclared { span, found, wanted: declared.quantity.dimension, declared: None }
+                ValueError::UnlikeDeclared { span, found, wanted: declared.quantity.dimension, declared: None }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What a scene has once: its name, gravity, damping, and whether it rests as drawn. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::{NameError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scene::Damping;
@@ -36,7 +36,7 @@ impl<'a> Check<'a> {
                 Setting::Rest => (&mut declared.rest, "the rest"),
             };
             if let Some(first) = *place {
-                self.report(environment, Error::SettingTwice { span: decl.span, first, what });
+                self.report(environment, NameError::SettingTwice { span: decl.span, first, what });
                 continue;
             }
             *place = Some(decl.span);
@@ -100,7 +100,8 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         let &[alpha, beta] = tree.list(arguments) else {
             let found = tree.list(arguments).len();
-            return self.fail(environment, Error::ArgumentCount { span, function: "rayleigh", expected: 2, found });
+            return self
+                .fail(environment, ValueError::ArgumentCount { span, function: "rayleigh", expected: 2, found });
         };
         let alpha = self.number(alpha, environment, &ALPHA);
         let beta = self.number(beta, environment, &BETA)?;

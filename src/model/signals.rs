@@ -2,7 +2,7 @@
 //! signals in SI. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::Error;
+use super::error::{PartError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scene::Signal;
@@ -76,17 +76,17 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         let node = *tree.expr(expr);
         let ExprKind::Call { name_len, arguments } = node.kind else {
-            return self.fail(environment, Error::NotASignal { span: node.span });
+            return self.fail(environment, PartError::NotASignal { span: node.span });
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         let text = self.sources.slice(word);
         let given = tree.list(arguments);
         let Some(&(name, least, most, form)) = SIGNALS.iter().find(|(name, ..)| *name == text) else {
             let suggestion = nearest(text, SIGNALS.iter().map(|(name, ..)| *name));
-            return self.fail(environment, Error::UnknownSignal { span: word, word: text.to_string(), suggestion });
+            return self.fail(environment, PartError::UnknownSignal { span: word, word: text.to_string(), suggestion });
         };
         if given.len() < least || given.len() > most {
-            return self.fail(environment, Error::SignalArguments { span: node.span, name, form });
+            return self.fail(environment, PartError::SignalArguments { span: node.span, name, form });
         }
         self.signal_of(name, given, kind, environment)
     }
@@ -138,13 +138,13 @@ impl<'a> Check<'a> {
             return Ok(());
         }
         let span = self.tree.expr(at).span;
-        self.fail(environment, Error::TimesReversed { span })
+        self.fail(environment, PartError::TimesReversed { span })
     }
 
     fn table(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Signal> {
         let node = *self.tree.expr(expr);
         if !matches!(node.kind, ExprKind::Text) {
-            let error = Error::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
+            let error = ValueError::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
             return self.fail(environment, error);
         }
         let file = self.sources.slice(node.span).trim_matches('"').to_string();

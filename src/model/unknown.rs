@@ -2,7 +2,7 @@
 //! [`Error`] with the facts. Clause: spec.md, "Names, parameters, `repeat`".
 
 use super::Check;
-use super::error::Error;
+use super::error::{Error, NameError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{Environment, Family, Space};
 use super::suggestion::nearest;
@@ -41,7 +41,12 @@ const FUNCTIONS_ELSEWHERE: [(&str, &str); 21] = [
 
 impl<'a> Check<'a> {
     /// As [`Check::fail`], but silent about words of declarations that could not be read.
-    pub fn fail_unless_broken<T>(&mut self, environment: Environment, word: Span, error: Error) -> Evaluated<T> {
+    pub fn fail_unless_broken<T>(
+        &mut self,
+        environment: Environment,
+        word: Span,
+        error: impl Into<Error>,
+    ) -> Evaluated<T> {
         if self.broken_words.contains(self.sources.slice(word)) {
             return Err(Stop::Reported);
         }
@@ -49,7 +54,7 @@ impl<'a> Check<'a> {
     }
 
     /// A word, with the values of its indices, that is no parameter, point or index.
-    pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>) -> Error {
+    pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
         if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident)) {
@@ -57,7 +62,7 @@ impl<'a> Check<'a> {
         }
         let help = self.instead_of_value(text);
         let suggestion = if help.is_none() { self.nearest_value(text) } else { None };
-        Error::UnknownValue { span: word, word: text.to_string(), suggestion, help }
+        NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }
 
     /// What a word is that was used as a parameter.
@@ -84,7 +89,7 @@ impl<'a> Check<'a> {
     }
 
     /// A part that is not there; what kinds of part the place takes, in words.
-    pub fn unknown_part(&mut self, ident: Ident, name: Name, wanted: &'static str) -> Error {
+    pub fn unknown_part(&mut self, ident: Ident, name: Name, wanted: &'static str) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
         if let Some(error) = self.wrong_index(&self.parts, name, ident) {
@@ -93,7 +98,7 @@ impl<'a> Check<'a> {
         let value = self.words.get(text).and_then(|symbol| self.values.family(symbol));
         let help = value.map(|_| format!("`{text}` is a parameter or a point"));
         let suggestion = if help.is_none() { self.nearest_part(text) } else { None };
-        Error::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }
+        NameError::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }
     }
 
     fn nearest_part(&mut self, text: &str) -> Option<String> {
@@ -104,9 +109,9 @@ impl<'a> Check<'a> {
     }
 
     /// The word is declared, but not with these indices.
-    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, ident: Ident) -> Option<Error> {
+    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, ident: Ident) -> Option<NameError> {
         let Family { span, ranges } = space.family(name.symbol)?;
-        Some(Error::IndexOutOfRange {
+        Some(NameError::IndexOutOfRange {
             span: self.ident_span(ident),
             name: self.words.display(name),
             word: self.words.text(name.symbol).to_string(),
@@ -117,12 +122,17 @@ impl<'a> Check<'a> {
     }
 
     /// A function that there is not, or not here.
-    pub fn unknown_function(&mut self, word: Span) -> Error {
+    pub fn unknown_function(&mut self, word: Span) -> NameError {
         let text = self.sources.slice(word);
         let help =
             FUNCTIONS_ELSEWHERE.iter().find(|(name, _)| *name == text).map(|(_, place)| format!("`{text}` is {place}"));
         let suggestion = if help.is_some() { None } else { nearest(text, FUNCTIONS.iter().map(|f| f.name)) };
-        Error::UnknownFunction { span: word, word: text.to_string(), suggestion: suggestion.map(str::to_string), help }
+        NameError::UnknownFunction {
+            span: word,
+            word: text.to_string(),
+            suggestion: suggestion.map(str::to_string),
+            help,
+        }
     }
 
     fn may_search(&mut self) -> bool {
@@ -131,7 +141,7 @@ impl<'a> Check<'a> {
     }
 
     /// A unit that cannot be read, at its place in the file.
-    pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError) -> Error {
+    pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError) -> ValueError {
         let at = |range: std::ops::Range<usize>| {
             Span::new(span.file(), span.start() + range.start, span.start() + range.end)
         };
@@ -140,16 +150,16 @@ impl<'a> Check<'a> {
                 let symbol = text[word.clone()].to_string();
                 let is_value = self.words.get(&symbol).is_some_and(|symbol| self.values.family(symbol).is_some());
                 let suggestion = unit::suggestion(&symbol);
-                Error::UnitUnknown { span: at(word), symbol, suggestion, is_value }
+                ValueError::UnitUnknown { span: at(word), symbol, suggestion, is_value }
             }
             UnitError::Ambiguous { tail } => {
                 let (head, tail) = text.split_at(tail.start);
                 let tail = tail.chars().skip(1).collect();
-                Error::UnitAmbiguous { span, head: head.to_string(), tail }
+                ValueError::UnitAmbiguous { span, head: head.to_string(), tail }
             }
-            UnitError::Malformed { at: range } => Error::UnitMalformed { span: at(range) },
-            UnitError::Power { at: range } => Error::UnitMalformed { span: at(range) },
-            UnitError::DecibelInProduct { word } => Error::DecibelInProduct { span: at(word) },
+            UnitError::Malformed { at: range } => ValueError::UnitMalformed { span: at(range) },
+            UnitError::Power { at: range } => ValueError::UnitMalformed { span: at(range) },
+            UnitError::DecibelInProduct { word } => ValueError::DecibelInProduct { span: at(word) },
         }
     }
 }

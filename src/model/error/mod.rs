@@ -1,0 +1,99 @@
+//! What can be wrong with a model: facts, and what is said about them. Each variant has one code, one primary place, and
+//! a help that says what to type. Clause: spec.md, "Diagnostics".
+
+mod names;
+mod parts;
+mod questions;
+mod values;
+
+pub use names::NameError;
+pub use parts::PartError;
+pub use questions::QuestionError;
+pub use values::ValueError;
+
+use super::scope::DefinitionKind;
+use crate::base::{Code, Diagnostic, Dimension, Span};
+
+/// A finding of the check.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    Value(ValueError),
+    Name(NameError),
+    Part(PartError),
+    Question(QuestionError),
+}
+
+impl Error {
+    /// What is said about it.
+    pub fn diagnostic(self) -> Diagnostic {
+        match self {
+            Error::Value(error) => error.diagnostic(),
+            Error::Name(error) => error.diagnostic(),
+            Error::Part(error) => error.diagnostic(),
+            Error::Question(error) => error.diagnostic(),
+        }
+    }
+}
+
+impl From<ValueError> for Error {
+    fn from(error: ValueError) -> Error {
+        Error::Value(error)
+    }
+}
+
+impl From<NameError> for Error {
+    fn from(error: NameError) -> Error {
+        Error::Name(error)
+    }
+}
+
+impl From<PartError> for Error {
+    fn from(error: PartError) -> Error {
+        Error::Part(error)
+    }
+}
+
+impl From<QuestionError> for Error {
+    fn from(error: QuestionError) -> Error {
+        Error::Question(error)
+    }
+}
+
+fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(Code(code), span, message)
+}
+
+fn with_suggestion(diagnostic: Diagnostic, suggestion: Option<String>, help: Option<String>) -> Diagnostic {
+    match (suggestion, help) {
+        (Some(word), _) => diagnostic.help(format!("did you mean `{word}`?")),
+        (None, Some(help)) => diagnostic.help(help),
+        (None, None) => diagnostic,
+    }
+}
+
+/// `mass`, `moves`, `at`
+fn listed(words: &[&str]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Five digits, for the eye.
+fn short(value: f64) -> String {
+    format!("{value:.4e}").parse::<f64>().unwrap_or(value).to_string()
+}
+
+fn named(dimension: Dimension) -> String {
+    dimension.noun().map_or_else(|| format!("a quantity in {dimension}"), str::to_string)
+}
+
+fn unit_or_none(dimension: Dimension) -> String {
+    let unit = dimension.usual_unit();
+    if unit.is_empty() { "no unit".into() } else { unit }
+}
+
+fn kind_noun(kind: DefinitionKind) -> &'static str {
+    match kind {
+        DefinitionKind::Param => "parameter",
+        DefinitionKind::Let => "value",
+        DefinitionKind::Point => "point",
+    }
+}

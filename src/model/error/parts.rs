@@ -1,0 +1,185 @@
+//! Errors of bodies, joints, elements and inputs: what cannot be built so.
+
+use super::{error, short, with_suggestion};
+use crate::base::{Code, Diagnostic, Span};
+
+/// What is wrong with a part of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PartError {
+    InertiaWithoutPlace { span: Span, name: String },
+    InertiaTooSmall { span: Span, least: f64, given: f64 },
+    GivenTwice { span: Span, other: Span, what: &'static str },
+    UnknownShape { span: Span, suggestion: Option<&'static str> },
+    ShapeSize { span: Span, what: &'static str },
+    FreeAndMore { span: Span, free: Span },
+    MovesWhere { span: Span },
+    BaseWithoutMotion { span: Span, name: String },
+    NoFreedom { span: Span, name: String },
+    PropertyMissing { span: Span, name: String, what: &'static str, freedom: &'static str },
+    CentreMissing { span: Span, name: String },
+    Empty { span: Span },
+    JointOfOnePart { span: Span, part: String },
+    SlideWithoutDirection { span: Span },
+    PivotWithoutPlace { span: Span, part: String },
+    EndsApart { spans: [Span; 2], places: [(f64, f64); 2] },
+    EqualEnds { span: Span, part: String },
+    ZeroLength { span: Span },
+    DirectionUnknown { span: Span, part: String },
+    DirectionOfTorsion { span: Span },
+    NoEndTurns { span: Span },
+    FreeLengthAndPreload { span: Span, free: Span },
+    NoDrawnLength { span: Span },
+    NegativeStiffness { span: Span },
+    NegativeDamping { span: Span },
+    ForceWithoutDirection { span: Span },
+    InputWithoutEffect { span: Span, part: String },
+    SignalOfManyMotions { span: Span },
+    NotASignal { span: Span },
+    UnknownSignal { span: Span, word: String, suggestion: Option<&'static str> },
+    SignalArguments { span: Span, name: &'static str, form: &'static str },
+    TimesReversed { span: Span },
+}
+
+impl PartError {
+    /// What is said about it.
+    pub fn diagnostic(self) -> Diagnostic {
+        use PartError::*;
+        match self {
+            InertiaWithoutPlace { span, name } => {
+                error("vib::body::no_place", span, "an inertia about a point needs the place of the centre of mass")
+                    .help(format!("give `{name}` its centre, such as `at = (0.4 m, 0)`"))
+            }
+            InertiaTooSmall { span, least, given } => {
+                error("vib::inertia::too_small", span, "the mass alone has more inertia about that point")
+                    .label(format!("{} kg*m^2, the mass alone {} kg*m^2", short(given), short(least)))
+                    .help("an inertia about a point is at least mass times distance squared of the centre `at`")
+            }
+            GivenTwice { span, other, what } => {
+                error("vib::body::given_twice", span, format!("{what} follows from the shape already"))
+                    .related(other, "from this shape")
+                    .help("keep one of them")
+            }
+            UnknownShape { span, suggestion } => {
+                let help =
+                    suggestion.is_none().then(|| "write `rod(A, B)`, `disk(r)`, `ring(r)` or `box(w, h)`".into());
+                with_suggestion(
+                    error("vib::shape::unknown", span, "this is no shape"),
+                    suggestion.map(str::to_string),
+                    help,
+                )
+            }
+            ShapeSize { span, what } => error("vib::shape::size", span, what),
+            FreeAndMore { span, free } => {
+                error("vib::body::freedom", span, "`free` gives the body every motion already")
+                    .related(free, "here")
+                    .help("keep `free`, or the single motions")
+            }
+            MovesWhere { span } => error("vib::body::freedom", span, "where it moves is not clear")
+                .help("write `moves x`, `moves y`, `moves x y` or `moves along (1, 1)`"),
+            BaseWithoutMotion { span, name } => {
+                error("vib::base::no_motion", span, format!("the base `{name}` has no motion"))
+                    .help("write `moves x`, `moves y` or `turns` in it; what never moves is `ground`")
+            }
+            NoFreedom { span, name } => error("vib::body::no_freedom", span, format!("`{name}` has no freedom"))
+                .label("neither a freedom clause nor a joint")
+                .help(format!(
+                    "say how it moves, such as `moves x`, or tie it with a joint: `pivot p: ground@(0, 0) -- {name}`"
+                )),
+            PropertyMissing { span, name, what, freedom } => property_missing(span, &name, what, freedom),
+            CentreMissing { span, name } => {
+                error("vib::body::no_place", span, format!("`{name}` turns, and the place of its mass is not known"))
+                    .label("no position")
+                    .help("give the centre of mass: `at = (0, -1 m)`, or `shape = rod(A, B)`")
+            }
+            Empty { span } => error("vib::scene::empty", span, "there is no body in this model")
+                .help("declare one, such as `body block { mass = 1 kg, moves x }`"),
+            JointOfOnePart { span, part } => {
+                error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
+                    .help("a joint ties two different parts")
+            }
+            SlideWithoutDirection { span } => error("vib::joint::direction", span, "a slide needs a direction")
+                .help("add it: `slide g: a -- b along (1, 0)`"),
+            PivotWithoutPlace { span, part } => error("vib::joint::no_place", span, "where the pivot is, is not known")
+                .help(format!("write the point after one of the ends: `{part}@(0, 0)`")),
+            EndsApart { spans, places } => ends_apart(spans, places),
+            EqualEnds { span, part } => error("vib::element::equal_ends", span, format!("both ends are on `{part}`"))
+                .help("the two ends are on different parts; what acts within one part moves nothing"),
+            ZeroLength { span } => error("vib::element::zero_length", span, "the two ends are the same point as drawn")
+                .label("no line between them")
+                .help("draw the ends apart, or give a fixed direction: `along = x`"),
+            DirectionUnknown { span, part } => {
+                error("vib::element::direction_unknown", span, "the direction in which this acts is not known")
+                    .label(format!("`{part}` has no position"))
+                    .help(format!("give the end a point, `{part}@(0, 0)`, or give a direction: `along = x`"))
+            }
+            DirectionOfTorsion { span } => {
+                error("vib::element::torsion_along", span, "what acts on the rotation has no direction")
+                    .help("leave `along` out, or write a stiffness in N/m or a damping coefficient in N*s/m")
+            }
+            NoEndTurns { span } => error("vib::element::no_end_turns", span, "none of these parts can turn")
+                .help("give a body the freedom to turn: `turns`, `free` or a pivot"),
+            FreeLengthAndPreload { span, free } => {
+                error("vib::spring::free_length_and_preload", span, "a spring has a free length or a preload, not both")
+                    .related(free, "the free length")
+                    .help("keep one: the other follows from it and the drawing")
+            }
+            NoDrawnLength { span } => error(
+                "vib::spring::no_length",
+                span,
+                "without positions the spring has no drawn length to compare with",
+            )
+            .help("give `preload` in place of `free_length`, or draw the ends: `ground@(-0.5 m, 0)`"),
+            NegativeStiffness { span } => Diagnostic::note(
+                Code("vib::spring::negative"),
+                span,
+                "this stiffness is negative: it drives away from rest",
+            ),
+            NegativeDamping { span } => {
+                Diagnostic::note(Code("vib::damper::negative"), span, "this damping is negative: it feeds energy in")
+            }
+            ForceWithoutDirection { span } => {
+                error("vib::input::direction_unknown", span, "the direction of this force is not known")
+                    .help("add it: `along x` or `along (1, 1)`")
+            }
+            InputWithoutEffect { span, part } => {
+                error("vib::input::no_effect", span, format!("nothing on `{part}` moves by this"))
+                    .help("a force or torque acts on a body")
+            }
+            SignalOfManyMotions { span } => {
+                error("vib::signal::many_motions", span, "the base has several motions: which one has this signal?")
+                    .help("declare one base for each motion")
+            }
+            NotASignal { span } => error("vib::signal::unknown", span, "a signal is expected here")
+                .help("write `constant(10 N)`, `step(10 N, 0 s)`, `harmonic(10 N, 1.5 Hz)`, ... or a sum of them"),
+            UnknownSignal { span, word, suggestion } => {
+                let help = "known are constant, step, impulse, ramp, pulse, harmonic, chirp, table".to_string();
+                let message = format!("there is no signal `{word}`");
+                let help = suggestion.is_none().then_some(help);
+                with_suggestion(error("vib::signal::unknown", span, message), suggestion.map(str::to_string), help)
+            }
+            SignalArguments { span, name, form } => {
+                error("vib::signal::arguments", span, format!("`{name}` has other arguments"))
+                    .help(format!("write `{form}`"))
+            }
+            TimesReversed { span } => error("vib::signal::times", span, "this time is not after the one before it"),
+        }
+    }
+}
+
+fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagnostic {
+    let (code, example) = match what {
+        "mass" => ("vib::mass::missing", "mass = 1 kg"),
+        _ => ("vib::inertia::missing", "inertia = 0.8 kg*m^2"),
+    };
+    error(code, span, format!("`{name}` {freedom}, and its {what} is missing"))
+        .label(format!("needs its {what}"))
+        .help(format!("add `{example}`"))
+}
+
+fn ends_apart(spans: [Span; 2], places: [(f64, f64); 2]) -> Diagnostic {
+    let place = |(x, y): (f64, f64)| format!("at ({} m, {} m)", short(x), short(y));
+    error("vib::joint::ends_apart", spans[1], "the ends of the joint are at different points as drawn")
+        .label(place(places[1]))
+        .related(spans[0], place(places[0]))
+        .help("draw both ends at the same point, or give the point at one end only")
+}

@@ -1,0 +1,126 @@
+//! Errors of motions, measures and what is idle: what cannot be asked, or has no use.
+
+use super::{error, kind_noun, listed, with_suggestion};
+use crate::base::{Code, Diagnostic, Span};
+use crate::model::scope::DefinitionKind;
+
+/// A word of the language.
+type Word = &'static str;
+
+/// What is wrong with a question, or without use.
+#[derive(Clone, Debug, PartialEq)]
+pub enum QuestionError {
+    NoMotion { span: Span },
+    NonLinear { span: Span },
+    PointWithoutMotion { span: Span },
+    MotionOfWhat { span: Span },
+    UnknownMotion { span: Span, word: String, of: Word, suggestion: Option<Word>, known: Vec<Word> },
+    NoSuchFreedom { span: Span, name: String, turns: bool },
+    CoupleOfOthers { span: Span },
+    NoInitialState { span: Span, word: String, found: &'static str },
+    NotAMeasure { span: Span },
+    UnknownMeasure { span: Span, word: String, suggestion: Option<&'static str> },
+    MeasureArguments { span: Span, name: &'static str, form: &'static str },
+    ArrowMissing { span: Span },
+    NotAnInput { span: Span, found: &'static str },
+    NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
+    ModeNumber { span: Span },
+    RangeReversed { span: Span },
+    RequireWhat { span: Span },
+    Unused { span: Span, name: String, kind: DefinitionKind },
+    Idle { span: Span, name: String, word: &'static str, why: &'static str },
+    IdleGravity { span: Span },
+    NotAvailable { span: Span, what: &'static str },
+}
+
+impl QuestionError {
+    /// What is said about it.
+    pub fn diagnostic(self) -> Diagnostic {
+        use QuestionError::*;
+        match self {
+            NoMotion { span } => error("vib::motion::none", span, "there is no motion in this")
+                .help("write a motion, such as `block.x`, `rod.angle` or `s.force`"),
+            NonLinear { span } => error("vib::motion::non_linear", span, "this is not linear in the motions")
+                .help("motions may be added, and multiplied by numbers; nothing else"),
+            PointWithoutMotion { span } => {
+                error("vib::motion::none", span, "which motion of this point?").help("add it, as in `rod@(0, -2 m).x`")
+            }
+            MotionOfWhat { span } => {
+                error("vib::motion::none", span, "a motion belongs to a body, a spring or a damper")
+                    .help("write its name before the dot, as in `block.x`")
+            }
+            UnknownMotion { span, word, of, suggestion, known } => {
+                let help = suggestion.is_none().then(|| format!("{of} has {}", listed(&known)));
+                let message = format!("{of} has no `{word}`");
+                with_suggestion(error("vib::motion::unknown", span, message), suggestion.map(str::to_string), help)
+            }
+            NoSuchFreedom { span, name, turns } => {
+                let message =
+                    if turns { format!("`{name}` does not turn") } else { format!("`{name}` does not move so") };
+                error("vib::motion::impossible", span, message)
+                    .label("always zero")
+                    .help(format!("give `{name}` that freedom, or leave this motion out"))
+            }
+            CoupleOfOthers { span } => {
+                error("vib::couple::motions", span, "a coupling relates displacements and angles of bodies")
+                    .help("write it in `x`, `y` and `angle`, as in `wheel.angle = -block.x / 0.3 m`")
+            }
+            NoInitialState { span, word, found } => {
+                error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
+            }
+            NotAMeasure { span } => error("vib::measure::unknown", span, "a measure is expected here")
+                .help("write `frequency(1)`, `damping(1)`, `gain(input -> output, 30 Hz)`, `stable`, ..."),
+            UnknownMeasure { span, word, suggestion } => {
+                let help =
+                    "known are frequency, damping, gain, phase, amplitude, static, peak, rms, stable".to_string();
+                let help = suggestion.is_none().then_some(help);
+                let message = format!("there is no measure `{word}`");
+                with_suggestion(error("vib::measure::unknown", span, message), suggestion.map(str::to_string), help)
+            }
+            MeasureArguments { span, name, form } => {
+                error("vib::measure::arguments", span, format!("`{name}` has other arguments"))
+                    .help(format!("write `{form}`"))
+            }
+            ArrowMissing { span } => error("vib::measure::arguments", span, "from which input to which output?")
+                .help("write `input -> output`, as in `gain(floor -> table.y, 30 Hz)`"),
+            NotAnInput { span, found } => {
+                error("vib::measure::input", span, format!("one input is expected here, this is {found}")).help(
+                    "name a force, a torque or a base; of a base with several motions one of them, as in `floor.y`",
+                )
+            }
+            NotAnOutput { span, word, found, declared } => {
+                error("vib::measure::output", span, format!("`{word}` is {found}, no output"))
+                    .related(declared, "declared here")
+                    .help("name an output, or a motion such as `table.y`")
+            }
+            ModeNumber { span } => error("vib::measure::mode", span, "modes are numbered from 1"),
+            RangeReversed { span } => {
+                error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
+            }
+            RequireWhat { span } => error("vib::require::form", span, "a comparison of a measure is expected here")
+                .help("write `require frequency(1) > 2 Hz` or `require stable`"),
+            Unused { span, name, kind } => unused(span, &name, kind),
+            Idle { span, name, word, why } => {
+                let message = format!("this {word} of `{name}` {why}");
+                Diagnostic::warning(Code("vib::unused::property"), span, message)
+                    .help("leave it out, or add the freedom that uses it")
+            }
+            IdleGravity { span } => {
+                Diagnostic::note(Code("vib::unused::gravity"), span, "gravity moves nothing in this scene")
+            }
+            NotAvailable { span, what } => {
+                error("vib::feature::not_available", span, format!("{what} is not available in this version"))
+                    .help("it is checked already; analyses take it into account in a later version")
+            }
+        }
+    }
+}
+
+fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
+    let code = match kind {
+        DefinitionKind::Point => Code("vib::unused::point"),
+        DefinitionKind::Param | DefinitionKind::Let => Code("vib::unused::parameter"),
+    };
+    Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
+        .help("use it, or leave it out")
+}
