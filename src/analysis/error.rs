@@ -83,9 +83,7 @@ impl AnalysisError {
     fn text(&self) -> (String, &'static str) {
         match self {
             AnalysisError::TooManyCoordinates { count, limit, .. } => (
-                format!(
-                    "{count} coordinates that act on each other or are shown together are too many: modes are computed up to {limit}"
-                ),
+                format!("the modes of {count} coordinates at once are too many: they are computed up to {limit}"),
                 "make the model smaller, or take parts apart that do not act on each other",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (
