@@ -65,10 +65,7 @@ impl ModalSum {
             return None;
         }
         let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
-        let mut shapes = Matrix::from_fn(n, n, |i, j| Dd::from(modes.list[j].shape[i]));
-        for _ in 0..STEPS {
-            shapes = newton(&shapes, &gram(&m, &shapes).map(|b| b.mid), &gram(&k, &shapes).map(|b| b.mid));
-        }
+        let shapes = refined_shapes(system, modes);
         let grams = [gram(&m, &shapes), gram(&c, &shapes), gram(&k, &shapes)];
         let diagonal = |which: usize| (0..n).map(|i| grams[which][(i, i)].mid).collect::<Vec<Dd>>();
         let (c, k) = (diagonal(1), diagonal(2));
@@ -226,6 +223,20 @@ impl ModalSum {
             f64::INFINITY
         }
     }
+}
+
+/// The shapes of the modes in double-double; as they are where there are too many to refine.
+pub fn refined_shapes(system: &LinearSystem, modes: &Modes) -> Matrix<Dd> {
+    let (n, count) = (system.n(), modes.list.len());
+    let mut shapes = Matrix::from_fn(n, count, |i, j| Dd::from(modes.list[j].shape[i]));
+    if count > MOST_COORDINATES {
+        return shapes;
+    }
+    let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
+    for _ in 0..STEPS {
+        shapes = newton(&shapes, &gram(&m, &shapes).map(|b| b.mid), &gram(&k, &shapes).map(|b| b.mid));
+    }
+    shapes
 }
 
 /// X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order; close frequencies are made

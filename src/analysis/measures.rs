@@ -1,0 +1,176 @@
+//! Single numbers that a model asks for or requires, by their definitions on the language page, each a ball. In: answers;
+//! out: a value, or why there is none. Clause: spec.md, "Response".
+
+use super::answer::{ModeKind, Modes, PoleKind, Poles};
+use super::complex::Complex;
+use super::transfer::{Disc, Frequency, Gain, Transfer};
+use crate::base::{Ball, Number};
+use crate::system::Signal;
+
+/// A measured number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measurement {
+    Value(Ball),
+    /// A resonance without damping, a free body under a steady load.
+    Infinite,
+    /// Why there is none.
+    None(&'static str),
+}
+
+/// The i-th natural frequency without damping, Hz; i from 1. A rigid motion has the frequency 0.
+pub fn frequency(modes: &Modes, i: usize) -> Measurement {
+    match i.checked_sub(1).and_then(|i| modes.list.get(i)) {
+        None => Measurement::None("there is no such mode"),
+        Some(mode) if mode.kind == ModeKind::Divergence => {
+            Measurement::None("this mode does not oscillate: it diverges")
+        }
+        Some(mode) => Measurement::Value(mode.omega / (Ball::from(2.0) * Ball::PI)),
+    }
+}
+
+/// The damping ratio of the i-th damped motion: complex pairs and pairs of real poles, ascending in |s|.
+pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
+    let mut halves = 0;
+    for pole in &poles.list {
+        let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
+        halves += match (complex, pole.im.mid.hi > 0.0) {
+            (true, true) => 2,
+            (true, false) => 0,
+            (false, _) => 1,
+        };
+        if halves >= 2 * i && i > 0 {
+            return pole
+                .damping_ratio
+                .map_or(Measurement::None("a pole at zero has no damping ratio"), Measurement::Value);
+        }
+    }
+    Measurement::None("there is no such damped motion")
+}
+
+/// |H| at a frequency in Hz.
+pub fn gain(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
+    measured(at(transfer, input, output, frequency), |disc| Some(disc.gain()))
+}
+
+/// The angle of H at a frequency in Hz, in radians, in (-pi, pi].
+pub fn phase(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
+    measured(at(transfer, input, output, frequency), angle)
+}
+
+/// The largest value that an output comes near to in the steady state under the harmonic signals: signals of one frequency
+/// add as complex numbers, amplitudes of different frequencies add up.
+pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> Measurement {
+    let mut groups: Vec<(Number, Complex<Ball>, f64)> = Vec::new();
+    for (input, signals) in drives.iter().enumerate() {
+        for signal in signals {
+            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
+            let Some((sine, cosine)) = phase.sin_cos() else { return Measurement::None("the phase has no digits") };
+            let disc = match at(transfer, input, output, frequency) {
+                Gain::Finite(disc) => disc,
+                Gain::Infinite => return Measurement::Infinite,
+                Gain::Unknown => return Measurement::None("the frequency is too near to an undamped pole"),
+            };
+            let amplitude = Complex::new(cosine.to_ball(), sine.to_ball()).scale(value.to_ball());
+            let part = disc.value.to_ball() * amplitude;
+            let radius = disc.radius * value.to_ball().magnitude();
+            match groups.iter_mut().find(|(known, ..)| known == frequency) {
+                Some(group) => {
+                    group.1 = group.1 + part;
+                    group.2 += radius;
+                }
+                None => groups.push((frequency.clone(), part, radius)),
+            }
+        }
+    }
+    let sizes = groups.into_iter().map(|(_, sum, radius)| {
+        let disc = Disc { value: sum.mid(), radius: (sum.radius() + radius) * (1.0 + 1e-12) };
+        disc.gain()
+    });
+    Measurement::Value(sizes.fold(Ball::ZERO, |sum, size| sum + size))
+}
+
+/// Where steady loads (input, value) bring an output: sum H(0) load.
+pub fn static_value(transfer: &Transfer, loads: &[(usize, Number)], output: usize) -> Measurement {
+    let mut sum = Ball::ZERO;
+    for (input, load) in loads {
+        match at(transfer, *input, output, &Number::ZERO) {
+            Gain::Finite(disc) => {
+                let value = Ball::exact(disc.value.re).widen(disc.radius);
+                sum = sum + load.to_ball() * value;
+            }
+            Gain::Infinite => return Measurement::Infinite,
+            Gain::Unknown => return Measurement::None("the system has a rigid motion, or nearly one"),
+        }
+    }
+    Measurement::Value(sum)
+}
+
+fn at(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Gain {
+    transfer.between(&Frequency::hertz(frequency), &[input], &[output])[0][0]
+}
+
+fn measured(gain: Gain, of: impl Fn(Disc) -> Option<Ball>) -> Measurement {
+    match gain {
+        Gain::Finite(disc) => of(disc).map_or(Measurement::None("zero has no angle"), Measurement::Value),
+        Gain::Infinite => Measurement::Infinite,
+        Gain::Unknown => Measurement::None("the frequency is too near to an undamped pole"),
+    }
+}
+
+fn angle(disc: Disc) -> Option<Ball> {
+    let (re, im) = (Number::Ball(Ball::exact(disc.value.re)), Number::Ball(Ball::exact(disc.value.im)));
+    let turned = Number::atan2(&im, &re)?.to_ball();
+    // arcsin of the relative radius, less than pi / 2 times it.
+    Some(turned.widen(1.6 * disc.relative_error().min(1e300)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::oscillator;
+    use crate::analysis::{modes, poles};
+
+    fn value(measurement: Measurement) -> f64 {
+        match measurement {
+            Measurement::Value(ball) => {
+                assert!(ball.relative_error() < 1e-16, "{ball:?}");
+                ball.to_f64()
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// S10 of the published cases (VM86): k = 200, c = 6, m = 0.5, 10 N at 20 rad/s make 1/12 m. Two forces of half the size a
+    /// quarter of a turn apart make sqrt(1/2) of it.
+    #[test]
+    fn a_steady_amplitude() {
+        let system = oscillator("0.5", "6", "200");
+        let transfer = Transfer::of(&system);
+        let frequency = Number::from(20).checked_div(&(&Number::pi() * &Number::from(2))).expect("not zero");
+        let force = |value: i64, quarter: bool| Signal::Harmonic {
+            value: Number::from(value),
+            frequency: frequency.clone(),
+            phase: if quarter { &Number::pi() / &Number::from(2) } else { Number::ZERO },
+        };
+        assert_eq!(value(amplitude(&transfer, &[vec![force(10, false)]], 0)), 1.0 / 12.0);
+        let two = value(amplitude(&transfer, &[vec![force(5, false), force(5, true)]], 0));
+        assert!((two - 0.5f64.sqrt() / 12.0).abs() < 1e-16);
+        assert_eq!(value(static_value(&transfer, &[(0, Number::from(10))], 0)), 0.05);
+    }
+
+    #[test]
+    fn frequencies_ratios_and_gains_by_definition() {
+        let system = oscillator("1", "2", "4");
+        let modes = modes(&system).expect("modes");
+        let poles = poles(&system, &modes).expect("poles");
+        assert_eq!(value(damping_ratio(&poles, 1)), 0.5);
+        assert!((value(frequency(&modes, 1)) - std::f64::consts::FRAC_1_PI).abs() < 1e-16);
+        assert!(matches!(frequency(&modes, 2), Measurement::None(_)));
+        assert!(matches!(damping_ratio(&poles, 2), Measurement::None(_)));
+        let transfer = Transfer::of(&system);
+        // At its own 2 rad/s an oscillator answers with 1 / (c omega), a quarter of a turn late.
+        let own = Number::pi().recip().expect("not zero");
+        assert!((value(gain(&transfer, 0, 0, &own)) - 0.25).abs() < 1e-16);
+        assert!((value(phase(&transfer, 0, 0, &own)) + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    }
+}
