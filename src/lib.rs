@@ -23,6 +23,7 @@ use analysis::{AnalysisError, History, Modes, Poles};
 use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use lower::Lowered;
+use model::scene::Damping;
 use model::{CheckedScene, Overrides};
 use system::LinearSystem;
 
@@ -97,9 +98,7 @@ fn motion(
     diagnostics: &mut Diagnostics,
 ) -> Option<Motion> {
     let scene = checked_scene(sources, model, overrides, diagnostics)?;
-    let outcome = lower::lower(&scene);
-    diagnostics.extend(outcome.diagnostics);
-    let system = outcome.lowered?.system;
+    let system = damped(&scene, diagnostics)?.system;
     let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     let history = analysis::respond(&system, &drives, times);
     let history = history.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
@@ -121,9 +120,27 @@ fn lowered(
     diagnostics: &mut Diagnostics,
 ) -> Option<(String, Lowered)> {
     let scene = checked_scene(sources, model, overrides, diagnostics)?;
-    let outcome = lower::lower(&scene);
+    let lowered = damped(&scene, diagnostics)?;
+    Some((scene.scene().name.clone(), lowered))
+}
+
+/// The lowered scene with the damping that is declared for all of it.
+fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+    let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
-    Some((scene.scene().name.clone(), outcome.lowered?))
+    let mut lowered = outcome.lowered?;
+    match &scene.scene().damping {
+        None => {}
+        Some(Damping::Rayleigh { alpha, beta, .. }) => analysis::damping::rayleigh(&mut lowered.system, alpha, beta),
+        Some(Damping::Modal { ratio, .. }) => match analysis::modes(&lowered.system) {
+            Ok(modes) => analysis::damping::modal(&mut lowered.system, ratio, &modes),
+            Err(error) => {
+                diagnostics.push(error.to_diagnostic());
+                return None;
+            }
+        },
+    }
+    Some(lowered)
 }
 
 fn checked_scene(

@@ -10,13 +10,8 @@ use crate::base::Span;
 /// What it is called, and where a scene has it first.
 type Feature = (&'static str, fn(&Scene) -> Option<Span>);
 
-const NOT_AVAILABLE: [Feature; 6] = [
+const NOT_AVAILABLE: [Feature; 5] = [
     ("`couple`", |scene| scene.couples.first().map(|couple| couple.span)),
-    ("`damping`", |scene| {
-        scene.damping.as_ref().map(|damping| match damping {
-            super::scene::Damping::Modal { span, .. } | super::scene::Damping::Rayleigh { span, .. } => *span,
-        })
-    }),
     ("`solve`", |scene| scene.solves.first().map(|solve| solve.span)),
     ("`require`", |scene| scene.requires.first().map(|require| require.span)),
     ("`rest as drawn`", |scene| scene.rest_as_drawn),

@@ -422,3 +422,22 @@ fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
     assert_eq!(many.status, 2);
     assert!(many.err.contains("samples"), "{}", many.err);
 }
+
+#[test]
+fn damping_of_all_modes_gives_each_its_ratio() {
+    let folder = folder();
+    let model = "body a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+                 spring s: ground -- a { k = 100 N/m }\nspring t: a -- b { k = 50 N/m }\n";
+    for (damping, ratios) in
+        [("damping modal 2 %", [0.02, 0.02]), ("damping rayleigh(0.2 /s, 4e-3 s)", [0.02 + 0.01, 0.01 + 0.02])]
+    {
+        let path = file(&folder, "damped.vib", format!("{model}{damping}\n"));
+        let report: Value = serde_json::from_str(&run(&["analyze", &path, "--format", "json"]).out).expect("a report");
+        let poles = report["poles"].as_array().expect("poles");
+        for (pair, ratio) in poles.chunks(2).zip(ratios) {
+            let zeta = pair[0]["damping_ratio"].as_f64().expect("a ratio");
+            // omega = 5 and 10 rad/s: alpha / (2 omega) + beta omega / 2.
+            assert!((zeta - ratio).abs() < 1e-16, "{damping}: {zeta}");
+        }
+    }
+}
