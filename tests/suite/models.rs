@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use vibc::backend::diagnostics::{HumanStyle, human};
-use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
+use vibc::base::{Diagnostic, Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 
 /// A model that was analysed, and what was found.
 ///
-/// Lines such as `// --set k=3` and `// settings: k = "3 N/m"` in the model's leading comments give overrides.
+/// Lines in the model's leading comments say how: `// --set k=3` and `// settings: k = "3 N/m"` give overrides, and
+/// `// simulate` asks for its motion over a minute in the place of its modal report.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -31,7 +32,14 @@ impl Run {
             settings: add(SourceKind::Settings, "settings.toml", settings),
             arguments: add(SourceKind::Arguments, "--set", arguments),
         };
-        let diagnostics = vibc::analyze(&sources, model, &overrides).diagnostics;
+        let moves =
+            sources.text(model).lines().take_while(|line| line.starts_with("//")).any(|line| line == "// simulate");
+        let diagnostics = if moves {
+            let times = [Number::ZERO, Number::from(60)];
+            vibc::simulate(&sources, model, &overrides, &times).diagnostics
+        } else {
+            vibc::analyze(&sources, model, &overrides).diagnostics
+        };
         Run { sources, diagnostics }
     }
 
