@@ -95,6 +95,8 @@ pub struct Share<T> {
 /// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.
 #[derive(Clone, Debug)]
 pub struct Poles {
+    /// How many of two for each coordinate are infinite: motions without inertia.
+    pub infinite: usize,
     pub list: Vec<Pole>,
 }
 
@@ -109,8 +111,11 @@ pub struct Pole {
     /// zeta = -re / |s|; `None` for a pole at zero.
     pub damping_ratio: Option<Ball>,
     pub kind: PoleKind,
-    /// Poles that are certified only together.
+    /// Poles that are certified only together: a double pole, or several that are not told apart.
     pub cluster: Option<u32>,
+    /// The poles of the cluster are exactly equal and have fewer vectors than their number, as in critical damping: motions
+    /// like t exp(s t) occur.
+    pub defective: bool,
     pub route: Route,
 }
 

@@ -3,6 +3,7 @@
 
 mod aberth;
 pub mod answer;
+mod big_float;
 mod buckling;
 mod certificate;
 mod companion;
@@ -25,10 +26,13 @@ pub mod modes;
 mod parts;
 mod pencil;
 mod pivoted_qr;
+mod pole_exact;
+mod pole_list;
 mod pole_proportional;
 mod pole_quadratic;
 mod pole_rigid;
 mod poles;
+mod polynomial;
 mod precise;
 mod propagator;
 mod refinement;

@@ -94,11 +94,6 @@ impl Squares<Precise> {
             values: dd(&self.values),
         }
     }
-
-    /// All weights are certainly positive.
-    pub fn all_positive(&self) -> bool {
-        self.weights.iter().all(|w| w.value.hi() > 2.0 * w.radius)
-    }
 }
 
 impl<T: Real> Squares<T> {

@@ -17,7 +17,9 @@ pub struct Root {
 pub enum Roots {
     /// Distinct, each certain by itself.
     Apart([Root; 2]),
-    /// A double root, or two that the digits of m, c and k do not tell apart.
+    /// A double root, exactly.
+    Double(Root),
+    /// Two that the digits of m, c and k do not tell apart.
     Together([Root; 2]),
 }
 
@@ -38,8 +40,7 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
 
 /// -c/2m twice.
 fn double(m: &Number, c: &Number) -> Roots {
-    let root = real_root((-&(c / &(m + m))).to_ball());
-    Roots::Together([root, root])
+    Roots::Double(real_root((-&(c / &(m + m))).to_ball()))
 }
 
 /// -c/2m -+ i sqrt(-d)/2m.
@@ -114,8 +115,8 @@ mod tests {
 
     #[test]
     fn critical_damping_is_recognised_exactly() {
-        let Roots::Together([a, b]) = of("0.3", "1.2", "1.2") else { panic!("0.3 s^2 + 1.2 s + 1.2 is 0.3 (s + 2)^2") };
-        assert_eq!((a, a.im, a.kind), (b, Ball::ZERO, PoleKind::Overdamped));
+        let Roots::Double(a) = of("0.3", "1.2", "1.2") else { panic!("0.3 s^2 + 1.2 s + 1.2 is 0.3 (s + 2)^2") };
+        assert_eq!((a.im, a.kind), (Ball::ZERO, PoleKind::Overdamped));
         assert!(near(a.re, -2.0));
         assert!(matches!(
             of("1", "3.999999999999999999999999999999", "4"),

@@ -83,6 +83,7 @@ struct JsonPole {
     error_bound: f64,
     damping_ratio_error_bound: Option<f64>,
     cluster: Option<u32>,
+    defective: bool,
     route: &'static str,
 }
 
@@ -193,6 +194,7 @@ fn json_pole(pole: &Pole) -> JsonPole {
         error_bound: pole_error_bound(pole),
         damping_ratio_error_bound: pole.damping_ratio.as_ref().map(error_bound),
         cluster: pole.cluster,
+        defective: pole.defective,
         route: pole.route.name(),
     }
 }

@@ -44,7 +44,7 @@ pub fn cart() -> ModalAnswer {
         system,
         rest: as_drawn(2),
         modes: Modes { list: modes, infinite: 0 },
-        poles: Poles { list: poles },
+        poles: Poles { infinite: 0, list: poles },
         stability: Stability::Stable,
     }
 }
@@ -77,7 +77,7 @@ pub fn free_pair() -> ModalAnswer {
         system,
         rest: as_drawn(2),
         modes: Modes { list: vec![rigid, shaking], infinite: 0 },
-        poles: Poles { list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)] },
+        poles: Poles { infinite: 0, list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)] },
         stability: Stability::Neutral,
     }
 }
@@ -102,8 +102,10 @@ pub fn upright_rod() -> ModalAnswer {
     };
     answer.modes = Modes { list: vec![falling], infinite: 0 };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
-    answer.poles =
-        Poles { list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)] };
+    answer.poles = Poles {
+        infinite: 0,
+        list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)],
+    };
     answer.stability = Stability::Unstable;
     answer
 }
@@ -169,6 +171,7 @@ fn pole(re: f64, im: f64) -> Pole {
         damping_ratio: Some(-re / modulus),
         kind: PoleKind::Oscillation,
         cluster: None,
+        defective: false,
         route: Route::Refined,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::systems::{Builder, number};
 use vibc::analysis::{self, Pole, PoleKind, Poles, Stability};
-use vibc::system::LinearSystem;
+use vibc::system::{LinearSystem, Nature};
 
 fn poles(system: &LinearSystem) -> Poles {
     let modes = analysis::modes(system).expect("modes");
@@ -133,4 +133,83 @@ fn a_negative_damper_makes_flutter_and_the_rest_unstable() {
     assert_eq!(kinds(&poles), [PoleKind::Flutter; 4]);
     let modes = analysis::modes(&system).expect("modes");
     assert_eq!(analysis::stability(&modes, &poles), Stability::Unstable);
+}
+
+/// Two equal masses on equal springs and dampers, joined by a spring and a damper.
+fn twins(ground: [&str; 2], between: [&str; 2]) -> LinearSystem {
+    let mut pair = Builder::numbered(2);
+    for i in 0..2 {
+        pair.mass(i, &number("1"));
+        pair.spring(None, i, &number(ground[0]));
+        pair.damper(None, i, &number(ground[1]));
+    }
+    pair.spring(Some(0), 1, &number(between[0]));
+    pair.damper(Some(0), 1, &number(between[1]));
+    pair.finish()
+}
+
+#[test]
+fn critical_damping_of_both_modes_is_two_double_poles() {
+    // omega = 1 with c = 2, and omega = 3 with c = 6.
+    let poles = poles(&twins(["1", "2"], ["4", "2"]));
+    let expected = [(-1.0, 0), (-1.0, 0), (-3.0, 1), (-3.0, 1)];
+    for (pole, (re, cluster)) in poles.list.iter().zip(expected) {
+        assert!(pole.re.to_f64() == re && pole.im.is_zero() && pole.relative_error < 1e-30, "{pole:?}");
+        assert!(pole.defective && pole.cluster == Some(cluster) && pole.kind == PoleKind::Overdamped);
+    }
+}
+
+#[test]
+fn a_double_pole_with_two_vectors_is_not_defective() {
+    // The same two masses twice, in coordinates turned by (3, 4)/5: x1, x2 of one and y1, y2 of the other.
+    let mut four = Builder::numbered(4);
+    for turn in [["0.6", "0.8"], ["0.8", "-0.6"]] {
+        let [p, q] = turn.map(number);
+        let first = [(0, p.clone()), (2, q.clone())];
+        let second = [(1, p.clone()), (3, q.clone())];
+        let between = [(0, p.clone()), (1, -&p), (2, q.clone()), (3, -&q)];
+        four.inertia(&number("1"), &first);
+        four.inertia(&number("2"), &second);
+        four.dashpot(&number("0.7"), &first);
+        four.stiffness("a", Nature::Property, &number("3"), &first);
+        four.stiffness("b", Nature::Property, &number("5"), &between);
+    }
+    let poles = poles(&four.finish());
+    assert_eq!(kinds(&poles), [PoleKind::Oscillation; 8]);
+    assert!(poles.list.iter().all(|pole| !pole.defective && pole.relative_error < 1e-30), "{:?}", poles.list);
+    let clusters: Vec<_> = poles.list.iter().map(|pole| pole.cluster).collect();
+    assert_eq!(clusters, [0, 0, 1, 1, 2, 2, 3, 3].map(Some));
+}
+
+#[test]
+fn damping_that_is_not_proportional_can_be_critical_too() {
+    // det Q = (s + 2)^2 (s^2 + 2 s + 2) - (s + 2)^2 = (s + 1)^2 (s + 2)^2.
+    let mut pair = Builder::numbered(2);
+    pair.mass(0, &number("1"));
+    pair.mass(1, &number("1"));
+    pair.spring(None, 0, &number("2"));
+    pair.spring(Some(0), 1, &number("2"));
+    pair.damper(None, 0, &number("3"));
+    pair.damper(None, 1, &number("1"));
+    pair.damper(Some(0), 1, &number("1"));
+    let poles = poles(&pair.finish());
+    let expected = [(-1.0, 0), (-1.0, 0), (-2.0, 1), (-2.0, 1)];
+    for (pole, (re, cluster)) in poles.list.iter().zip(expected) {
+        assert!(pole.re.to_f64() == re && pole.im.is_zero() && pole.relative_error < 1e-30, "{pole:?}");
+        assert!(pole.defective && pole.cluster == Some(cluster));
+    }
+}
+
+#[test]
+fn dampers_in_series_without_a_mass_between_them() {
+    // 2 and 3 N*s/m in series are 1.2 N*s/m; the point between them may rest anywhere once the mass is still.
+    let mut chain = Builder::numbered(2);
+    chain.mass(0, &number("1"));
+    chain.spring(None, 0, &number("4"));
+    chain.damper(Some(0), 1, &number("2"));
+    chain.damper(None, 1, &number("3"));
+    let poles = poles(&chain.finish());
+    assert_eq!(kinds(&poles), [PoleKind::Rigid, PoleKind::Oscillation, PoleKind::Oscillation]);
+    assert!(close(&poles.list[2], -0.6, (4.0f64 - 0.36).sqrt()));
+    assert_eq!(poles.infinite, 1);
 }

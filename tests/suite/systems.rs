@@ -53,6 +53,14 @@ impl Builder {
         self.m.push(source, Nature::Property, weight.clone(), row);
     }
 
+    /// A term w a a^T of C.
+    pub fn dashpot(&mut self, weight: &Number, row: &[(usize, Number)]) {
+        let label = self.label("d");
+        let source = self.c.source(label);
+        let row = row.iter().map(|(i, a)| (CoordinateId(*i as u32), a.clone()));
+        self.c.push(source, Nature::Property, weight.clone(), row);
+    }
+
     /// A damper between two coordinates, or to the ground.
     pub fn damper(&mut self, from: Option<usize>, to: usize, c: &Number) {
         let label = self.label(&format!("d{}", self.c.source_count() + 1));
