@@ -53,7 +53,11 @@ fn assert_modes(modes: &Modes, n: usize) {
         assert!(mode.shape.len() == n && mode.shape.iter().all(|x| x.is_finite()), "{mode:?}");
         match mode.kind {
             ModeKind::Oscillation => assert!(square > 0.0, "{mode:?}"),
-            ModeKind::Rigid => assert!(mode.omega_squared.is_zero() && mode.omega.is_zero(), "{mode:?}"),
+            // Exactly, or told as not known: the terms of a rest that is not proven are estimates.
+            ModeKind::Rigid => {
+                assert!(mode.omega_squared.is_zero() == mode.omega.is_zero(), "{mode:?}");
+                assert!(mode.omega_squared.is_zero() || mode.omega_squared.rad.is_infinite(), "{mode:?}");
+            }
             ModeKind::Divergence => assert!(square < 0.0, "{mode:?}"),
         }
         for shares in

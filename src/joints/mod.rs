@@ -11,8 +11,8 @@ use crate::model::scene::JointKind;
 /// What a joint leaves free between a part and the part that carries it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relative {
-    /// The point of the carried part that the joint holds; `None` where any will do.
-    pub anchor: Option<Vec3>,
+    /// Whether the carried part keeps one point, that of the joint, on its carrier.
+    pub holds_point: bool,
     /// Whether the carried part turns on its own.
     pub turns: bool,
     /// The direction in which it slides.
@@ -22,7 +22,7 @@ pub struct Relative {
 /// The freedoms that a joint of the tree leaves.
 pub fn freedoms(kind: &JointKind) -> Relative {
     match kind {
-        JointKind::Pivot { at } => pivot::freedoms(at),
+        JointKind::Pivot { .. } => pivot::freedoms(),
         JointKind::Slide { along } => slide::freedoms(along),
         JointKind::Weld => weld::freedoms(),
     }

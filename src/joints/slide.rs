@@ -4,5 +4,5 @@ use super::Relative;
 use crate::base::Vec3;
 
 pub fn freedoms(along: &Vec3) -> Relative {
-    Relative { anchor: None, turns: false, slide: Some(along.clone()) }
+    Relative { holds_point: false, turns: false, slide: Some(along.clone()) }
 }

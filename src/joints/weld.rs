@@ -3,5 +3,5 @@
 use super::Relative;
 
 pub fn freedoms() -> Relative {
-    Relative { anchor: None, turns: false, slide: None }
+    Relative { holds_point: false, turns: false, slide: None }
 }

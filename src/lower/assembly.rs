@@ -333,13 +333,11 @@ impl<'a> Assembly<'a> {
         let source = self.k.source(plain(input.name));
         match &input.kind {
             InputKind::Force { ends, direction } => {
-                let direction = Vector::of(direction);
-                let size = over_length(load, &direction.norm_squared());
-                for (end, sign) in ends.iter().zip([-1, 1]) {
+                for (end, force) in ends.iter().zip(loads::opposite(&load, direction)) {
                     let end = self.kinematics.end(end);
                     loads::absolute(self.kinematics, end, &mut self.between.path);
                     self.reach.measure(self.kinematics, self.state, &self.between.path);
-                    self.curvature(source, &direction.scaled(&(&size * &Number::from(sign))));
+                    self.curvature(source, &force.negated());
                 }
             }
             InputKind::ForceBetween { ends } => {

@@ -23,6 +23,7 @@ use crate::base::{FileId, Number, Span, Vec3};
 use crate::elements::{Scalar, Vector};
 use crate::model::scene::{Attachment, BodyId, Freedom, Geometry, Input, InputKind, JointKind, Part, Scene};
 use crate::system::CoordinateKind;
+use std::collections::BTreeMap;
 
 /// Index of a coordinate, free or prescribed.
 pub type Index = u32;
@@ -37,6 +38,8 @@ pub struct Kinematics {
     groups: Vec<Group>,
     slides: Vec<Slide>,
     directions: Vec<Vec3>,
+    /// The group of each angle, of all coordinates; that of the ground for slides.
+    group_of: Vec<u32>,
     /// Free coordinates in order.
     pub free: Vec<Freely>,
     /// How many motions of bases follow the free coordinates.
@@ -125,6 +128,10 @@ impl Kinematics {
     pub fn length_squared(&self, coordinate: Index) -> Option<&Number> {
         let found = self.lengths_squared.binary_search_by_key(&coordinate, |(index, _)| *index).ok()?;
         Some(&self.lengths_squared[found].1)
+    }
+
+    pub fn is_angle(&self, coordinate: Index) -> bool {
+        self.group_of[coordinate as usize] != NO_TURN
     }
 
     pub fn has_oblique(&self) -> bool {
@@ -216,9 +223,8 @@ impl Kinematics {
             let deeper = usize::from(self.depth(ends[1].piece) >= self.depth(ends[0].piece));
             ends[deeper] = walk.step(ends[deeper], deeper);
         }
-        let group = self.carriages[ends[0].piece as usize].group;
-        for (side, end) in ends.iter().enumerate() {
-            walk.arm(group, end.at, self.tree.pieces[end.piece as usize].anchor.as_deref(), side);
+        for (side, end) in ends.into_iter().enumerate() {
+            walk.arm(end, side);
         }
     }
 
@@ -240,7 +246,7 @@ impl Kinematics {
             let piece = self.tree.bodies[index] as usize;
             if let Some(mass) = &body.mass {
                 carried[piece] = &carried[piece] + mass;
-                self.add_moment(&mut arms, piece, body.centre.as_deref(), piece, mass);
+                self.add_moment(&mut arms, piece, body.centre.as_deref(), mass);
             }
         }
         let mut path = Path::default();
@@ -258,7 +264,7 @@ impl Kinematics {
                     path.runs.push(Run { coordinate: slide.coordinate, group, direction });
                 }
             }
-            self.add_moment(&mut arms, carrier, self.tree.pieces[piece].anchor.as_deref(), carrier, &mass);
+            self.add_moment(&mut arms, carrier, self.tree.pieces[piece].anchor.as_deref(), &mass);
             carried[carrier] = &carried[carrier] + &mass;
         }
         path.turns =
@@ -268,44 +274,40 @@ impl Kinematics {
     }
 
     /// First moment of a mass at `at`, carried by `piece`, about the piece's anchor.
-    fn add_moment(
-        &self,
-        arms: &mut [Option<Vector<Number>>],
-        piece: usize,
-        at: Option<&Vec3>,
-        anchor_of: usize,
-        mass: &Number,
-    ) {
-        let group = self.carriages[piece].group;
-        if group == NO_TURN {
-            return;
-        }
-        if let (Some(at), Some(anchor)) = (at, &self.tree.pieces[anchor_of].anchor) {
-            let moment = Vector::of(&at.sub(anchor)).scaled(mass);
-            let sum = arms[group as usize].take().map_or_else(|| moment.clone(), |arm| arm.plus(&moment));
-            arms[group as usize] = Some(sum);
-        }
+    fn add_moment(&self, arms: &mut [Option<Vector<Number>>], piece: usize, at: Option<&Vec3>, mass: &Number) {
+        let group = self.carriages[piece].group as usize;
+        let Some(arm) = self.arm(piece as PieceId, at) else { return };
+        let moment = arm.scaled(mass);
+        let sum = arms[group].take().map_or_else(|| moment.clone(), |sum| sum.plus(&moment));
+        arms[group] = Some(sum);
+    }
+
+    /// From a turning piece's anchor to a point of it; `None` where there is no way to go: the piece does not turn, a place
+    /// is not known, or both are one and the same place (also where its coordinates are known as balls only).
+    fn arm(&self, piece: PieceId, at: Option<&Vec3>) -> Option<Vector<Number>> {
+        let anchor = self.tree.pieces[piece as usize].anchor.as_deref()?;
+        let at = at.filter(|at| !std::ptr::eq(*at, anchor))?;
+        (self.carriages[piece as usize].group != NO_TURN).then(|| Vector::of(&at.sub(anchor)))
     }
 }
 
 /// A walk towards the ground on two sides: side 1 counts positive, side 0 negative.
-struct Walk<'a> {
-    kinematics: &'a Kinematics,
-    path: &'a mut Path<Number>,
+struct Walk<'k, 'p> {
+    kinematics: &'k Kinematics,
+    path: &'p mut Path<Number>,
     /// Where in the path's turns each side was last.
     last: [usize; 2],
 }
 
-impl Walk<'_> {
+impl<'k> Walk<'k, '_> {
     /// One piece towards the ground: its own arm and slides; the point is then the one by which the carrier holds it.
     fn step<'e>(&mut self, end: End<'e>, side: usize) -> End<'e>
     where
-        Self: 'e,
+        'k: 'e,
     {
         let kinematics = self.kinematics;
         let piece = &kinematics.tree.pieces[end.piece as usize];
-        let group = kinematics.carriages[end.piece as usize].group;
-        self.arm(group, end.at, piece.anchor.as_deref(), side);
+        self.arm(end, side);
         let group = kinematics.carriages[piece.carrier as usize].group;
         for slide in kinematics.own_slides(end.piece) {
             let direction = Vector::of(&kinematics.directions[slide.direction as usize]);
@@ -317,12 +319,10 @@ impl Walk<'_> {
     }
 
     /// Adds the arm from a piece's anchor to a point of it, to what this side or the other has in the same group.
-    fn arm(&mut self, group: u32, at: Option<&Vec3>, anchor: Option<&Vec3>, side: usize) {
-        let (Some(at), Some(anchor)) = (at, anchor) else { return };
-        if group == NO_TURN {
-            return;
-        }
-        let arm = Vector::of(&if side == 1 { at.sub(anchor) } else { anchor.sub(at) });
+    fn arm(&mut self, end: End, side: usize) {
+        let Some(arm) = self.kinematics.arm(end.piece, end.at) else { return };
+        let arm = if side == 1 { arm } else { arm.negated() };
+        let group = self.kinematics.carriages[end.piece as usize].group;
         let turns = &mut self.path.turns;
         let known = self.last.iter().find(|&&at| turns.get(at).is_some_and(|turn| turn.group == group));
         match known {
@@ -372,11 +372,50 @@ impl<S> Path<S> {
     }
 }
 
+impl<S> Path<S> {
+    /// Whether all motion on this way is along fixed directions.
+    pub fn is_straight(&self) -> bool {
+        self.turns.is_empty() && self.runs.iter().all(|run| run.group == NO_TURN)
+    }
+
+    /// The coordinates on the way, one at a time; a slide in a turning group with the angle of that group.
+    pub fn coordinates<'a>(&'a self, kinematics: &'a Kinematics) -> impl Iterator<Item = (Index, Option<Index>)> + 'a {
+        let angle = |group: u32| kinematics.groups[group as usize].coordinate;
+        let turns = self.turns.iter().map(move |turn| (angle(turn.group), None));
+        let carried = move |group: u32| (group != NO_TURN).then(|| angle(group));
+        turns.chain(self.runs.iter().map(move |run| (run.coordinate, carried(run.group))))
+    }
+}
+
 impl Path<Number> {
     /// Whether all motion on this way is along one fixed direction.
     pub fn keeps_to(&self, direction: &Vector<Number>) -> bool {
-        let along = |run: &Run<Number>| run.group == NO_TURN && run.direction.cross(direction).is_zero();
-        self.turns.is_empty() && self.runs.iter().all(along)
+        self.is_straight() && self.runs.iter().all(|run| run.direction.cross(direction).is_zero())
+    }
+
+    /// The longest arm, m.
+    pub fn longest_arm(&self) -> f64 {
+        self.turns.iter().map(|turn| turn.arm.norm_squared().to_f64().sqrt()).fold(0.0, f64::max)
+    }
+
+    /// The pieces of a way that carries a fixed force, by the part of the scene that each belongs to: such a way is a sum.
+    pub fn split(
+        self,
+        kinematics: &Kinematics,
+        part_of: impl Fn(Index) -> Option<usize>,
+    ) -> BTreeMap<usize, Path<Number>> {
+        let mut parts: BTreeMap<usize, Path<Number>> = BTreeMap::new();
+        for turn in self.turns {
+            if let Some(part) = part_of(kinematics.groups[turn.group as usize].coordinate) {
+                parts.entry(part).or_default().turns.push(turn);
+            }
+        }
+        for run in self.runs {
+            if let Some(part) = part_of(run.coordinate) {
+                parts.entry(part).or_default().runs.push(run);
+            }
+        }
+        parts
     }
 
     pub fn converted<S: Scalar>(&self) -> Path<S> {
@@ -404,21 +443,35 @@ impl<S: Scalar> State<S> {
         State { values: Vec::new(), turned: Vec::new(), zero: S::zero() }
     }
 
-    /// At these values of all coordinates, free and prescribed.
-    pub fn at(kinematics: &Kinematics, values: Vec<S>) -> State<S> {
-        let turned = kinematics.groups.iter().enumerate().map(|(group, at)| {
-            let angle = if group == 0 { None } else { values.get(at.coordinate as usize) };
-            angle.filter(|angle| !angle.is_zero()).map(Scalar::sin_cos)
-        });
-        State { turned: turned.collect(), values, zero: S::zero() }
+    pub fn is_drawn(&self) -> bool {
+        self.values.is_empty()
     }
 
     pub fn value(&self, coordinate: Index) -> &S {
         self.values.get(coordinate as usize).unwrap_or(&self.zero)
     }
 
-    pub fn values(&self) -> &[S] {
-        &self.values
+    /// Moves one coordinate.
+    pub fn set(&mut self, kinematics: &Kinematics, coordinate: Index, value: S) {
+        if self.values.is_empty() {
+            self.values = vec![S::zero(); kinematics.total()];
+            self.turned = vec![None; kinematics.groups.len()];
+        }
+        let group = kinematics.group_of[coordinate as usize];
+        if group != NO_TURN {
+            self.turned[group as usize] = (!value.is_zero()).then(|| value.sin_cos());
+        }
+        self.values[coordinate as usize] = value;
+    }
+}
+
+impl State<Number> {
+    pub fn converted<S: Scalar>(&self, kinematics: &Kinematics) -> State<S> {
+        let mut state = State::drawn();
+        for (coordinate, value) in self.values.iter().enumerate().filter(|(_, value)| !value.is_zero()) {
+            state.set(kinematics, coordinate as Index, S::of(value));
+        }
+        state
     }
 }
 
@@ -555,6 +608,7 @@ impl<'a> Numbering<'a> {
             groups: vec![ground],
             slides: Vec::new(),
             directions: vec![Vec3::X, Vec3::Y],
+            group_of: Vec::new(),
             free: Vec::new(),
             prescribed: 0,
             prescribed_inputs: Vec::new(),
@@ -580,6 +634,11 @@ impl<'a> Numbering<'a> {
             self.prescribe(self.kinematics.tree.bases[base.index()], translation, number);
         }
         self.inherit();
+        let mut group_of = vec![NO_TURN; self.kinematics.total()];
+        for (group, at) in self.kinematics.groups.iter().enumerate().skip(1) {
+            group_of[at.coordinate as usize] = group as u32;
+        }
+        self.kinematics.group_of = group_of;
         self.kinematics
     }
 

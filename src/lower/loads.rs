@@ -3,8 +3,9 @@
 
 use super::kinematics::{End, Index, Kinematics, Path, State};
 use crate::base::{Number, Vec3};
+use crate::elements::stretch::over_length;
 use crate::elements::{Pull, Scalar, Spring, Stretch, Vector};
-use crate::model::scene::{Attachment, Geometry, Input, Signal, SpringRest};
+use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Signal, SpringRest};
 
 /// The way between two ends, and the angles of the two.
 #[derive(Clone, Debug)]
@@ -106,7 +107,7 @@ fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Ge
         }
         (Stretch::Along { direction } | Stretch::Line { drawn: direction }, _) => {
             let along = drawn_line(ends).map_or(Number::ZERO, |drawn| drawn.dot(direction));
-            crate::elements::stretch::over_length(along, &direction.norm_squared())
+            over_length(along, &direction.norm_squared())
         }
     }
 }
@@ -127,6 +128,90 @@ pub fn spring(
 /// The way of a point against the ground.
 pub fn absolute(kinematics: &Kinematics, end: End, path: &mut Path<Number>) {
     kinematics.way(End::GROUND, end, path);
+}
+
+/// Something that gives the scene potential energy.
+#[derive(Clone, Copy, Debug)]
+pub enum Load<'a> {
+    /// A spring, or a constant push between two points.
+    Spring(&'a Spring<Number>, &'a Between<Number>),
+    /// A weight or a constant force.
+    Dead(&'a Vector<Number>, &'a Path<Number>),
+    /// A constant torque on an angle.
+    Torque(Index, &'a Number),
+}
+
+/// Shows everything that gives the scene potential energy, in order of declaration after the weights. With `loaded_only`
+/// springs that are unstretched as drawn are left out.
+pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see: impl FnMut(Load)) {
+    if !scene.gravity.is_zero() {
+        let path = kinematics.weighted_way(scene, &scene.gravity);
+        see(Load::Dead(&Vector::of(&scene.gravity), &path));
+    }
+    let mut between = Between::default();
+    for element in &scene.elements {
+        if let Law::Spring { stiffness, rest } = &element.law
+            && !(loaded_only && *rest == SpringRest::AsDrawn)
+        {
+            let spring = spring(kinematics, &element.ends, &element.geometry, (stiffness, rest), &mut between);
+            see(Load::Spring(&spring, &between));
+        }
+    }
+    for input in &scene.inputs {
+        if let Some(size) = constant(input) {
+            visit_constant(kinematics, input, &size, &mut between, &mut see);
+        }
+    }
+}
+
+fn visit_constant(
+    kinematics: &Kinematics,
+    input: &Input,
+    size: &Number,
+    between: &mut Between<Number>,
+    see: &mut impl FnMut(Load),
+) {
+    match &input.kind {
+        InputKind::Force { ends, direction } => {
+            for (end, force) in ends.iter().zip(opposite(size, direction)) {
+                absolute(kinematics, kinematics.end(end), &mut between.path);
+                see(Load::Dead(&force, &between.path));
+            }
+        }
+        InputKind::ForceBetween { ends } => {
+            let spring = push(kinematics, ends, size, between);
+            see(Load::Spring(&spring, between));
+        }
+        InputKind::Torque { ends } => {
+            for (end, torque) in ends.iter().zip([size.clone(), -size]) {
+                if let Some(angle) = kinematics.angle(kinematics.tree.piece(end.part)) {
+                    see(Load::Torque(angle, &torque));
+                }
+            }
+        }
+        // A base that stays displaced is part of the state.
+        InputKind::Base { .. } => {}
+    }
+}
+
+/// A force of this size along a direction, on the first end and on the second.
+pub fn opposite(size: &Number, direction: &Vec3) -> [Vector<Number>; 2] {
+    let direction = Vector::of(direction);
+    let force = direction.scaled(&over_length(size.clone(), &direction.norm_squared()));
+    [force.clone(), force.negated()]
+}
+
+/// The state as drawn, with the bases where constant signals hold them.
+pub fn drawn(scene: &Scene, kinematics: &Kinematics) -> State<Number> {
+    let mut state = State::drawn();
+    for (place, input) in kinematics.prescribed_inputs.iter().enumerate() {
+        if let Some(value) = constant(&scene.inputs[*input as usize]) {
+            let coordinate = (kinematics.n() + place) as Index;
+            let length_squared = kinematics.length_squared(coordinate).cloned().unwrap_or(Number::ONE);
+            state.set(kinematics, coordinate, over_length(value, &length_squared));
+        }
+    }
+    state
 }
 
 /// The constant part of an input's signal; `None` for zero.

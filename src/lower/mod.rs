@@ -62,8 +62,9 @@ fn lowered(scene: &Scene) -> Result<Lowered, Vec<LowerError>> {
     }
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;
-    let (rest, state) = rest::find(scene, &kinematics)?;
-    let system = assembly::assemble(scene, &kinematics, &state)?;
+    let found = rest::find(scene, &kinematics)?;
+    let system = assembly::assemble(scene, &kinematics, &found.state)?;
+    let rest = found.finish(scene, &kinematics, &system)?;
     Ok(Lowered { system, rest })
 }
 

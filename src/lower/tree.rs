@@ -270,9 +270,11 @@ impl Growth {
 
 /// The piece that `joint` ties to its carrier.
 fn carried(parts: &Parts, carrier: PieceId, class: u32, joint: u32, carried_by: &Piece) -> Piece {
-    let relative = joints::freedoms(&parts.scene.joints[joint as usize].kind);
+    let joint_of = &parts.scene.joints[joint as usize];
+    let relative = joints::freedoms(&joint_of.kind);
     // Where the joint holds no point any will do: parts that do not turn against each other share the carrier's.
-    let anchor = relative.anchor.map(Arc::new).or_else(|| carried_by.anchor.clone());
+    let held = relative.holds_point.then(|| joint_of.ends[0].at.clone()).flatten();
+    let anchor = held.or_else(|| carried_by.anchor.clone());
     let owner = parts.owner(class as usize);
     Piece { owner, carrier, joint: Some(JointId(joint)), anchor, turns: relative.turns }
 }

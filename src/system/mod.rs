@@ -6,6 +6,7 @@
 //! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled
 //! matrix does not (shared by Demmel et al., LAA 299 (1999) 21-80).
 
+pub mod ldl;
 pub mod signal;
 
 pub use signal::Signal;

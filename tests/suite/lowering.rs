@@ -194,3 +194,130 @@ fn a_freedom_without_inertia_is_told() {
         spring t: ground -- wheel { k = 2 N*m/rad }";
     assert_eq!(lowered(text).err(), Some(vec!["vib::freedom::no_inertia"]));
 }
+
+fn displacement(lowered: &Lowered) -> Vec<f64> {
+    lowered.rest.displacement.iter().map(Number::to_f64).collect()
+}
+
+/// A point mass of 15 kg on 4 m, drawn at 30 degrees from the horizontal: it hangs, and omega^2 = g / l.
+#[test]
+fn a_pendulum_finds_its_rest_from_far_away() {
+    for (x, y) in [("2 m", "-2 m * sqrt(3)"), ("4 m", "0"), ("2 m", "2 m * sqrt(3)"), ("-0.004 m", "4 m")] {
+        let text = format!(
+            "gravity 9.81 m/s^2
+            body bob {{ mass = 15 kg, at = ({x}, {y}) }}
+            pivot p: ground@(0, 0) -- bob"
+        );
+        let lowered = system(&text);
+        let rest = &lowered.rest;
+        assert!(rest.proven, "{x} {y}");
+        assert!(rest.residual < 1e-25, "{:e}", rest.residual);
+        let omega_squared = omega_squared(&text);
+        let length_squared = values(&lowered.system.m, 1)[0][0] / 15.0;
+        // The length follows from the drawing.
+        assert!((omega_squared * length_squared.sqrt() / 9.81 - 1.0).abs() < 1e-15, "{x} {y}");
+    }
+    let hanging = "gravity 9.81 m/s^2
+        body bob { mass = 15 kg, at = (4 m * cos(30 deg), -4 m * sin(30 deg)) }
+        pivot p: ground@(0, 0) -- bob";
+    let lowered = system(hanging);
+    // From 30 degrees below the horizontal to straight down: 60 degrees clockwise.
+    let turned = lowered.rest.displacement[0].to_ball();
+    assert!((turned.to_f64() + std::f64::consts::FRAC_PI_3).abs() < 1e-15);
+    assert!(turned.rad < 1e-28 && lowered.rest.proven);
+    assert!(lowered.rest.steps < 10, "{}", lowered.rest.steps);
+}
+
+/// m g = 10 N on k = 40 N/m: 1/4 m, exactly; the matrices do not depend on it.
+#[test]
+fn a_mass_sags_on_its_spring_by_an_exact_fraction() {
+    let text = "gravity 10 m/s^2
+        body block { mass = 1 kg, moves y, at = (0, 0) }
+        spring s: ground@(0, 2 m) -- block { k = 40 N/m }";
+    let lowered = system(text);
+    assert_eq!(lowered.rest.displacement, [Number::from(Rational::new(-1, 4))]);
+    assert_eq!((lowered.rest.residual, lowered.rest.proven), (0.0, true));
+    assert_eq!(entries(&lowered.system.k, 1), [["40"]]);
+}
+
+/// A mass in the plane between two springs drawn at half their lengths: they push it out to where both are relaxed.
+#[test]
+fn a_spring_drawn_at_half_its_length_relaxes() {
+    let text = "body ball { mass = 1 kg, at = (0, 0.1 m), moves x y }
+        spring a: ground@(-1 m, 0) -- ball { k = 100 N/m, free_length = 2 m }
+        spring b: ball -- ground@(1 m, 0) { k = 100 N/m, free_length = 2 m }";
+    let lowered = system(text);
+    let [x, y] = displacement(&lowered)[..] else { panic!("two coordinates") };
+    // An equilateral triangle of side 2: height sqrt(3). By symmetry x stays.
+    assert!(lowered.rest.displacement[0].may_be_zero() && x.abs() < 1e-25, "{x}");
+    assert!((y + 0.1 - 3f64.sqrt()).abs() < 1e-15 && lowered.rest.proven);
+    let k = values(&lowered.system.k, 2);
+    assert!((k[0][0] - 50.0).abs() < 1e-12 && (k[1][1] - 150.0).abs() < 1e-12, "{k:?}");
+}
+
+/// P13 of the published cases (ANSYS VM9): large displacements under a dead load, which is a constant force here.
+#[test]
+fn a_constant_force_is_part_of_rest() {
+    let text = "body P { mass = 1 kg, at = (0, 0), moves x y }
+        spring a: ground@(0, -10 m) -- P { k = 1 N/m }
+        spring b: ground@(0, 10 m) -- P { k = 8 N/m }
+        force F: P along (1, 1) = constant(sqrt(50) * 1 N)";
+    let lowered = system(text);
+    let [x, y] = displacement(&lowered)[..] else { panic!("two coordinates") };
+    assert!((x - 8.632066133347).abs() < 1e-12 && (y - 4.531906698982).abs() < 1e-12, "{x} {y}");
+    assert!(lowered.rest.proven);
+}
+
+#[test]
+fn an_upright_rod_on_a_sagging_cart_stays_upright() {
+    let text = "gravity 10 m/s^2
+        body cart { mass = 1 kg, moves y, at = (0, 0) }
+        body rod { mass = 1 kg, shape = rod((0, 0), (0, 1 m)) }
+        pivot p: cart@(0, 0) -- rod
+        spring s: ground@(0, -1 m) -- cart { k = 100 N/m }";
+    let lowered = system(text);
+    assert_eq!(lowered.rest.displacement, [Number::from(Rational::new(-1, 5)), Number::ZERO]);
+    assert_eq!(entries(&lowered.system.k, 2), [["100", "0"], ["0", "-5"]]);
+}
+
+#[test]
+fn what_nothing_holds_falls() {
+    let text = "gravity 10 m/s^2
+        body stone { mass = 1 kg, moves x y }
+        spring s: ground -- stone { k = 10 N/m, along = x }";
+    assert_eq!(lowered(text).err(), Some(vec!["vib::rest::not_found"]));
+    let swinging = "gravity 10 m/s^2
+        body cart { mass = 1 kg, moves x y, at = (0, 0) }
+        body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }
+        pivot p: cart@(0, 0) -- rod
+        spring s: ground@(-1 m, 0) -- rod@(1 m, 0) { k = 1 N/m, along = x }";
+    assert_eq!(lowered(swinging).err(), Some(vec!["vib::rest::not_found"]));
+}
+
+/// Two masses pushed apart by a spring, on no ground: each goes its way, and the chain stays where it is.
+#[test]
+fn a_free_chain_relaxes_in_place() {
+    let text = "body a { mass = 1 kg, moves x }
+        body b { mass = 1 kg, moves x }
+        spring s: a -- b { k = 10 N/m, preload = -20 N }";
+    let lowered = system(text);
+    let exact: Vec<Number> = [-1, 1].map(Number::from).to_vec();
+    assert_eq!(lowered.rest.displacement, exact);
+    assert!(lowered.rest.proven);
+}
+
+/// A chain of 1000 masses hanging under gravity sags by m g / k times 1000 + 999 + ... at each.
+#[test]
+fn a_long_chain_sags_as_the_sum_of_its_weights() {
+    let text = "gravity 10 m/s^2
+        body m[1] { mass = 1 kg, moves y }
+        spring k[1]: ground -- m[1] { k = 10000 N/m }
+        repeat i in 2..1000 {
+            body m[i] { mass = 1 kg, moves y }
+            spring k[i]: m[i-1] -- m[i] { k = 10000 N/m }
+        }";
+    let lowered = system(text);
+    assert!(lowered.rest.proven);
+    let last = lowered.rest.displacement[999].to_ball();
+    assert!((last.to_f64() + 500.5).abs() <= last.rad && last.rad < 1e-20, "{last:?}");
+}

@@ -1,0 +1,171 @@
+//! The rest of large parts with a quadratic energy: K q = f by sparse factors, refined with exact residuals.
+//! Clause: spec.md, "Rest".
+//!
+//! The enclosure is proven for chains and nets of springs, whose K has no positive entry off its diagonal: with a vector
+//! w > 0 for which v = K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for
+//! Systems of Equations*, 1990, section 3.6: K is an M-matrix, so its inverse has no negative entry).
+
+use super::survey::{Part, Survey};
+use crate::base::{Ball, Dd, Number};
+use crate::elements::Scalar;
+use crate::lower::kinematics::{Index, Kinematics};
+use crate::system::LinearSystem;
+use crate::system::ldl::{Factors, Symmetric};
+
+/// The rest of one part.
+pub struct Solved {
+    pub displacement: Vec<(Index, Number)>,
+    pub residual: f64,
+    pub proven: bool,
+}
+
+/// Coordinates on which a force is left that nothing balances, N or N m.
+pub type Left = Vec<(Index, f64)>;
+
+/// The squares of K that belong to one part: weights and rows in local numbers.
+struct Stiffness {
+    n: usize,
+    weights: Vec<Ball>,
+    starts: Vec<usize>,
+    entries: Vec<(u32, Ball)>,
+}
+
+/// Each refinement gains the sixteen digits of binary64, less those that the conditioning takes.
+const MAX_REFINEMENTS: usize = 10;
+
+pub fn solve(
+    kinematics: &Kinematics,
+    system: &LinearSystem,
+    survey: &Survey,
+    parts: &[&Part],
+) -> Vec<Result<Solved, Left>> {
+    let mut stiffness: Vec<Stiffness> = parts.iter().map(|part| Stiffness::new(part.coordinates.len())).collect();
+    let mut part_of = vec![usize::MAX; kinematics.n()];
+    for (number, part) in parts.iter().enumerate() {
+        for coordinate in &part.coordinates {
+            part_of[*coordinate as usize] = number;
+        }
+    }
+    for term in system.k.terms() {
+        let row = system.k.row(term);
+        if let Some(stiffness) = row.first().and_then(|(first, _)| stiffness.get_mut(part_of[first.index()])) {
+            let row = row.iter().map(|(i, value)| (survey.local[i.index()], value.to_ball()));
+            stiffness.push(term.weight.to_ball(), row);
+        }
+    }
+    let forces = |part: &Part| part.coordinates.iter().map(|i| force(kinematics, survey, *i)).collect();
+    parts.iter().zip(&stiffness).map(|(part, stiffness)| solve_part(part, stiffness, forces(part))).collect()
+}
+
+/// -dV/dq as drawn, of a coordinate in metres or radians.
+fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
+    let slope = &survey.forces[coordinate as usize];
+    match kinematics.length_squared(coordinate) {
+        Some(length_squared) => -slope.over(&length_squared.root()).to_ball(),
+        None => -slope.to_ball(),
+    }
+}
+
+fn solve_part(part: &Part, stiffness: &Stiffness, forces: Vec<Ball>) -> Result<Solved, Left> {
+    let factors = stiffness.factors().map_err(|row| vec![(part.coordinates[row], forces[row].to_f64())])?;
+    let mut middle = vec![Dd::ZERO; forces.len()];
+    let mut last = f64::INFINITY;
+    let mut left = stiffness.left(&forces, &middle);
+    for _ in 0..MAX_REFINEMENTS {
+        let mut step: Vec<f64> = left.iter().map(Ball::to_f64).collect();
+        factors.solve(&mut step);
+        let size = step.iter().map(|step| step.abs()).fold(0.0, f64::max);
+        if size.is_nan() || size >= last {
+            break;
+        }
+        last = size;
+        for (at, step) in middle.iter_mut().zip(&step) {
+            *at += Dd::from(*step);
+        }
+        left = stiffness.left(&forces, &middle);
+    }
+    let bounds = stiffness.error_bounds(&factors, &left);
+    // Without a proof: what another step of refinement would change is far below what the last one did.
+    let radius = |i: usize| bounds.as_ref().map_or(last, |bounds| bounds[i]);
+    let ball = |i: usize| Number::Ball(Ball::new(middle[i], radius(i)));
+    let displacement = part.coordinates.iter().enumerate().map(|(i, coordinate)| (*coordinate, ball(i))).collect();
+    let largest = forces.iter().map(Ball::magnitude).fold(0.0, f64::max);
+    let residual = left.iter().map(|left| left.mid.hi.abs()).fold(0.0, f64::max) / largest;
+    Ok(Solved { displacement, residual, proven: bounds.is_some() })
+}
+
+impl Stiffness {
+    fn new(n: usize) -> Stiffness {
+        Stiffness { n, weights: Vec::new(), starts: vec![0], entries: Vec::new() }
+    }
+
+    fn push(&mut self, weight: Ball, row: impl Iterator<Item = (u32, Ball)>) {
+        self.weights.push(weight);
+        self.entries.extend(row);
+        self.starts.push(self.entries.len());
+    }
+
+    fn squares(&self) -> impl Iterator<Item = (Ball, &[(u32, Ball)])> {
+        let rows = self.starts.windows(2).map(|ends| &self.entries[ends[0]..ends[1]]);
+        self.weights.iter().copied().zip(rows)
+    }
+
+    /// The factors in binary64, or the row of a pivot that is rounding only.
+    fn factors(&self) -> Result<Factors, usize> {
+        let (mut places, mut values) = (Vec::new(), Vec::new());
+        for (weight, row) in self.squares() {
+            for (a, (i, left)) in row.iter().enumerate() {
+                for (j, right) in &row[..=a] {
+                    places.push((*i, *j));
+                    values.push(weight.to_f64() * left.to_f64() * right.to_f64());
+                }
+            }
+        }
+        let mut matrix = Symmetric::pattern(self.n, &places);
+        matrix.fill(values);
+        matrix.factor(|_| 0.0, 1e-15).map_err(|stopped| stopped.row)
+    }
+
+    /// f - K q: K q as the sum of w (a . q) a, which keeps the digits that the matrix would lose.
+    fn left(&self, forces: &[Ball], at: &[Dd]) -> Vec<Ball> {
+        let mut left = forces.to_vec();
+        for (weight, row) in self.squares() {
+            let stretch = row.iter().fold(Ball::ZERO, |sum, (i, value)| sum + *value * Ball::exact(at[*i as usize]));
+            let tension = weight * stretch;
+            for (i, value) in row {
+                left[*i as usize] = left[*i as usize] - tension * *value;
+            }
+        }
+        left
+    }
+
+    /// Bounds of |q - q~|, where K is an M-matrix.
+    fn error_bounds(&self, factors: &Factors, left: &[Ball]) -> Option<Vec<f64>> {
+        let springs = |(weight, row): (Ball, &[(u32, Ball)])| match row {
+            [_] => true,
+            [(_, a), (_, b)] => weight.is_positive() && (*a * *b).is_negative(),
+            _ => false,
+        };
+        if !self.squares().all(springs) {
+            return None;
+        }
+        let mut w = vec![1.0; self.n];
+        factors.solve(&mut w);
+        if !w.iter().all(|w| *w > 0.0) {
+            return None;
+        }
+        // K w = -(0 - K w), in balls.
+        let at: Vec<Dd> = w.iter().map(|w| Dd::from(*w)).collect();
+        let v: Vec<f64> = self.left(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
+        if !v.iter().all(|v| *v > 0.0) {
+            return None;
+        }
+        let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, f64::max);
+        Some(w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect())
+    }
+}
+
+/// The least number of a ball.
+fn least(ball: Ball) -> f64 {
+    if ball.is_positive() { ball.mignitude() } else { 0.0 }
+}

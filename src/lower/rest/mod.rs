@@ -1,0 +1,181 @@
+//! The static rest: where the scene stays when nothing moves. Clause: spec.md, "Rest".
+//!
+//! # Steps
+//! 1. the forces as drawn, exactly: where they are all zero the drawing is the rest
+//! 2. [`survey`]: which coordinates hang together and are loaded
+//! 3. [`newton`]: down to a minimum of the energy of each such part
+//! 4. [`enclosure`]: refined, and proven
+//! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms
+
+pub mod enclosure;
+pub mod exact;
+pub mod linear;
+pub mod newton;
+pub mod potential;
+pub mod survey;
+
+use super::error::{LowerError, NoRestReason, Unbalanced};
+use super::kinematics::{Index, Kinematics, State};
+use super::loads;
+use crate::base::Number;
+use crate::elements::Scalar;
+use crate::model::scene::Scene;
+use crate::system::{CoordinateKind, LinearSystem};
+use enclosure::{MAX_DENSE, Refinement};
+use newton::{Descended, Descent};
+use survey::{Part, Survey};
+
+/// The rest that lowering found, measured from the drawing.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// Displacement of each coordinate from the drawing, m or rad, in the order of the system's coordinates. An enclosure:
+    /// the true rest lies in these balls (exact zeros where the drawing is the rest).
+    pub displacement: Vec<Number>,
+    /// Largest generalised force that is left, relative to the largest that acts in its part; exactly 0 where the rest is
+    /// known exactly.
+    pub residual: f64,
+    /// Whether the enclosure is proven (see spec.md, "Rest").
+    pub proven: bool,
+    /// Newton steps that were taken; 0 where the drawing is the rest.
+    pub steps: u32,
+}
+
+/// A rest whose large linear parts are still to be solved.
+#[derive(Clone, Debug)]
+pub struct Found {
+    rest: Rest,
+    /// All coordinates at rest, but those of large linear parts as drawn: no term depends on them.
+    pub state: State<Number>,
+    survey: Option<Survey>,
+}
+
+/// The rest of a scene.
+pub fn find(scene: &Scene, kinematics: &Kinematics) -> Result<Found, Vec<LowerError>> {
+    let state = loads::drawn(scene, kinematics);
+    let rest = Rest { displacement: Vec::new(), residual: 0.0, proven: true, steps: 0 };
+    let mut found = Found { rest, state, survey: None };
+    if !is_loaded(scene) {
+        return Ok(found);
+    }
+    let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
+    if forces.iter().all(Number::is_zero) {
+        return Ok(found);
+    }
+    let mut survey = survey::survey(scene, kinematics, forces);
+    found.search(scene, kinematics, &mut survey)?;
+    found.survey = Some(survey);
+    Ok(found)
+}
+
+/// Whether anything could pull as drawn.
+fn is_loaded(scene: &Scene) -> bool {
+    use crate::model::scene::{Law, SpringRest};
+    let pulls = |law: &Law| matches!(law, Law::Spring { rest, .. } if *rest != SpringRest::AsDrawn);
+    !scene.gravity.is_zero()
+        || scene.elements.iter().any(|element| pulls(&element.law))
+        || scene.inputs.iter().any(|input| loads::constant(input).is_some())
+}
+
+impl Found {
+    /// Every part but the large linear ones.
+    fn search(&mut self, scene: &Scene, kinematics: &Kinematics, survey: &mut Survey) -> Result<(), Vec<LowerError>> {
+        let mut steering: State<f64> = self.state.converted(kinematics);
+        let mut lost = Vec::new();
+        let Survey { parts, local, .. } = survey;
+        for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
+            let descended = descend(kinematics, part, local, &mut steering);
+            if !descended.settled {
+                lost.push(no_rest(scene, kinematics, part, &descended));
+                continue;
+            }
+            let values: Vec<f64> = part.coordinates.iter().map(|i| *steering.value(*i)).collect();
+            let refinement = Refinement::new(kinematics, part, &mut self.state);
+            let refined = refinement.run(local, &values);
+            self.rest.steps += descended.steps;
+            self.rest.residual = self.rest.residual.max(refined.residual);
+            self.rest.proven &= refined.proven;
+        }
+        if lost.is_empty() { Ok(()) } else { Err(lost) }
+    }
+
+    /// The rest of all coordinates; large linear parts by the stiffness that was assembled.
+    pub fn finish(
+        self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        system: &LinearSystem,
+    ) -> Result<Rest, Vec<LowerError>> {
+        let Found { mut rest, state, survey } = self;
+        rest.displacement = (0..kinematics.n() as Index).map(|i| measured(kinematics, i, state.value(i))).collect();
+        let Some(survey) = survey else { return Ok(rest) };
+        let large: Vec<&Part> = survey.parts.iter().filter(|part| part.is_large_and_linear()).collect();
+        for solved in linear::solve(kinematics, system, &survey, &large) {
+            let solved = solved.map_err(|left| vec![falls(scene, kinematics, &left)])?;
+            for (coordinate, value) in solved.displacement {
+                rest.displacement[coordinate as usize] = value;
+            }
+            rest.steps += 1;
+            rest.residual = rest.residual.max(solved.residual);
+            rest.proven &= solved.proven;
+        }
+        Ok(rest)
+    }
+}
+
+impl Part {
+    pub fn is_large_and_linear(&self) -> bool {
+        self.linear && self.coordinates.len() > MAX_DENSE
+    }
+}
+
+/// In metres or radians.
+fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
+    match kinematics.length_squared(coordinate) {
+        Some(length_squared) if !value.is_zero() => value * &length_squared.root(),
+        _ => value.clone(),
+    }
+}
+
+/// The way down from the drawing; none where no force is certainly there.
+fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], state: &mut State<f64>) -> Descended {
+    let potential = part.potential.converted();
+    let length = part.length();
+    let descent =
+        Descent { kinematics, coordinates: &part.coordinates, local, potential, state, length, linear: part.linear };
+    if part.unbalanced { descent.run() } else { descent.stay() }
+}
+
+fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Descended) -> LowerError {
+    let energy = &descended.energy;
+    let relative = |place: usize| energy.gradient[place].abs() / energy.forces[place].max(f64::MIN_POSITIVE);
+    // What is left of balancing forces after many steps is far above their rounding.
+    let mut places: Vec<usize> = (0..energy.gradient.len()).filter(|&place| relative(place) > 1e-9).collect();
+    places.sort_by(|&a, &b| relative(b).total_cmp(&relative(a)).then(a.cmp(&b)));
+    let left: Vec<(Index, f64)> =
+        places.iter().map(|&place| (part.coordinates[place], -energy.gradient[place])).collect();
+    // Nothing pulls the other way: it falls.
+    let falling: Vec<(Index, f64)> =
+        places.iter().zip(&left).filter(|(place, _)| relative(**place) > 0.99).map(|(_, left)| *left).collect();
+    if falling.is_empty() {
+        return unbalanced(scene, kinematics, &left, NoRestReason::NotSettled);
+    }
+    falls(scene, kinematics, &falling)
+}
+
+fn falls(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> LowerError {
+    unbalanced(scene, kinematics, left, NoRestReason::Falls)
+}
+
+fn unbalanced(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)], reason: NoRestReason) -> LowerError {
+    let named = |(coordinate, force): &(Index, f64)| {
+        let freely = &kinematics.free[*coordinate as usize];
+        let body = &scene.bodies[freely.body.index()];
+        Unbalanced {
+            coordinate: format!("{}.{}", scene.words.display(body.name), freely.motion),
+            span: body.span,
+            force: *force,
+            turns: freely.kind == CoordinateKind::Rotation,
+        }
+    };
+    LowerError::NoRest { span: scene.bodies[0].span, left: left.iter().map(named).collect(), reason }
+}

@@ -1,0 +1,209 @@
+//! The way down: from the drawing to a rest of one part, in binary64. Clause: spec.md, "Rest".
+//!
+//! Newton steps with a trust region: p = -(H + lambda D)^-1 g, with the least lambda for which H + lambda D is positive
+//! definite and |p|_D is within the radius (J. J. More, D. C. Sorensen, *Computing a trust region step*, SIAM J. Sci. Stat.
+//! Comput. 4 (1983) 553-572). D measures angles in radians and translations in lengths of the part. Every step lowers the
+//! energy, so the way ends in a minimum; a coordinate on which nothing pulls stays where it is drawn, also on top of a hill.
+
+use super::potential::{Detail, Energy, Potential};
+use crate::lower::kinematics::{Index, Kinematics, State};
+use crate::system::ldl::{Factors, Symmetric};
+
+/// A part of the scene on its way down.
+pub struct Descent<'a> {
+    pub kinematics: &'a Kinematics,
+    pub coordinates: &'a [Index],
+    pub local: &'a [u32],
+    pub potential: Potential<f64>,
+    pub state: &'a mut State<f64>,
+    /// The longest spring or arm of the part, m.
+    pub length: f64,
+    pub linear: bool,
+}
+
+/// How it ended.
+#[derive(Clone, Debug)]
+pub struct Descended {
+    pub settled: bool,
+    pub steps: u32,
+    pub energy: Energy<f64>,
+}
+
+/// Steps before it is given up: a step is at most half a radian or half a length of the part at first.
+const MAX_STEPS: u32 = 500;
+/// A step this small in the measure D changes nothing that binary64 can hold: rounding of the positions is 1e-16.
+const STILL: f64 = 1e-13;
+/// Forces that balance to this part of their sizes: rounding of the sums of a few terms.
+const BALANCED: f64 = 1e-14;
+const FIRST_RADIUS: f64 = 0.5;
+/// Angles do not turn by more than about this in one step, so that no rest is jumped over.
+const LARGEST_RADIUS: f64 = 1.0;
+/// Lengths of the part beyond which it is taken to fall.
+const AWAY: f64 = 1e6;
+/// A pivot that is less than this part of what it was made from is rounding.
+const LEAST_PIVOT: f64 = 1e-13;
+
+impl Descent<'_> {
+    pub fn run(mut self) -> Descended {
+        let measure = self.measure();
+        let turning = self.coordinates.iter().any(|&coordinate| self.kinematics.is_angle(coordinate));
+        let mut radius = if self.linear { AWAY } else { FIRST_RADIUS };
+        let mut matrix = Matrix::default();
+        let mut energy = self.energy(Detail::Curvature);
+        for steps in 0..MAX_STEPS {
+            if imbalance(&energy) <= BALANCED {
+                return Descended { settled: true, steps, energy };
+            }
+            matrix.take(&energy);
+            let Some(step) = matrix.step(&energy.gradient, &measure, radius) else { break };
+            let before = self.values();
+            self.walk(&step.direction);
+            let next = self.energy(Detail::Curvature);
+            // What rounding leaves of the energies, a few units of each.
+            let noise = 1e-15 * (energy.size + next.size);
+            if step.predicted <= noise {
+                // The energies cannot tell any more: the forces do.
+                if imbalance(&next) > 0.5 * imbalance(&energy) {
+                    self.put(&before);
+                    return Descended { settled: true, steps, energy };
+                }
+                energy = next;
+                continue;
+            }
+            let gain = (energy.value - next.value + noise) / (step.predicted + noise);
+            if gain.is_nan() || gain < 0.1 {
+                self.put(&before);
+                radius = step.length / 4.0;
+            } else {
+                energy = next;
+                if gain > 0.75 {
+                    let largest = if turning { LARGEST_RADIUS } else { AWAY };
+                    radius = radius.max(2.0 * step.length).min(largest);
+                } else if gain < 0.25 {
+                    radius = step.length / 4.0;
+                }
+            }
+            if step.length <= STILL {
+                return Descended { settled: true, steps: steps + 1, energy };
+            }
+            if self.is_away(&measure) {
+                break;
+            }
+        }
+        Descended { settled: false, steps: MAX_STEPS, energy }
+    }
+
+    fn energy(&self, detail: Detail) -> Energy<f64> {
+        self.potential.at(self.kinematics, self.state, self.local, self.coordinates.len(), detail)
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.coordinates.iter().map(|coordinate| *self.state.value(*coordinate)).collect()
+    }
+
+    fn put(&mut self, values: &[f64]) {
+        for (coordinate, value) in self.coordinates.iter().zip(values) {
+            self.state.set(self.kinematics, *coordinate, *value);
+        }
+    }
+
+    fn walk(&mut self, direction: &[f64]) {
+        let values: Vec<f64> = self.values().iter().zip(direction).map(|(value, step)| value + step).collect();
+        self.put(&values);
+    }
+
+    /// Where it is drawn: nothing is certainly unbalanced.
+    pub fn stay(self) -> Descended {
+        Descended { settled: true, steps: 0, energy: self.energy(Detail::Sizes) }
+    }
+
+    /// The diagonal of D: 1 for an angle, 1 / length^2 for a translation.
+    fn measure(&self) -> Vec<f64> {
+        let weight =
+            |coordinate: &Index| if self.kinematics.is_angle(*coordinate) { 1.0 } else { self.length.powi(-2) };
+        self.coordinates.iter().map(weight).collect()
+    }
+
+    fn is_away(&self, measure: &[f64]) -> bool {
+        let far = |(coordinate, weight): (&Index, &f64)| self.state.value(*coordinate).abs() * weight.sqrt() > AWAY;
+        self.coordinates.iter().zip(measure).any(far)
+    }
+}
+
+/// The largest force that is left, relative to those that act on its coordinate.
+fn imbalance(energy: &Energy<f64>) -> f64 {
+    let relative = |(left, forces): (&f64, &f64)| if *left == 0.0 { 0.0 } else { left.abs() / forces };
+    energy.gradient.iter().zip(&energy.forces).map(relative).fold(0.0, f64::max)
+}
+
+/// The second derivative, its pattern kept from step to step.
+#[derive(Default)]
+pub struct Matrix {
+    places: Vec<(u32, u32)>,
+    symmetric: Option<Symmetric>,
+}
+
+/// A step and what it promises.
+struct Step {
+    direction: Vec<f64>,
+    /// |p|_D
+    length: f64,
+    /// What a quadratic energy would fall by.
+    predicted: f64,
+}
+
+impl Matrix {
+    pub fn take(&mut self, energy: &Energy<f64>) {
+        let places = energy.curvature.iter().map(|(i, j, _)| (*i, *j));
+        if self.symmetric.is_none() || !places.clone().eq(self.places.iter().copied()) {
+            self.places = places.collect();
+            self.symmetric = Some(Symmetric::pattern(energy.gradient.len(), &self.places));
+        }
+        if let Some(symmetric) = &mut self.symmetric {
+            symmetric.fill(energy.curvature.iter().map(|(_, _, value)| *value));
+        }
+    }
+
+    /// The factors of the matrix itself, where it is positive definite.
+    pub fn factor(&self) -> Option<Factors> {
+        self.symmetric.as_ref()?.factor(|_| 0.0, LEAST_PIVOT).ok()
+    }
+
+    /// `None` where no shift makes a step: numbers beyond binary64.
+    fn step(&self, gradient: &[f64], measure: &[f64], radius: f64) -> Option<Step> {
+        let symmetric = self.symmetric.as_ref()?;
+        let sizes = symmetric.diagonal();
+        let size = sizes.iter().zip(measure).map(|(size, weight)| size.abs() / weight).fold(0.0, f64::max);
+        let pulls = gradient.iter().zip(measure).map(|(pull, weight)| pull.abs() / weight.sqrt()).fold(0.0, f64::max);
+        // Where nothing is stiff the force itself sets the scale: a step of the radius.
+        let scale = size.max(pulls / radius);
+        let mut shift = 0.0;
+        for _ in 0..200 {
+            let Ok(factors) = symmetric.factor(|row| shift * measure[row], LEAST_PIVOT) else {
+                shift = if shift == 0.0 { 1e-10 * scale } else { 4.0 * shift };
+                continue;
+            };
+            let mut direction: Vec<f64> = gradient.iter().map(|pull| -pull).collect();
+            factors.solve(&mut direction);
+            let length = norm(&direction, measure);
+            if !length.is_finite() || shift > 1e30 * scale {
+                return None;
+            }
+            if length <= 1.1 * radius {
+                let slope: f64 = gradient.iter().zip(&direction).map(|(pull, step)| pull * step).sum();
+                return Some(Step { predicted: 0.5 * (shift * length * length - slope), direction, length });
+            }
+            // One Newton step of 1 / |p(shift)| towards 1 / radius.
+            let mut response: Vec<f64> = direction.iter().zip(measure).map(|(step, weight)| step * weight).collect();
+            let weighted = response.clone();
+            factors.solve(&mut response);
+            let curvature: f64 = response.iter().zip(&weighted).map(|(a, b)| a * b).sum();
+            shift += (length / radius - 1.0) * length * length / curvature;
+        }
+        None
+    }
+}
+
+fn norm(step: &[f64], measure: &[f64]) -> f64 {
+    step.iter().zip(measure).map(|(step, weight)| step * step * weight).sum::<f64>().sqrt()
+}

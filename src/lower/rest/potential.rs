@@ -1,0 +1,237 @@
+//! The potential energy of loads and springs at any state, with first and second derivatives: in binary64 for the search,
+//! in [`Number`](crate::base::Number) for what is kept. Clause: spec.md, "Rest".
+
+use crate::base::Number;
+use crate::elements::{DeadForce, Scalar, Spring, Stretch, Stretched, Vector};
+use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
+use crate::lower::loads::Between;
+
+/// What gives a set of coordinates its energy.
+#[derive(Clone, Debug)]
+pub struct Potential<S> {
+    pub springs: Vec<(Spring<S>, Between<S>)>,
+    /// Weights and constant forces.
+    pub dead: Vec<(DeadForce<S>, Path<S>)>,
+    /// Constant torques on angles.
+    pub torques: Vec<(Index, S)>,
+}
+
+impl<S> Default for Potential<S> {
+    fn default() -> Potential<S> {
+        Potential { springs: Vec::new(), dead: Vec::new(), torques: Vec::new() }
+    }
+}
+
+/// Energy and derivatives at a state, over the coordinates of one part of the scene in local numbers.
+#[derive(Clone, Debug)]
+pub struct Energy<S> {
+    pub value: S,
+    pub gradient: Vec<S>,
+    /// For each coordinate, the sum of force times lever of all that acts on it: what the gradient is small against. Only
+    /// with `Detail::Sizes` or more.
+    pub forces: Vec<f64>,
+    /// Sum of the sizes of all energies, for what rounding leaves of their sum.
+    pub size: f64,
+    /// Entries of the second derivative, places in a fixed order; each pair once, places may repeat.
+    pub curvature: Vec<(u32, u32, S)>,
+}
+
+/// How much of an energy is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Detail {
+    Gradient,
+    Sizes,
+    Curvature,
+}
+
+/// Global to local numbers: the place of each coordinate in its own part; `ELSEWHERE` for prescribed ones.
+pub const ELSEWHERE: u32 = u32::MAX;
+
+impl Potential<Number> {
+    pub fn converted<S: Scalar>(&self) -> Potential<S> {
+        let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
+        let stretch = |stretch: &Stretch<Number>| match stretch {
+            Stretch::Line { drawn } => Stretch::Line { drawn: vector(drawn) },
+            Stretch::Along { direction } => Stretch::Along { direction: vector(direction) },
+            Stretch::Torsion => Stretch::Torsion,
+        };
+        let spring = |spring: &Spring<Number>| Spring {
+            stretch: stretch(&spring.stretch),
+            stiffness: S::of(&spring.stiffness),
+            preload: S::of(&spring.preload),
+        };
+        Potential {
+            springs: self.springs.iter().map(|(s, between)| (spring(s), between.converted())).collect(),
+            dead: self.dead.iter().map(|(f, path)| (DeadForce { force: vector(&f.force) }, path.converted())).collect(),
+            torques: self.torques.iter().map(|(angle, torque)| (*angle, S::of(torque))).collect(),
+        }
+    }
+}
+
+impl<S: Scalar> Potential<S> {
+    /// Energy and derivatives over `n` coordinates.
+    pub fn at(&self, kinematics: &Kinematics, state: &State<S>, local: &[u32], n: usize, detail: Detail) -> Energy<S> {
+        let mut sum = Sum::new(kinematics, state, local, n, detail);
+        for (spring, between) in &self.springs {
+            sum.spring(spring, between);
+        }
+        for (dead, path) in &self.dead {
+            sum.dead(dead, path);
+        }
+        for (angle, torque) in &self.torques {
+            sum.torque(*angle, torque);
+        }
+        sum.energy
+    }
+}
+
+/// A sum in progress.
+pub struct Sum<'a, S> {
+    kinematics: &'a Kinematics,
+    state: &'a State<S>,
+    local: &'a [u32],
+    detail: Detail,
+    pub energy: Energy<S>,
+    reach: Reach<S>,
+    row: Vec<(Index, S)>,
+}
+
+impl<'a, S: Scalar> Sum<'a, S> {
+    pub fn new(
+        kinematics: &'a Kinematics,
+        state: &'a State<S>,
+        local: &'a [u32],
+        n: usize,
+        detail: Detail,
+    ) -> Sum<'a, S> {
+        let energy = Energy {
+            value: S::zero(),
+            gradient: vec![S::zero(); n],
+            forces: vec![0.0; n],
+            size: 0.0,
+            curvature: Vec::new(),
+        };
+        Sum { kinematics, state, local, detail, energy, reach: Reach::default(), row: Vec::new() }
+    }
+
+    pub fn spring(&mut self, spring: &Spring<S>, between: &Between<S>) {
+        self.reach.measure(self.kinematics, self.state, &between.path);
+        let stretched = spring.stretch.at(&self.reach.displacement, &between.turn(self.state));
+        self.value(spring.energy(&stretched));
+        let tension = spring.tension(&stretched);
+        let length_squared = self.slope(&stretched, between);
+        let rate = crate::elements::stretch::over_length(tension.clone(), &length_squared);
+        self.force(&rate);
+        if let Some(force) = stretched.force(&tension) {
+            self.sizes(&force);
+        } else {
+            self.turn_sizes(&tension);
+        }
+        if self.detail < Detail::Curvature {
+            return;
+        }
+        self.square(&spring.stiffness.over(&length_squared));
+        for square in stretched.tension_squares(&tension).into_iter().flatten() {
+            self.reach.row(&square.direction, &mut self.row);
+            self.square(&square.weight);
+        }
+        if let Some(force) = stretched.force(&tension) {
+            self.curvature(&force);
+        }
+    }
+
+    /// Puts grad e into the row, to be divided by the root of the number returned.
+    fn slope(&mut self, stretched: &Stretched<S>, between: &Between<S>) -> S {
+        match stretched {
+            Stretched::Displacement { direction, length_squared, .. } => {
+                self.reach.row(direction, &mut self.row);
+                length_squared.clone()
+            }
+            Stretched::Turn { .. } => {
+                between.turn_row(&mut self.row);
+                S::one()
+            }
+        }
+    }
+
+    pub fn dead(&mut self, dead: &DeadForce<S>, path: &Path<S>) {
+        self.reach.measure(self.kinematics, self.state, path);
+        self.value(dead.energy(&self.reach.displacement));
+        self.reach.row(&dead.force, &mut self.row);
+        self.force(&S::one().negated());
+        self.sizes(&dead.force);
+        if self.detail == Detail::Curvature {
+            self.curvature(&dead.force.negated());
+        }
+    }
+
+    pub fn torque(&mut self, angle: Index, torque: &S) {
+        self.value(torque.times(self.state.value(angle)).negated());
+        self.row.clear();
+        self.row.push((angle, S::one()));
+        self.force(&torque.negated());
+        self.turn_sizes(torque);
+    }
+
+    fn value(&mut self, value: S) {
+        self.energy.size += value.to_f64().abs();
+        self.energy.value = self.energy.value.plus(&value);
+    }
+
+    /// gradient += rate row.
+    fn force(&mut self, rate: &S) {
+        for (coordinate, entry) in &self.row {
+            let place = self.local[*coordinate as usize];
+            if place != ELSEWHERE {
+                let sum = &mut self.energy.gradient[place as usize];
+                *sum = sum.plus(&rate.times(entry));
+            }
+        }
+    }
+
+    /// Force times lever on every coordinate of the way in `reach`.
+    fn sizes(&mut self, force: &Vector<S>) {
+        if self.detail < Detail::Sizes {
+            return;
+        }
+        let size = force.norm_squared().to_f64().sqrt();
+        for (coordinate, column) in &self.reach.columns {
+            if let Some(sum) = self.energy.forces.get_mut(self.local[*coordinate as usize] as usize) {
+                *sum += size * column.norm_squared().to_f64().sqrt();
+            }
+        }
+    }
+
+    /// The same for a torque on the angles of the row.
+    fn turn_sizes(&mut self, torque: &S) {
+        for (coordinate, _) in &self.row {
+            if let Some(sum) = self.energy.forces.get_mut(self.local[*coordinate as usize] as usize) {
+                *sum += torque.to_f64().abs();
+            }
+        }
+    }
+
+    /// curvature += weight row row^T.
+    fn square(&mut self, weight: &S) {
+        for (a, (i, left)) in self.row.iter().enumerate() {
+            let weighted = weight.times(left);
+            for (j, right) in &self.row[..=a] {
+                let (i, j) = (self.local[*i as usize], self.local[*j as usize]);
+                if i != ELSEWHERE && j != ELSEWHERE {
+                    self.energy.curvature.push((i, j, weighted.times(right)));
+                }
+            }
+        }
+    }
+
+    /// curvature += force . grad^2 of the way in `reach`.
+    fn curvature(&mut self, force: &Vector<S>) {
+        let (local, entries) = (self.local, &mut self.energy.curvature);
+        self.reach.curvature(force, |i, j, value| {
+            let (i, j) = (local[i as usize], local[j as usize]);
+            if i != ELSEWHERE && j != ELSEWHERE {
+                entries.push((i, j, value));
+            }
+        });
+    }
+}

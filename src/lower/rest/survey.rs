@@ -1,0 +1,219 @@
+//! Which coordinates hang together, which of those sets are loaded, and how: so that only what moves is searched for.
+//! Clause: spec.md, "Rest".
+//!
+//! Two coordinates hang together where one spring feels both, or where a slide turns with an angle. A set is linear where
+//! its energy is quadratic: no loaded arm turns and every spring acts along a fixed direction.
+
+use super::potential::{Detail, ELSEWHERE, Potential, Sum};
+use crate::base::Number;
+use crate::elements::{DeadForce, Stretch};
+use crate::lower::kinematics::{Index, Kinematics, Path, State};
+use crate::lower::loads::{self, Between, Load};
+use crate::model::scene::Scene;
+
+/// A set of coordinates that hang together, with a load on at least one of them.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Ascending.
+    pub coordinates: Vec<Index>,
+    /// Empty for a large linear set, whose stiffness the matrices hold.
+    pub potential: Potential<Number>,
+    pub linear: bool,
+    /// Whether a force on it is certainly not zero.
+    pub unbalanced: bool,
+}
+
+/// The loaded parts of a scene.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    pub parts: Vec<Part>,
+    /// The place of each coordinate, prescribed ones included, in its own part.
+    pub local: Vec<u32>,
+    /// dV/dq as drawn, N or N m.
+    pub forces: Vec<Number>,
+}
+
+/// dV/dq of all free coordinates at a state, summed over what `loaded_only` lets through.
+pub fn forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loaded_only: bool) -> Vec<Number> {
+    let mut local: Vec<u32> = (0..kinematics.total() as u32).collect();
+    local[kinematics.n()..].fill(ELSEWHERE);
+    let mut sum = Sum::new(kinematics, state, &local, kinematics.n(), Detail::Gradient);
+    loads::visit(scene, kinematics, loaded_only, |load| match load {
+        Load::Spring(spring, between) => sum.spring(spring, between),
+        Load::Dead(force, path) => sum.dead(&DeadForce { force: force.clone() }, path),
+        Load::Torque(angle, torque) => sum.torque(angle, torque),
+    });
+    sum.energy.gradient
+}
+
+/// The parts on which `forces` leave a load.
+pub fn survey(scene: &Scene, kinematics: &Kinematics, forces: Vec<Number>) -> Survey {
+    let mut sets = Sets::new(kinematics);
+    loads::visit(scene, kinematics, false, |load| sets.tie(load));
+    let parts_of_roots = sets.loaded(&forces);
+    let mut survey = Survey { parts: Vec::new(), local: vec![ELSEWHERE; kinematics.total()], forces };
+    let mut part_of = vec![ELSEWHERE; kinematics.total()];
+    for (coordinate, part) in part_of[..kinematics.n()].iter_mut().enumerate() {
+        let root = sets.find(coordinate);
+        *part = parts_of_roots[root];
+        if *part != ELSEWHERE {
+            survey.join(*part as usize, coordinate, !sets.curved[root]);
+        }
+    }
+    if survey.parts.iter().any(|part| !part.is_large_and_linear()) {
+        loads::visit(scene, kinematics, false, |load| survey.collect(kinematics, &part_of, load));
+    }
+    survey
+}
+
+impl Part {
+    /// The longest spring or arm, m; 1 m where there is none.
+    pub fn length(&self) -> f64 {
+        let line = |stretch: &Stretch<Number>| match stretch {
+            Stretch::Line { drawn } => drawn.norm_squared().to_f64().sqrt(),
+            Stretch::Along { .. } | Stretch::Torsion => 0.0,
+        };
+        let springs = self.potential.springs.iter();
+        let springs = springs.map(|(spring, between)| line(&spring.stretch).max(between.path.longest_arm()));
+        let longest = springs.fold(0.0, f64::max);
+        if longest > 0.0 { longest } else { 1.0 }
+    }
+}
+
+impl Survey {
+    /// Makes a coordinate a member of a part. Parts begin in order.
+    fn join(&mut self, part: usize, coordinate: usize, linear: bool) {
+        if part == self.parts.len() {
+            let potential = Potential::default();
+            self.parts.push(Part { coordinates: Vec::new(), potential, linear, unbalanced: false });
+        }
+        let members = &mut self.parts[part];
+        self.local[coordinate] = members.coordinates.len() as u32;
+        members.coordinates.push(coordinate as Index);
+        members.unbalanced |= !self.forces[coordinate].may_be_zero();
+    }
+
+    /// Gives a load to the parts that it acts on, except to large linear ones.
+    fn collect(&mut self, kinematics: &Kinematics, part_of: &[u32], load: Load) {
+        let part = |coordinate: Index| match part_of[coordinate as usize] {
+            ELSEWHERE => None,
+            part => Some(part as usize),
+        };
+        match load {
+            Load::Spring(spring, between) => {
+                let first = coordinates(kinematics, between).find_map(part);
+                if let Some(part) = first.map(|part| &mut self.parts[part]).filter(|part| !part.is_large_and_linear()) {
+                    part.potential.springs.push((spring.clone(), between.clone()));
+                }
+            }
+            Load::Dead(force, path) => {
+                let small = |coordinate| part(coordinate).filter(|part| !self.parts[*part].is_large_and_linear());
+                for (part, path) in path.clone().split(kinematics, small) {
+                    self.parts[part].potential.dead.push((DeadForce { force: force.clone() }, path));
+                }
+            }
+            Load::Torque(angle, torque) => {
+                if let Some(part) = part(angle) {
+                    self.parts[part].potential.torques.push((angle, torque.clone()));
+                }
+            }
+        }
+    }
+}
+
+/// What a spring feels.
+fn coordinates<'a>(kinematics: &'a Kinematics, between: &'a Between<Number>) -> impl Iterator<Item = Index> + 'a {
+    let way = between.path.coordinates(kinematics).flat_map(|(coordinate, angle)| [Some(coordinate), angle]);
+    way.flatten().chain(between.angles.into_iter().flatten())
+}
+
+/// Sets of free coordinates (union-find by halving paths; the least member stands for all).
+struct Sets<'a> {
+    kinematics: &'a Kinematics,
+    parents: Vec<u32>,
+    /// For each root: whether the energy is more than quadratic.
+    curved: Vec<bool>,
+}
+
+impl<'a> Sets<'a> {
+    fn new(kinematics: &'a Kinematics) -> Sets<'a> {
+        let n = kinematics.n();
+        Sets { kinematics, parents: (0..n as u32).collect(), curved: vec![false; n] }
+    }
+
+    fn find(&mut self, coordinate: usize) -> usize {
+        let mut at = coordinate;
+        while self.parents[at] as usize != at {
+            self.parents[at] = self.parents[self.parents[at] as usize];
+            at = self.parents[at] as usize;
+        }
+        at
+    }
+
+    fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.parents[a.max(b)] = a.min(b) as u32;
+        self.curved[a.min(b)] |= self.curved[a.max(b)];
+    }
+
+    fn mark_curved(&mut self, coordinate: Index) {
+        if (coordinate as usize) < self.parents.len() {
+            let root = self.find(coordinate as usize);
+            self.curved[root] = true;
+        }
+    }
+
+    fn tie(&mut self, load: Load) {
+        let n = self.parents.len();
+        match load {
+            Load::Spring(spring, between) => {
+                let linear = match spring.stretch {
+                    Stretch::Line { .. } => false,
+                    Stretch::Along { .. } => between.path.is_straight(),
+                    Stretch::Torsion => true,
+                };
+                let mut first = None;
+                for coordinate in coordinates(self.kinematics, between).filter(|i| (*i as usize) < n) {
+                    match first {
+                        None => first = Some(coordinate),
+                        Some(first) => self.unite(first as usize, coordinate as usize),
+                    }
+                }
+                if let Some(first) = first.filter(|_| !linear) {
+                    self.mark_curved(first);
+                }
+            }
+            Load::Dead(_, path) => self.tie_way(path),
+            Load::Torque(..) => {}
+        }
+    }
+
+    /// A fixed force feels each group on its own, a slide in a turning group together with its angle.
+    fn tie_way(&mut self, path: &Path<Number>) {
+        if path.is_straight() {
+            return;
+        }
+        let kinematics = self.kinematics;
+        for (coordinate, angle) in path.coordinates(kinematics) {
+            match angle {
+                Some(angle) if (angle as usize) < self.parents.len() && (coordinate as usize) < self.parents.len() => {
+                    self.unite(angle as usize, coordinate as usize);
+                    self.mark_curved(coordinate);
+                }
+                _ if kinematics.is_angle(coordinate) => self.mark_curved(coordinate),
+                _ => {}
+            }
+        }
+    }
+
+    /// For each root its number among the loaded ones, in the order of their least coordinates.
+    fn loaded(&mut self, forces: &[Number]) -> Vec<u32> {
+        let mut loaded = vec![false; self.parents.len()];
+        for coordinate in (0..forces.len()).filter(|&i| !forces[i].is_zero()) {
+            let root = self.find(coordinate);
+            loaded[root] = true;
+        }
+        let mut next = 0..;
+        loaded.iter().map(|&loaded| if loaded { next.next().unwrap_or(ELSEWHERE) } else { ELSEWHERE }).collect()
+    }
+}

@@ -1,0 +1,279 @@
+//! A = L D L^T of a sparse symmetric matrix in binary64, columns ordered for little fill. In: entries of one triangle; out:
+//! the factors, or the pivot that was not positive. Steers only: what is kept is refined with exact residuals.
+//!
+//! Up-looking factorisation along the elimination tree: T. A. Davis, *Algorithm 849: a concise sparse Cholesky
+//! factorization package*, ACM TOMS 31 (2005) 587-591. The order is that of approximate minimum degree (crate `amd`).
+
+/// A symmetric matrix: the upper triangle by columns, rows ascending, in the order of elimination.
+#[derive(Clone, Debug)]
+pub struct Symmetric {
+    n: usize,
+    /// Place in the order of elimination of each row.
+    place: Vec<u32>,
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+    /// For each entry given, where it goes.
+    slots: Vec<u32>,
+}
+
+/// The factors of a matrix.
+#[derive(Clone, Debug)]
+pub struct Factors {
+    place: Vec<u32>,
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+    pivots: Vec<f64>,
+}
+
+/// What stopped a factorisation: the row of the pivot that is not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotPositive {
+    pub row: usize,
+}
+
+impl Symmetric {
+    /// The pattern of a matrix of n rows with entries at these places, each given once or more, in either triangle.
+    pub fn pattern(n: usize, entries: &[(u32, u32)]) -> Symmetric {
+        let place = order(n, entries);
+        let mut keys: Vec<(u32, u32, u32)> = Vec::with_capacity(entries.len() + n);
+        for (slot, (i, j)) in entries.iter().enumerate() {
+            let (a, b) = (place[*i as usize], place[*j as usize]);
+            keys.push((a.max(b), a.min(b), slot as u32));
+        }
+        // The diagonal is always there: shifts are added to it.
+        keys.extend((0..n as u32).map(|i| (i, i, u32::MAX)));
+        keys.sort_unstable();
+        let (mut starts, mut rows, mut slots) = (vec![0; n + 1], Vec::new(), vec![0; entries.len()]);
+        let mut last = None;
+        for (column, row, slot) in keys {
+            if last != Some((column, row)) {
+                last = Some((column, row));
+                rows.push(row);
+                starts[column as usize + 1] = rows.len();
+            }
+            if slot != u32::MAX {
+                slots[slot as usize] = (rows.len() - 1) as u32;
+            }
+        }
+        let values = vec![0.0; rows.len()];
+        Symmetric { n, place, starts, rows, values, slots }
+    }
+
+    /// Sets the values of the entries, in the order in which the pattern has them; those at one place add up.
+    pub fn fill(&mut self, values: impl IntoIterator<Item = f64>) {
+        self.values.fill(0.0);
+        for (slot, value) in self.slots.iter().zip(values) {
+            self.values[*slot as usize] += value;
+        }
+    }
+
+    /// The diagonal, by rows as given.
+    pub fn diagonal(&self) -> Vec<f64> {
+        self.place.iter().map(|&place| self.values[self.starts[place as usize + 1] - 1]).collect()
+    }
+
+    /// The factors of A + diag(shift); stops at a pivot that is not greater than `least` times what it was made from,
+    /// the size of its diagonal entry and of all that is subtracted from it.
+    pub fn factor(&self, shift: impl Fn(usize) -> f64, least: f64) -> Result<Factors, NotPositive> {
+        let n = self.n;
+        let mut row_of = vec![0usize; n];
+        for (row, place) in self.place.iter().enumerate() {
+            row_of[*place as usize] = row;
+        }
+        let (parents, counts) = self.elimination_tree();
+        let mut starts = vec![0usize; n + 1];
+        for k in 0..n {
+            starts[k + 1] = starts[k] + counts[k];
+        }
+        let mut factors = Factors {
+            place: self.place.clone(),
+            rows: vec![0; starts[n]],
+            values: vec![0.0; starts[n]],
+            pivots: vec![0.0; n],
+            starts: starts.clone(),
+        };
+        let mut filled = starts;
+        let mut y = vec![0.0; n];
+        let mut mark = vec![usize::MAX; n];
+        let mut pattern: Vec<u32> = Vec::new();
+        let mut way: Vec<u32> = Vec::new();
+        for k in 0..n {
+            mark[k] = k;
+            pattern.clear();
+            let mut pivot = shift(row_of[k]);
+            for at in self.starts[k]..self.starts[k + 1] {
+                let i = self.rows[at] as usize;
+                if i == k {
+                    pivot += self.values[at];
+                    continue;
+                }
+                y[i] += self.values[at];
+                reach(i, k, &parents, &mut mark, &mut way, &mut pattern);
+            }
+            let mut made_from = pivot.abs();
+            // Descendants come before ancestors when the pattern is read backwards.
+            for &i in pattern.iter().rev() {
+                let i = i as usize;
+                let yi = std::mem::replace(&mut y[i], 0.0);
+                for at in factors.starts[i]..filled[i] {
+                    y[factors.rows[at] as usize] -= factors.values[at] * yi;
+                }
+                let l = yi / factors.pivots[i];
+                pivot -= l * yi;
+                made_from += (l * yi).abs();
+                factors.rows[filled[i]] = k as u32;
+                factors.values[filled[i]] = l;
+                filled[i] += 1;
+            }
+            if pivot.is_nan() || pivot <= least * made_from {
+                return Err(NotPositive { row: row_of[k] });
+            }
+            factors.pivots[k] = pivot;
+        }
+        Ok(factors)
+    }
+
+    /// Parent of each column in the elimination tree, and the number of entries of each column of L.
+    fn elimination_tree(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut parents = vec![usize::MAX; self.n];
+        let mut counts = vec![0usize; self.n];
+        let mut mark = vec![usize::MAX; self.n];
+        for k in 0..self.n {
+            mark[k] = k;
+            for at in self.starts[k]..self.starts[k + 1] {
+                let mut i = self.rows[at] as usize;
+                while mark[i] != k {
+                    if parents[i] == usize::MAX {
+                        parents[i] = k;
+                    }
+                    counts[i] += 1;
+                    mark[i] = k;
+                    i = parents[i];
+                }
+            }
+        }
+        (parents, counts)
+    }
+}
+
+/// The way from i up the tree to what is marked already, in front of the pattern found so far.
+fn reach(i: usize, k: usize, parents: &[usize], mark: &mut [usize], way: &mut Vec<u32>, pattern: &mut Vec<u32>) {
+    let mut at = i;
+    way.clear();
+    while mark[at] != k {
+        way.push(at as u32);
+        mark[at] = k;
+        at = parents[at];
+    }
+    pattern.extend(way.iter().rev());
+}
+
+impl Factors {
+    /// x = A^-1 b, in place.
+    pub fn solve(&self, b: &mut [f64]) {
+        let n = self.pivots.len();
+        let mut x = vec![0.0; n];
+        for (row, place) in self.place.iter().enumerate() {
+            x[*place as usize] = b[row];
+        }
+        for k in 0..n {
+            for at in self.starts[k]..self.starts[k + 1] {
+                x[self.rows[at] as usize] -= self.values[at] * x[k];
+            }
+        }
+        for (value, pivot) in x.iter_mut().zip(&self.pivots) {
+            *value /= pivot;
+        }
+        for k in (0..n).rev() {
+            for at in self.starts[k]..self.starts[k + 1] {
+                x[k] -= self.values[at] * x[self.rows[at] as usize];
+            }
+        }
+        for (row, place) in self.place.iter().enumerate() {
+            b[row] = x[*place as usize];
+        }
+    }
+}
+
+/// Below this the order makes no difference that would pay for finding it.
+const SMALL: usize = 8;
+
+/// The place of each row in the order of elimination.
+fn order(n: usize, entries: &[(u32, u32)]) -> Vec<u32> {
+    let as_given = || (0..n as u32).collect();
+    if n <= SMALL {
+        return as_given();
+    }
+    let mut columns: Vec<(i32, i32)> = entries.iter().map(|&(i, j)| (i.max(j) as i32, i.min(j) as i32)).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    let mut starts = vec![0i32; n + 1];
+    for (column, _) in &columns {
+        starts[*column as usize + 1] += 1;
+    }
+    for column in 0..n {
+        starts[column + 1] += starts[column];
+    }
+    let rows: Vec<i32> = columns.iter().map(|(_, row)| *row).collect();
+    match amd::order(n as i32, &starts, &rows, &amd::Control::default()) {
+        Ok((_, places, _)) => places.into_iter().map(|place| place as u32).collect(),
+        Err(_) => as_given(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of springs: the discrete Laplacian of side m, grounded at every node by a little.
+    fn grid(m: usize) -> (usize, Vec<(u32, u32)>, Vec<f64>) {
+        let (mut places, mut values) = (Vec::new(), Vec::new());
+        let at = |i: usize, j: usize| (i * m + j) as u32;
+        let mut spring = |a: u32, b: u32| {
+            places.extend([(a, a), (b, b), (a, b)]);
+            values.extend([1.0, 1.0, -1.0]);
+        };
+        for i in 0..m {
+            for j in 1..m {
+                spring(at(i, j - 1), at(i, j));
+                spring(at(j - 1, i), at(j, i));
+            }
+        }
+        places.extend((0..(m * m) as u32).map(|i| (i, i)));
+        values.extend((0..m * m).map(|_| 0.1));
+        (m * m, places, values)
+    }
+
+    #[test]
+    fn a_solution_satisfies_its_equations() {
+        let (n, places, values) = grid(13);
+        let mut matrix = Symmetric::pattern(n, &places);
+        matrix.fill(values.iter().copied());
+        let b: Vec<f64> = (0..n).map(|i| ((i * 7919) % 101) as f64 - 50.0).collect();
+        let mut x = b.clone();
+        matrix.factor(|_| 0.0, 0.0).expect("positive definite").solve(&mut x);
+        let mut product = vec![0.0; n];
+        for ((i, j), value) in places.iter().zip(&values) {
+            product[*i as usize] += value * x[*j as usize];
+            if i != j {
+                product[*j as usize] += value * x[*i as usize];
+            }
+        }
+        // The condition number is below 8.1 / 0.1; each of the few hundred operations on a number rounds by 1e-16.
+        let worst = product.iter().zip(&b).map(|(p, b)| (p - b).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-10, "{worst:e}");
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_told_and_a_shift_mends_it() {
+        let mut matrix = Symmetric::pattern(2, &[(0, 0), (1, 1), (0, 1)]);
+        matrix.fill([1.0, 1.0, 2.0]);
+        assert!(matrix.factor(|_| 0.0, 0.0).is_err());
+        let factors = matrix.factor(|_| 3.0, 0.0).expect("shifted by more than 1");
+        let mut x = [6.0, 6.0];
+        factors.solve(&mut x);
+        assert_eq!(x, [1.0, 1.0]);
+    }
+}
