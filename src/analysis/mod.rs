@@ -52,6 +52,7 @@ pub mod transfer;
 mod transfer_exact;
 mod transfer_inverse;
 mod transfer_modal;
+mod transfer_sparse;
 pub mod transfer_table;
 mod triple;
 

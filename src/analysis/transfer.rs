@@ -2,14 +2,15 @@
 //! each value with a bound that holds. In: a linear system and a frequency. Out: one value for each input and output:
 //! a complex number in a disc, or infinite where the system answers its own frequency without damping.
 //!
-//! Each frequency is solved with an approximate inverse in binary64 and refined with residuals of the terms in
-//! double-double balls; where that inverse cannot be proven, with one in double-double; where that fails too, with exact
-//! rational numbers. Clause: spec.md, "Transfer".
+//! Each frequency is solved by sparse elimination in double-double discs; where these get too wide, with an approximate
+//! inverse in binary64 and residuals of the terms in balls; where that inverse cannot be proven, with one in double-double;
+//! where that fails too, with exact rational numbers. Clause: spec.md, "Transfer".
 
 use super::complex::Complex;
 use super::squares::Squares;
 use super::transfer_exact;
 use super::transfer_inverse::{Entry, Inverse, Scalar};
+use super::transfer_sparse::Pattern;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 
@@ -50,6 +51,8 @@ pub struct Transfer<'a> {
     k: Squares,
     /// The assembled matrices, both triangles.
     entries: Vec<MatrixEntry>,
+    /// How they are eliminated; `None` where that would fill them.
+    pattern: Option<Pattern>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +73,8 @@ struct Solution {
 
 /// Refinement stops below this relative radius: the value is then right in binary64, and two digits more.
 const SETTLED: f64 = 1e-18;
+/// Inverses of more coordinates take too long at every frequency.
+const MOST_DENSE: usize = 300;
 /// From a certified inverse each step wins at least half a digit; this is for the worst.
 const MOST_STEPS: usize = 40;
 
@@ -129,12 +134,14 @@ impl Disc {
 
 impl<'a> Transfer<'a> {
     pub fn of(system: &'a LinearSystem) -> Transfer<'a> {
+        let entries = assemble(system);
         Transfer {
             system,
             m: Squares::of(&system.m),
             c: Squares::of(&system.c),
             k: Squares::of(&system.k),
-            entries: assemble(system),
+            pattern: Pattern::of(system.n(), &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()),
+            entries,
         }
     }
 
@@ -153,6 +160,10 @@ impl<'a> Transfer<'a> {
             return (inputs.iter()).map(|&u| self.read(frequency, u, outputs, &nothing)).collect();
         }
         let entries = self.entries_at(frequency);
+        self.eliminate(&entries, frequency, inputs, outputs, &mut gains);
+        if settled(&gains) || self.system.n() > MOST_DENSE {
+            return gains;
+        }
         self.solve_with(Inverse::<Complex<f64>>::of(self.system.n(), &entries), frequency, inputs, outputs, &mut gains);
         if !settled(&gains) {
             let inverse = Inverse::<Complex<Dd>>::of(self.system.n(), &entries);
@@ -162,6 +173,25 @@ impl<'a> Transfer<'a> {
             transfer_exact::solve(self.system, frequency, inputs, outputs, &mut gains);
         }
         gains
+    }
+
+    /// Fills in what sparse elimination in discs gives.
+    fn eliminate(
+        &self,
+        entries: &[Entry],
+        frequency: &Frequency,
+        inputs: &[usize],
+        outputs: &[usize],
+        gains: &mut [Vec<Gain>],
+    ) {
+        let Some(factors) = self.pattern.as_ref().and_then(|pattern| pattern.factor(entries)) else { return };
+        for (&input, gains) in inputs.iter().zip(gains) {
+            let x = factors.solve(&self.load(frequency, input));
+            let part = |of: fn(&Disc) -> Dd| x.iter().map(of).collect();
+            let error = x.iter().map(|disc| disc.radius).collect();
+            let solution = Solution { re: part(|disc| disc.value.re), im: part(|disc| disc.value.im), error };
+            *gains = self.read(frequency, input, outputs, &solution);
+        }
     }
 
     /// Fills in what a proven inverse gives; leaves the gains as they are without one.
@@ -247,7 +277,8 @@ impl<'a> Transfer<'a> {
                     radius += p.magnitude() * frequency.omega.magnitude().powi(power as i32) * x.error[i];
                 }
             }
-            Gain::Finite(Disc { value: y.mid(), radius: (y.radius() + radius) * (1.0 + 1e-12) })
+            let radius = (y.radius() + radius) * (1.0 + 1e-12);
+            if radius.is_finite() { Gain::Finite(Disc { value: y.mid(), radius }) } else { Gain::Unknown }
         };
         outputs.iter().map(gain).collect()
     }

@@ -283,3 +283,20 @@ fn sums_over_modes_agree_with_solutions() {
         }
     }
 }
+
+/// From one end to the other and back: the same value, in a band full of resonances; and at rest the springs' sum.
+#[test]
+fn a_chain_of_two_thousand_answers_both_ways_alike() {
+    let n = 2000;
+    let system = with_every_pair(super::systems::chain(n, "1", "1000", "0.001"));
+    let transfer = Transfer::of(&system);
+    let frequency = Frequency::hertz(&number("3.3"));
+    let there = transfer.between(&frequency, &[100], &[1700])[0][0].disc().expect("finite");
+    let back = transfer.between(&frequency, &[1700], &[100])[0][0].disc().expect("finite");
+    assert!((there.value - back.value).to_f64().abs() <= there.radius + back.radius);
+    assert!(there.relative_error() < 1e-15, "{:e}", there.relative_error());
+    // At rest: k (n + 1) u = n - i + 1 springs on one side, i on the other.
+    let rest = transfer.between(&Frequency::hertz(&Number::ZERO), &[499], &[499])[0][0].disc().expect("finite");
+    let expected = 500.0 * 1501.0 / 2001.0 / 1000.0;
+    assert!((rest.value.re.to_f64() / expected - 1.0).abs() < 1e-15);
+}
