@@ -245,7 +245,7 @@ fn setting(text: &str) -> Result<String, String> {
 }
 
 /// Times of more samples than this are a slip of the hand.
-pub const MOST_SAMPLES: f64 = 1e7;
+pub const MOST_SAMPLES: f64 = 4e6;
 
 /// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written.
 fn quantity(text: &str, dimension: Dimension) -> Result<(Number, Angle), String> {
