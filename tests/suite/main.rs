@@ -16,6 +16,7 @@ mod language_page;
 mod lowering;
 mod models;
 mod modes;
+mod pole_bounds;
 mod poles;
 mod properties;
 mod published;

@@ -2,6 +2,9 @@
 
 use super::systems::{Builder, number};
 use vibc::analysis::{self, Pole, PoleKind, Poles, Stability};
+use vibc::backend::{ReportOptions, report};
+use vibc::base::{SourceFile, Sources};
+use vibc::model::Overrides;
 use vibc::system::{LinearSystem, Nature};
 
 fn poles(system: &LinearSystem) -> Poles {
@@ -212,4 +215,14 @@ fn dampers_in_series_without_a_mass_between_them() {
     assert_eq!(kinds(&poles), [PoleKind::Rigid, PoleKind::Oscillation, PoleKind::Oscillation]);
     assert!(close(&poles.list[2], -0.6, (4.0f64 - 0.36).sqrt()));
     assert_eq!(poles.infinite, 1);
+}
+
+#[test]
+fn the_report_tells_a_critical_damping() {
+    let text = "model twin\nbody a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 4 N/m }\ndamper d: ground -- a { c = 4 N*s/m }\n";
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::model("twin.vib", text));
+    let outcome = vibc::analyze(&sources, model, &Overrides::default());
+    let report = report::text(&outcome.answer.expect("an answer"), &ReportOptions::default());
+    assert!(report.contains("poles 1, 2: one pole with a single shape, exactly: critical damping"), "{report}");
 }

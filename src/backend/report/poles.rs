@@ -40,7 +40,39 @@ pub fn text(answer: &ModalAnswer) -> String {
     }
     let left = shown.len().saturating_sub(MOST);
     let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
-    line("damped motion") + &table.text(INDENT) + &more
+    line("damped motion") + &table.text(INDENT) + &more + &clusters(&shown) + &infinite(answer)
+}
+
+/// Poles that are equal or are certified only together.
+fn clusters(shown: &[(usize, &Pole)]) -> String {
+    let mut text = String::new();
+    let mut told = Vec::new();
+    for (_, pole) in shown.iter().take(MOST) {
+        let Some(cluster) = pole.cluster.filter(|cluster| !told.contains(cluster)) else { continue };
+        told.push(cluster);
+        let members: Vec<String> =
+            shown.iter().filter(|(_, other)| other.cluster == Some(cluster)).map(|(n, _)| n.to_string()).collect();
+        let members = members.join(", ");
+        text += &line(match (members.contains(','), pole.defective) {
+            (false, _) => format!("pole {members}: not told from its conjugate; certified together"),
+            (true, true) => {
+                format!(
+                    "poles {members}: one pole with a single shape, exactly: critical damping, the motion has t·exp(re s·t)"
+                )
+            }
+            (true, false) => format!("poles {members}: one repeated pole or a tight cluster; certified together"),
+        });
+    }
+    text
+}
+
+/// What follows without inertia has no pole of its own.
+fn infinite(answer: &ModalAnswer) -> String {
+    match answer.poles.infinite {
+        0 => String::new(),
+        1 => line("one pole is infinite: a motion without inertia follows the others".to_string()),
+        count => line(format!("{count} poles are infinite: motions without inertia follow the others")),
+    }
 }
 
 /// Of a complex pair the pole in the upper half plane alone, counted from 1.
