@@ -70,7 +70,7 @@ fn clusters(shown: &[(usize, &Pole)]) -> String {
 fn infinite(answer: &ModalAnswer) -> String {
     match answer.poles.infinite {
         0 => String::new(),
-        1 => line("one pole is infinite: a motion without inertia follows the others".to_string()),
+        1 => line("one pole is infinite: a motion without inertia follows the others"),
         count => line(format!("{count} poles are infinite: motions without inertia follow the others")),
     }
 }
