@@ -43,7 +43,7 @@ impl Exact {
         let n = system.n();
         let forms = [&system.m, &system.c, &system.k].map(|form| assembled(form, n));
         let denominators = forms.iter().flatten().flatten().map(|x| x.denom().clone());
-        let common = denominators.fold(BigInt::one(), |lcm, d| num_integer::lcm(lcm, d));
+        let common = denominators.fold(BigInt::one(), num_integer::lcm);
         let cleared = |x: &BigRational| x.numer() * (&common / x.denom());
         Exact { forms: forms.map(|form| form.iter().map(|row| row.iter().map(cleared).collect()).collect()) }
     }
