@@ -53,10 +53,10 @@ fn assert_modes(modes: &Modes, n: usize) {
         assert!(mode.shape.len() == n && mode.shape.iter().all(|x| x.is_finite()), "{mode:?}");
         match mode.kind {
             ModeKind::Oscillation => assert!(square > 0.0, "{mode:?}"),
-            // Exactly, or told as not known: the terms of a rest that is not proven are estimates.
+            // Exactly zero, or not to be told from zero: then the bound of omega says so.
             ModeKind::Rigid => {
-                assert!(mode.omega_squared.is_zero() == mode.omega.is_zero(), "{mode:?}");
-                assert!(mode.omega_squared.is_zero() || mode.omega_squared.rad.is_infinite(), "{mode:?}");
+                assert!(square == 0.0 && mode.omega_squared.is_zero() == mode.omega.is_zero(), "{mode:?}");
+                assert!(mode.omega.is_zero() || mode.omega.rad.is_infinite(), "{mode:?}");
             }
             ModeKind::Divergence => assert!(square < 0.0, "{mode:?}"),
         }

@@ -114,8 +114,13 @@ impl<'a> Problem<'a> {
         Some(self.pairs(&candidate))
     }
 
-    /// In binary64.
+    /// In binary64, if that finds a basis: a stretch that is zero with some uncertainty has no column of its own there.
     fn first(&self) -> Start {
+        let start = self.in_binary64();
+        if start.x.columns() == self.n { start } else { self.second() }
+    }
+
+    fn in_binary64(&self) -> Start {
         if self.stiffness.all_positive() {
             return match self.all_rigid_vectors_known() {
                 true => start::positive(self.stiffness, &self.inertia, &self.rigid),

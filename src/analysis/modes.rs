@@ -184,9 +184,10 @@ impl Report<'_> {
         };
         match pair.value {
             Eigenvalue::Zero => rigid,
-            Eigenvalue::Near { radius, .. } if pair.route == Route::Exact => {
+            // Not to be told from a rigid motion, nor from one that is nearly so.
+            Eigenvalue::Near { value, radius, .. } if pair.route == Route::Exact || value.hi() == 0.0 => {
                 let unknown = Ball::new(Dd::ZERO, radius);
-                Mode { omega_squared: unknown, omega: unknown, ..rigid }
+                Mode { omega_squared: unknown, omega: Ball::new(Dd::ZERO, f64::INFINITY), ..rigid }
             }
             Eigenvalue::Near { value, radius, positive } => self.elastic(rigid, pair, value, radius, positive),
         }

@@ -92,6 +92,29 @@ fn a_rigid_motion_in_an_irrational_direction_is_exactly_zero() {
     assert!((modes.list[1].omega.to_f64() - 5.0).abs() < 1e-15);
 }
 
+/// Two arms whose springs pass through the hinges as far as anyone can tell: the stretch is zero, more or less.
+#[test]
+fn a_stretch_that_may_be_zero_loses_no_mode() {
+    let root = number("2").sqrt().expect("positive");
+    let nearly_zero = &(&root * &root) - &number("2");
+    for nature in [Nature::Property, Nature::Geometric] {
+        let mut b = Builder::numbered(2);
+        (0..2).for_each(|i| b.mass(i, &number("1")));
+        let (weight, lever) = match nature {
+            Nature::Property => (number("3"), nearly_zero.clone()),
+            Nature::Geometric => (nearly_zero.clone(), number("3")),
+        };
+        b.stiffness("s", nature, &weight, &[(0, lever)]);
+        let modes = analysis::modes(&b.finish()).expect("a regular system");
+        assert_eq!(modes.list.len(), 2);
+        assert_eq!(modes.infinite, 0);
+        // The arm without a spring is rigid for certain; of the other one, zero is only the best guess.
+        let certain = modes.list.iter().filter(|mode| mode.omega.is_zero()).count();
+        let unknown = modes.list.iter().filter(|mode| mode.omega.rad.is_infinite()).count();
+        assert_eq!((certain, unknown), (1, 1), "{:?}", modes.list);
+    }
+}
+
 #[test]
 fn a_massless_node_passes_its_springs_in_series() {
     // 3 N/m and 6 N/m in series are 2 N/m: omega = 1 for 2 kg. The node follows by 6 / 9.
