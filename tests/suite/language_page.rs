@@ -426,3 +426,30 @@ fn a_mass_that_a_freedom_needs() {
     let codes = refusal("body b { moves x }\nspring k: ground -- b { k = 1 N/m }");
     assert_eq!(codes.len(), 1, "{codes:?}");
 }
+
+#[test]
+fn a_hanging_mass_sinks_by_its_weight() {
+    let answer = assert_omegas(
+        "gravity 9.81 m/s^2\nbody b { mass = 2 kg, moves y }\nspring k: ground -- b { k = 8 N/m }",
+        &[2.0],
+    );
+    assert_eq!(answer.lowered.rest.displacement[0].to_f64(), -2.4525);
+}
+
+#[test]
+fn a_spring_of_free_length_reaches_its_rest() {
+    // Drawn 0.3 m too long: it pulls the body back to 1 m.
+    let answer = assert_omegas(
+        "body b { mass = 1 kg, at = (0, 0), moves x }\nspring k: ground@(-1.3 m, 0) -- b { k = 4 N/m, free_length = 1 m }",
+        &[2.0],
+    );
+    assert_eq!(answer.lowered.rest.displacement[0].to_f64(), -0.3);
+}
+
+#[test]
+fn an_initial_state_is_kept() {
+    let answer = ask("body block { mass = 1 kg, moves x }\nspring k: ground -- block { k = 1 N/m }
+initial block { x = 16 mm, vx = 0.375 m/s }");
+    let (at, displacement, velocity) = &answer.lowered.system.initial[0];
+    assert_eq!((at.index(), displacement.to_f64(), velocity.to_f64()), (0, 0.016, 0.375));
+}

@@ -620,3 +620,27 @@ fn hanging_chains() {
         ],
     );
 }
+
+/// A demonstration of Project Chrono: a point of 15 kg drawn at 30 degrees; its rest must be found.
+#[test]
+fn pendulum_drawn_away_from_its_rest() {
+    let answer = assert_rad(
+        "gravity 9.81 m/s^2\nparam L = 4 m
+body bob { mass = 15 kg, at = (L*sin(30 deg), -L*cos(30 deg)), inertia = 0 kg*m^2 }
+pivot hinge: ground@(0, 0) -- bob",
+        &["1.5660459763366"],
+    );
+    let turned = answer.lowered.rest.displacement[0].to_f64();
+    assert!((turned + std::f64::consts::FRAC_PI_6).abs() < 1e-15, "{turned}");
+}
+
+/// VM9: a point between two springs of 1 and 8 lbf/inch, pulled aside by (5, 5) lbf: a rest far from the drawing.
+#[test]
+fn vm9_rest_under_a_large_load() {
+    let answer = ask("body p { mass = 1 lbf*s^2/inch, at = (0, 0), moves x y }
+spring lower: ground@(0, -10 inch) -- p { k = 1 lbf/inch }
+spring upper: ground@(0, 10 inch) -- p { k = 8 lbf/inch }
+force fx: p along x = constant(5 lbf)\nforce fy: p along y = constant(5 lbf)");
+    let inches: Vec<f64> = answer.lowered.rest.displacement.iter().map(|d| d.to_f64() / 0.0254).collect();
+    assert_all(&inches, &["8.632066133347", "4.531906698982"], "displacement");
+}

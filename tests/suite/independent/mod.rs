@@ -134,3 +134,53 @@ fn random_networks() {
 fn encloses(ball: &Ball, truth: Dd, truth_error: f64) -> bool {
     (ball.mid - truth).abs().to_f64() <= ball.rad + truth_error
 }
+
+/// The same under weights, preloads and constant forces.
+#[test]
+fn random_trees_under_loads() {
+    for seed in 1..=40 {
+        let text = random_scenes::tree(seed, 5, true);
+        let answer = ask(&text);
+        assert_two_roads_meet(&answer, &text);
+        assert_rest_from_the_drawing(&answer, &text);
+    }
+}
+
+/// A pendulum of three different links drawn far from its rest.
+#[test]
+fn links_drawn_aside() {
+    for (x, y) in [("2 m", "0"), ("1 m", "-1 m"), ("1.5 m", "1 m")] {
+        let text = format!(
+            "gravity 9.81 m/s^2
+body a {{ mass = 1 kg, shape = rod((0, 0), ({x}, {y})) }}
+body b {{ mass = 2 kg, inertia = 0.3 kg*m^2, at = (1.2 m, 2 m) }}
+body c {{ mass = 0.5 kg, shape = rod((1 m, 1 m), (3 m, 2 m)) }}
+pivot p: ground@(0, 0) -- a\npivot q: a@({x}, {y}) -- b\npivot r: b@(1 m, 1 m) -- c
+damper d: ground@(-4 m, 1 m) -- c@(3 m, 2 m) {{ c = 0.7 N*s/m }}
+output tip = c@(3 m, 2 m).x"
+        );
+        let answer = ask(&text);
+        assert_two_roads_meet(&answer, &text);
+        assert!(answer.omegas().iter().all(|omega| *omega > 0.0), "hangs: {:?}", answer.omegas());
+    }
+}
+
+/// Supports that shake what stands on them through springs and dampers of every geometry.
+#[test]
+fn supports() {
+    let text = "gravity 9.81 m/s^2
+base floor { moves x y, at = (0, -1 m) }
+base shaft { turns, at = (3 m, 0) }
+body table { mass = 3 kg, inertia = 0.4 kg*m^2, at = (0.2 m, 0.5 m), free }
+body disc { inertia = 0.2 kg*m^2, mass = 1 kg, at = (3 m, 0), turns }
+spring a: floor@(-1 m, -1 m) -- table@(-0.5 m, 0.5 m) { k = 300 N/m, preload = -4 N }
+spring b: floor@(1.5 m, -1 m) -- table@(0.7 m, 0.5 m) { k = 500 N/m }
+spring c: floor -- table { k = 80 N/m, along = x }
+damper d: floor@(1 m, -1 m) -- table@(0.2 m, 0.7 m) { c = 7 N*s/m }
+spring t: shaft -- disc { k = 5 N*m/rad }
+spring u: shaft@(3 m, 1 m) -- table@(0.5 m, 0.6 m) { k = 20 N/m }
+output shake = table@(0.5 m, 0.6 m).vy - floor.vy
+output lean = table.angle - shaft.angle
+output grip = u.force + d.force";
+    assert_two_roads_meet(&ask(text), text);
+}
