@@ -18,6 +18,8 @@ pub enum AnalysisError {
     SignalTooLong { input: String, at: Span },
     /// An impulse of a prescribed motion: the base's name.
     BlowOnBase { input: String, at: Span },
+    /// A motion that grows, or a time that is long, beyond what binary64 holds.
+    MotionOutOfRange { at: Span },
     /// A number too large or too small for binary64 met on the way.
     OutOfRange { at: Span },
 }
@@ -40,7 +42,7 @@ impl AnalysisError {
     }
 
     pub(super) fn out_of_range(system: &LinearSystem) -> AnalysisError {
-        AnalysisError::OutOfRange { at: place(system, 0) }
+        AnalysisError::MotionOutOfRange { at: place(system, 0) }
     }
 
     pub(super) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
@@ -59,7 +61,7 @@ impl AnalysisError {
             AnalysisError::TooManyStates { .. } => "vib::limit::states",
             AnalysisError::SignalTooLong { .. } => "vib::limit::signal",
             AnalysisError::BlowOnBase { .. } => "vib::signal::base_impulse",
-            AnalysisError::OutOfRange { .. } => "vib::limit::range",
+            AnalysisError::MotionOutOfRange { .. } | AnalysisError::OutOfRange { .. } => "vib::limit::range",
         })
     }
 
@@ -76,6 +78,7 @@ impl AnalysisError {
             | AnalysisError::TooManyStates { at, .. }
             | AnalysisError::SignalTooLong { at, .. }
             | AnalysisError::BlowOnBase { at, .. }
+            | AnalysisError::MotionOutOfRange { at }
             | AnalysisError::OutOfRange { at } => *at,
         }
     }
@@ -108,6 +111,10 @@ impl AnalysisError {
             AnalysisError::BlowOnBase { input, .. } => (
                 format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),
                 "prescribe a `step` or a `pulse`, or apply the impulse as a force",
+            ),
+            AnalysisError::MotionOutOfRange { .. } => (
+                "the motion leaves the range of binary64".to_string(),
+                "choose a shorter time: a divergence grows by a factor e in each of its growth times",
             ),
             AnalysisError::OutOfRange { .. } => (
                 "the stiffnesses and masses lie too far apart: a number beyond the range of binary64 came up"

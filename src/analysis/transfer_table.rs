@@ -43,6 +43,8 @@ pub struct Table {
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub rows: Vec<Row>,
+    /// Whether the extrema were looked for: on the default grid.
+    pub refined: bool,
     pub features: Vec<Feature>,
 }
 
@@ -129,7 +131,8 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
     };
     let mut rows: Vec<Row> = frequencies(poles, sweep).iter().map(evaluate).collect();
     let mut features = Vec::new();
-    if sweep.at.is_empty() && sweep.points.is_none() {
+    let refined = sweep.at.is_empty() && sweep.points.is_none();
+    if refined {
         for input in 0..sweep.inputs.len() {
             for output in 0..sweep.outputs.len() {
                 let pair = Pair {
@@ -149,7 +152,7 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
         rows.extend(features.iter().map(|feature| evaluate(&feature.frequency)));
         sort(&mut rows);
     }
-    Table { inputs: sweep.inputs.clone(), outputs: sweep.outputs.clone(), rows, features }
+    Table { inputs: sweep.inputs.clone(), outputs: sweep.outputs.clone(), rows, refined, features }
 }
 
 fn sort(rows: &mut Vec<Row>) {

@@ -141,7 +141,7 @@ pub fn text(model: &str, system: &LinearSystem, table: &Table) -> String {
             text += &range(table);
             text.push('\n');
             let features: Vec<&Feature> = table.features.iter().filter(|f| (f.input, f.output) == (i, o)).collect();
-            text += &if features.is_empty() { rows(table, i, o) } else { points(&features, table, i, o) };
+            text += &if table.refined { points(&features, table, i, o) } else { rows(table, i, o) };
         }
     }
     text
