@@ -59,6 +59,8 @@ fn objects(lines: &str) -> Vec<Value> {
 }
 
 const OSCILLATOR: &str = "param k = 9 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+/// Nothing holds it up.
+const FALLS: &str = "gravity 9.81 m/s^2\nbody b { mass = 1 kg, moves y }\n";
 const WRONG: &str = "param k = 9 kg\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 /// A warning, and nothing else.
 const UNUSED: &str =
@@ -76,6 +78,7 @@ fn the_exit_status_tells_what_happened() {
     assert_eq!(run(&["check", CART]).status, 0);
     assert_eq!(run(&["analyze", &file(&folder, "wrong.vib", WRONG)]).status, 1);
     assert_eq!(run(&["check", &file(&folder, "wrong.vib", WRONG)]).status, 1);
+    assert_eq!(run(&["analyze", &file(&folder, "falls.vib", FALLS)]).status, 4);
     assert_eq!(run(&["analyze", &file(&folder, "unused.vib", UNUSED)]).status, 0);
     for usage in [
         &[][..],
@@ -95,11 +98,14 @@ fn the_exit_status_tells_what_happened() {
 #[test]
 fn of_several_files_the_largest_status_counts() {
     let folder = folder();
-    let wrong = file(&folder, "wrong.vib", WRONG);
+    let (wrong, falls) = (file(&folder, "wrong.vib", WRONG), file(&folder, "falls.vib", FALLS));
     assert_eq!(run(&["check", CART, &wrong, CART]).status, 1);
-    let all = run(&["check", &wrong, "missing.vib", "--message-format", "short"]);
-    assert_eq!(all.status, 3);
-    assert!(all.err.contains("wrong.vib:3:") && all.err.contains("missing.vib:1:1: error[io]"));
+    assert_eq!(run(&["check", &wrong, "missing.vib"]).status, 3);
+    let all = run(&["check", &wrong, "missing.vib", &falls, "--message-format", "short"]);
+    assert_eq!(all.status, 4);
+    for told in ["wrong.vib:3:", "missing.vib:1:1: error[io]", "falls.vib:2:6: error[vib::rest::not_found]"] {
+        assert!(all.err.contains(told), "{told} is not in {}", all.err);
+    }
 }
 
 #[test]

@@ -26,6 +26,10 @@ fn promised(bytes: &[u8]) -> String {
     String::from_utf8_lossy(line).trim_start_matches("//").trim().to_string()
 }
 
+/// Codes that no model comes to: the check or the lowering refuses it before, and the analyses say it of systems made by
+/// hand (shown by their own tests).
+const OF_NO_MODEL: [&str; 2] = ["vib::mass::indefinite", "vib::mass::singular"];
+
 #[test]
 fn every_code_has_a_model_that_gives_it_and_nothing_else() {
     let mut wrong = Vec::new();
@@ -40,6 +44,8 @@ fn every_code_has_a_model_that_gives_it_and_nothing_else() {
         shown.insert(promised);
     }
     let codes = codes_in_sources();
+    let unshown = codes.difference(&shown).filter(|code| !OF_NO_MODEL.contains(&code.as_str()));
+    wrong.extend(unshown.map(|code| format!("{code}: no model in tests/diagnostics shows it")));
     wrong.extend(shown.difference(&codes).map(|code| format!("{code}: shown by a model, but no such code exists")));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

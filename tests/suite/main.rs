@@ -21,6 +21,7 @@ mod poles;
 mod properties;
 mod published;
 mod readme;
+mod reports;
 mod response;
 mod specification;
 mod systems;

@@ -159,6 +159,17 @@ fn massless_motions_that_nothing_holds_are_named() {
 }
 
 #[test]
+fn a_mass_below_zero_is_refused_at_its_coordinate() {
+    let mut b = Builder::new(&["a.x", "b.x"]);
+    b.mass(0, &number("1"));
+    b.mass(1, &number("-1"));
+    b.spring(None, 0, &number("10"));
+    b.spring(Some(0), 1, &number("5"));
+    let error = analysis::modes(&b.finish()).expect_err("the kinetic energy of b is negative");
+    assert_eq!(error.to_diagnostic().code.0, "vib::mass::indefinite");
+}
+
+#[test]
 fn independent_parts_are_solved_apart_and_listed_together() {
     let mut b = Builder::numbered(5);
     (0..5).for_each(|i| b.mass(i, &number("1")));

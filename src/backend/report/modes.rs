@@ -77,7 +77,7 @@ fn frequency_cells(number: usize, mode: &Mode) -> Vec<String> {
             (certain(&frequency, DIGITS), certain(&mode.omega, DIGITS), certain(&period, SHAPE_DIGITS))
         }
         ModeKind::Rigid => ("0".into(), "0".into(), "rigid".into()),
-        ModeKind::Divergence => ("unstable".into(), format!("{}i", certain(&mode.omega, DIGITS)), "".into()),
+        ModeKind::Divergence => ("".into(), format!("{}i", certain(&mode.omega, DIGITS)), "unstable".into()),
     };
     let bound = match mode.kind {
         ModeKind::Rigid => "exact".into(),
@@ -124,12 +124,16 @@ fn clusters(list: &[Mode]) -> String {
             continue;
         }
         seen = mode.cluster;
-        let (first, last) = (members[0] + 1, members[members.len() - 1] + 1);
-        text += &line(format!(
-            "modes {first} to {last}: one repeated frequency or a tight cluster; their shapes span it together"
-        ));
+        let range = range(members[0] + 1, members[members.len() - 1] + 1);
+        text +=
+            &line(format!("modes {range}: one repeated frequency or a tight cluster; their shapes span it together"));
     }
     text
+}
+
+/// `2 and 3`, `2 to 5`
+fn range(first: usize, last: usize) -> String {
+    if last == first + 1 { format!("{first} and {last}") } else { format!("{first} to {last}") }
 }
 
 /// Frequencies that the model's numbers do not fix as well as they are computed.

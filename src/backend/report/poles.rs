@@ -89,11 +89,9 @@ fn cells(number: usize, pole: &Pole) -> Vec<String> {
     let omega = modulus(pole);
     let complex = is_complex(pole);
     let im = if complex { format!("±{}", certain(&pole.im.abs(), DIGITS)) } else { "0".into() };
-    let (frequency, half_life) = if complex {
-        (certain(&per_turn(omega), DIGITS), certain(&half_life(pole), FEW))
-    } else {
-        (String::new(), String::new())
-    };
+    let frequency = if complex { certain(&per_turn(omega), DIGITS) } else { String::new() };
+    let halves = complex && !grows(pole) && !pole.re.is_zero();
+    let half_life = if halves { certain(&half_life(pole), FEW) } else { String::new() };
     vec![
         number.to_string(),
         certain(&pole.re, DIGITS),
@@ -103,16 +101,34 @@ fn cells(number: usize, pole: &Pole) -> Vec<String> {
         decay_time(pole),
         half_life,
         if omega.is_zero() { "exact".into() } else { upper(pole_error_bound(pole)) },
-        pole.kind.name().to_string(),
+        kind(pole),
     ]
 }
 
-/// 1/|re|; `never` where nothing decays.
-fn decay_time(pole: &Pole) -> String {
-    if pole.re.is_zero() { "never".into() } else { certain(&(Ball::ONE / pole.re.abs()), FEW) }
+/// The kind; how fast it grows, where it does.
+fn kind(pole: &Pole) -> String {
+    let name = pole.kind.name();
+    if grows(pole) {
+        format!("{name}, doubles in {} s", certain(&(Ball::LN_2 / pole.re), FEW))
+    } else {
+        name.to_string()
+    }
 }
 
-/// Cycles after which the amplitude has halved (doubled, for flutter): ln 2 |im| / (2 pi |re|).
+fn grows(pole: &Pole) -> bool {
+    matches!(pole.kind, PoleKind::Flutter | PoleKind::Divergence)
+}
+
+/// 1/|re|; `never` where nothing decays, nothing where it grows.
+fn decay_time(pole: &Pole) -> String {
+    match () {
+        () if grows(pole) => String::new(),
+        () if pole.re.is_zero() => "never".into(),
+        () => certain(&(Ball::ONE / pole.re.abs()), FEW),
+    }
+}
+
+/// Cycles after which the amplitude has halved: ln 2 |im| / (2 pi |re|).
 fn half_life(pole: &Pole) -> Ball {
     per_turn(Ball::LN_2 * pole.im.abs() / pole.re.abs())
 }

@@ -53,29 +53,32 @@ fn displacement(answer: &ModalAnswer) -> String {
 fn trust(answer: &ModalAnswer) -> String {
     let rest = &answer.rest;
     let proven = if rest.proven { "proven" } else { "NOT proven" };
-    format!(", {proven}; unbalanced ≤ {} of the largest force", upper(rest.residual))
+    let left = match rest.residual {
+        0.0 => "balanced exactly".to_string(),
+        residual => format!("unbalanced ≤ {} of the largest force", upper(residual)),
+    };
+    format!(", {proven}, {left}")
 }
 
 fn degrees(angle: &Number) -> Ball {
     angle.to_ball() * Ball::from(180.0) / Ball::PI
 }
 
-/// Each way in which the scene leaves its rest.
+/// Each way in which the scene leaves its rest: the modes, and how fast. Damping changes that, so the poles tell it then.
 fn unstable(answer: &ModalAnswer) -> String {
+    let damped = !answer.system.c.is_empty();
     let mut text = String::new();
     for (number, mode) in (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Divergence) {
-        let runaway = format!("mode {number} ({})", carried_by(&answer.system, mode));
-        text += &line(format!("  {runaway} runs away: {}", growth(mode.omega)));
+        let how_fast = if damped { String::new() } else { format!(": {}", growth(mode.omega)) };
+        text += &line(format!("  mode {number} ({}) runs away{how_fast}", carried_by(&answer.system, mode)));
     }
-    if text.is_empty() {
-        for (number, pole) in poles::numbered(answer) {
-            match pole.kind {
-                PoleKind::Flutter => {
-                    text += &line(format!("  pole {number} swings ever wider (flutter): {}", growth(pole.re)));
-                }
-                PoleKind::Divergence => text += &line(format!("  pole {number} runs away: {}", growth(pole.re))),
-                _ => {}
+    for (number, pole) in poles::numbered(answer).into_iter().filter(|_| damped) {
+        match pole.kind {
+            PoleKind::Flutter => {
+                text += &line(format!("  pole {number} swings ever wider (flutter): {}", growth(pole.re)))
             }
+            PoleKind::Divergence => text += &line(format!("  pole {number} runs away: {}", growth(pole.re))),
+            _ => {}
         }
     }
     if text.is_empty() { text } else { line("UNSTABLE: the scene does not stay at this rest") + &text }

@@ -87,10 +87,10 @@ struct Layout {
 impl Layout {
     fn of<'a>(column: &Column, cells: impl Iterator<Item = &'a String> + Clone) -> Layout {
         let (whole, fraction) = match column.align {
-            Align::Point => (
-                cells.clone().map(|cell| at_point(cell).0).max().unwrap_or(0),
-                cells.clone().map(|cell| at_point(cell).1).max().unwrap_or(0),
-            ),
+            Align::Point => {
+                let numbers = || cells.clone().filter(|cell| is_number(cell)).map(|cell| at_point(cell));
+                (numbers().map(|parts| parts.0).max().unwrap_or(0), numbers().map(|parts| parts.1).max().unwrap_or(0))
+            }
             _ => (0, 0),
         };
         let titles = characters(&column.title).max(characters(&column.unit));
@@ -106,7 +106,10 @@ impl Layout {
         match self.align {
             Align::Left => self.left(text),
             Align::Right => self.right(text),
-            Align::Point => self.right(&format!("{text}{}", " ".repeat(self.fraction - at_point(text).1))),
+            Align::Point if is_number(text) => {
+                self.right(&format!("{text}{}", " ".repeat(self.fraction - at_point(text).1)))
+            }
+            Align::Point => self.right(text),
         }
     }
 
@@ -117,6 +120,11 @@ impl Layout {
     fn right(&self, text: &str) -> String {
         format!("{}{text}", " ".repeat(self.width.saturating_sub(characters(text))))
     }
+}
+
+/// Words (`rigid`) have no decimal point to stand at.
+fn is_number(cell: &str) -> bool {
+    cell.contains(|c: char| c.is_ascii_digit())
 }
 
 /// Characters before the decimal point, and from it on.
