@@ -21,7 +21,9 @@ use super::error::LowerError;
 use super::tree::{GROUND, Owner, PieceId, Tree};
 use crate::base::{FileId, Number, Span, Vec3};
 use crate::elements::{Scalar, Vector};
-use crate::model::scene::{Attachment, BodyId, Freedom, Geometry, Input, InputKind, JointKind, Part, Scene};
+use crate::model::scene::{
+    Attachment, BodyId, Freedom, Geometry, Input, InputKind, JointKind, Motion, MotionTerm, Part, Scene,
+};
 use crate::system::CoordinateKind;
 use std::collections::BTreeMap;
 
@@ -169,8 +171,16 @@ impl Kinematics {
         });
         let joints = scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld);
         let ends = joints.flat_map(|joint| &joint.ends).chain(elements.flat_map(|element| &element.ends)).chain(inputs);
-        let nowhere = |end: &&Attachment| end.at.is_some() && self.turns_about_nowhere(self.tree.piece(end.part));
-        ends.filter(nowhere).filter_map(|end| unknown_place(scene, end)).collect()
+        let ends = ends.filter(|end| end.at.is_some()).map(|end| (end.part, end.span));
+        let points = scene.outputs.iter().flat_map(|output| {
+            let point = |term: &MotionTerm| match &term.motion {
+                Motion::Point { part, at: Some(_), .. } => Some((*part, output.span)),
+                _ => None,
+            };
+            output.terms.iter().filter_map(point)
+        });
+        let nowhere = |(part, _): &(Part, Span)| self.turns_about_nowhere(self.tree.piece(*part));
+        ends.chain(points).filter(nowhere).filter_map(|(part, span)| unknown_place(scene, part, span)).collect()
     }
 
     /// Rows are as long as the way from the ground is deep: their number is limited before they are made.
@@ -582,13 +592,13 @@ impl<S: Scalar> Reach<S> {
     }
 }
 
-fn unknown_place(scene: &Scene, end: &Attachment) -> Option<LowerError> {
-    let (name, span) = match end.part {
+fn unknown_place(scene: &Scene, part: Part, used: Span) -> Option<LowerError> {
+    let (name, span) = match part {
         Part::Ground => return None,
         Part::Body(body) => (scene.bodies[body.index()].name, scene.bodies[body.index()].span),
         Part::Base(base) => (scene.bases[base.index()].name, scene.bases[base.index()].span),
     };
-    Some(LowerError::UnknownPlace { body: scene.words.display(name), span, used: end.span })
+    Some(LowerError::UnknownPlace { body: scene.words.display(name), span, used })
 }
 
 /// Gives the coordinates their order: that of the declarations of the bodies, and x, y, along, slide, angle within a body;

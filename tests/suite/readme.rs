@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use vibc::base::{SourceFile, Sources};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -49,6 +50,17 @@ fn each_console_block_is_what_the_program_prints() {
 fn the_model_that_is_shown_is_the_example() {
     let cart = fs::read_to_string(root().join("examples/cart.vib")).unwrap();
     assert!(blocks(&readme(), "vib").contains(&cart), "README.md shows examples/cart.vib as it is");
+}
+
+/// What the README shows of the language is in the language.
+#[test]
+fn every_model_block_is_in_the_grammar() {
+    for block in blocks(&readme(), "vib") {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("README.md", block));
+        let errors = vibc::syntax::parse(&sources, file).errors;
+        assert!(errors.is_empty(), "{:?}", errors.iter().collect::<Vec<_>>());
+    }
 }
 
 /// Two commands are the whole set-up, and the gate runs the second.
