@@ -146,6 +146,7 @@ impl miette::Diagnostic for Drawing {
 mod tests {
     use super::*;
     use crate::base::{Code, FileId, SourceFile, SourceKind, Span};
+    use proptest::prelude::*;
 
     const CODE: Code = Code("a::code");
 
@@ -246,5 +247,36 @@ mod tests {
             human(&sources("x"), std::slice::from_ref(&diagnostic), HumanStyle { colour: true, ascii: false });
         assert!(coloured.contains('\u{1b}'));
         assert!(!drawn("x", diagnostic).contains('\u{1b}'));
+    }
+
+    /// Characters that have made drawings go wrong: line ends of every kind, tabs, wide, combining and steering ones.
+    const PIECES: [&str; 12] =
+        ["a", "k = ", "\n", "\r\n", "\r", "\t", "ω", "質量", "e\u{301}", "\u{1b}[2J", "\u{202e}", "\u{1f9ea}"];
+
+    proptest! {
+        /// Wherever the places are, even inside a character or behind the end.
+        #[test]
+        fn any_place_in_any_text_can_be_drawn(
+            pieces in prop::collection::vec(0..PIECES.len(), 0..60),
+            places in prop::collection::vec((0usize..200, 0usize..90), 1..5),
+            repeated in 1usize..40,
+        ) {
+            let text: String = pieces.iter().map(|piece| PIECES[*piece]).collect::<String>().repeat(repeated);
+            let span = |(start, len): &(usize, usize)| {
+                let start = (*start).min(text.len());
+                Span::new(FileId(0), start, start + len)
+            };
+            let mut diagnostic = Diagnostic::error(CODE, span(&places[0]), "wrong").label("here");
+            for place in &places[1..] {
+                diagnostic = diagnostic.related(span(place), "and here");
+            }
+            let drawn = drawn(&text, diagnostic.clone());
+            prop_assert!(drawn.contains("wrong") && drawn.ends_with("1 error\n"));
+            prop_assert!(drawn.chars().all(|c| c == '\n' || super::super::readable::visible(c) == c), "{drawn:?}");
+            let sources = sources(&text);
+            let line = super::super::json(&sources, std::slice::from_ref(&diagnostic));
+            prop_assert!(serde_json::from_str::<serde_json::Value>(&line).is_ok());
+            prop_assert_eq!(super::super::short(&sources, &[diagnostic]).lines().count(), 1);
+        }
     }
 }
