@@ -6,6 +6,7 @@
 
 use super::limits;
 use super::tree::*;
+use super::words;
 use crate::base::{FileId, Span};
 use pest::{Parser, Token, iterators::Tokens};
 use pest_derive::Parser;
@@ -33,8 +34,8 @@ pub(super) enum Refused {
     Grammar,
     /// An expression is nested too deep.
     TooDeep(Span),
-    /// A word or number is too long.
-    TooLong(Span),
+    LongWord(Span),
+    LongNumber(Span),
 }
 
 /// The grammar's rule for the declaration that starts with this word.
@@ -71,35 +72,48 @@ fn rule_of(text: &str) -> Option<Rule> {
 /// Parses `text`, which starts at byte `offset` of the file, and appends it to the tree.
 pub(super) fn declaration(tree: &mut Tree, yard: &mut Yard, text: &str, offset: usize) -> Result<Built, Refused> {
     let rule = rule_of(text).ok_or(Refused::Grammar)?;
+    take(rule, tree, yard, text, offset, |build| build.declaration())
+}
+
+/// Parses a value that stands alone, as that of `--set NAME=VALUE`. Its brackets have been counted.
+pub(super) fn value(tree: &mut Tree, text: &str, offset: usize) -> Result<ExprId, Refused> {
+    take(Rule::expression, tree, &mut Yard::default(), text, offset, |build| build.expression().id)
+}
+
+/// Recognises all of `text` as `rule` and walks through what pest found; the tree stays as it was where that fails.
+fn take<T>(
+    rule: Rule,
+    tree: &mut Tree,
+    yard: &mut Yard,
+    text: &str,
+    offset: usize,
+    walk: impl FnOnce(&mut Build<'_>) -> T,
+) -> Result<T, Refused> {
     let pairs = Grammar::parse(rule, text).map_err(|_| Refused::Grammar)?;
     if pairs.as_str().len() != text.len() {
         return Err(Refused::Grammar);
     }
     let mark = tree.mark();
     yard.clear();
-    let mut build = Build { file: tree.file, tree, yard, text, offset, tokens: pairs.tokens(), refused: None };
-    let built = build.declaration();
+    let mut build = Build {
+        file: tree.file,
+        tree,
+        yard,
+        text,
+        offset,
+        tokens: pairs.tokens(),
+        next: None,
+        next_place: 0,
+        refused: None,
+    };
+    build.step();
+    let walked = walk(&mut build);
     match build.refused {
-        None => Ok(built),
+        None => Ok(walked),
         Some(refused) => {
             tree.truncate(mark);
             Err(refused)
         }
-    }
-}
-
-/// Parses a value that stands alone, as that of `--set NAME=VALUE`. Its brackets have been counted.
-pub(super) fn value(tree: &mut Tree, text: &str, offset: usize) -> Result<ExprId, Refused> {
-    let pairs = Grammar::parse(Rule::expression, text).map_err(|_| Refused::Grammar)?;
-    if pairs.as_str().len() != text.len() {
-        return Err(Refused::Grammar);
-    }
-    let yard = &mut Yard::default();
-    let mut build = Build { file: tree.file, tree, yard, text, offset, tokens: pairs.tokens(), refused: None };
-    let value = build.expression();
-    match build.refused {
-        None => Ok(value.id),
-        Some(refused) => Err(refused),
     }
 }
 
@@ -174,24 +188,22 @@ struct Build<'a> {
     text: &'a str,
     offset: usize,
     tokens: Tokens<'a, Rule>,
+    /// The rule that starts next; `None` where the rule around it ends.
+    next: Option<Rule>,
+    next_place: usize,
     refused: Option<Refused>,
 }
 
 impl Build<'_> {
-    /// The rule that starts next; `None` where the rule around it ends.
-    fn peek(&self) -> Option<Rule> {
-        match self.tokens.clone().next() {
-            Some(Token::Start { rule, .. }) => Some(rule),
-            _ => None,
-        }
-    }
-
     /// Steps over a start or an end; its place in the declaration's text.
     fn step(&mut self) -> usize {
-        match self.tokens.next() {
-            Some(Token::Start { pos, .. } | Token::End { pos, .. }) => pos.pos(),
-            None => self.text.len(),
-        }
+        let place = self.next_place;
+        (self.next, self.next_place) = match self.tokens.next() {
+            Some(Token::Start { rule, pos }) => (Some(rule), pos.pos()),
+            Some(Token::End { pos, .. }) => (None, pos.pos()),
+            None => (None, self.text.len()),
+        };
+        place
     }
 
     /// A rule without rules inside.
@@ -208,7 +220,7 @@ impl Build<'_> {
     }
 
     fn declaration(&mut self) -> Built {
-        let rule = self.peek();
+        let rule = self.next;
         self.step();
         let kind = match rule {
             Some(Rule::model) => DeclKind::Model { name: self.word() },
@@ -249,7 +261,7 @@ impl Build<'_> {
             Some(Rule::initial) => Rare::Initial { body: self.name(), fields: self.fields() },
             Some(Rule::output) => Rare::Output { name: self.name(), value: self.expression().id },
             Some(Rule::damping_modal) => Rare::DampingModal { ratio: self.expression().id },
-            Some(Rule::damping_rayleigh) => Rare::DampingRayleigh { arguments: self.items().0 },
+            Some(Rule::damping_rayleigh) => Rare::DampingRayleigh { arguments: self.arguments().0 },
             Some(Rule::rest) => Rare::RestAsDrawn,
             Some(Rule::solve) => self.solve(),
             _ => Rare::Require { condition: self.expression().id },
@@ -286,7 +298,7 @@ impl Build<'_> {
 
     /// `along ...` or `= ...`, where it is there.
     fn clause(&mut self, rule: Rule) -> Option<ExprId> {
-        (self.peek() == Some(rule)).then(|| self.wrapped().0)
+        (self.next == Some(rule)).then(|| self.wrapped().0)
     }
 
     /// A rule that holds one expression and nothing else; the places where it starts and ends.
@@ -296,28 +308,44 @@ impl Build<'_> {
         (id, start, self.step())
     }
 
-    fn word(&mut self) -> Span {
-        let (start, end) = self.leaf();
-        let span = self.span((start, end));
-        if end - start > limits::WORD {
-            self.refuse(Refused::TooLong(span));
+    /// The word that starts at `start`, where a rule has just found one.
+    fn word_at(&mut self, start: usize) -> Span {
+        let len = self.text[start..].bytes().position(|b| !words::continues(b)).unwrap_or(self.text.len() - start);
+        let span = self.span((start, start + len));
+        if len > limits::WORD {
+            self.refuse(Refused::LongWord(span));
         }
         span
     }
 
-    fn name(&mut self) -> Ident {
+    fn word(&mut self) -> Span {
+        let start = self.step();
         self.step();
-        let span = self.word();
-        let (indices, _) = self.items_until_end();
+        self.word_at(start)
+    }
+
+    fn name(&mut self) -> Ident {
+        let start = self.step();
+        let span = self.word_at(start);
+        let (indices, _) = self.expressions();
         self.step();
         Ident { span, indices }
     }
 
-    /// The expressions up to the end of the rule around them, and the depth of the deepest.
-    fn items_until_end(&mut self) -> (ExprList, u16) {
+    /// The expressions that come next, and the depth of the deepest.
+    fn expressions(&mut self) -> (ExprList, u16) {
+        if self.next != Some(Rule::expression) {
+            return (ExprList::EMPTY, 0);
+        }
+        let first = self.expression();
+        self.expressions_after(first)
+    }
+
+    fn expressions_after(&mut self, first: Operand) -> (ExprList, u16) {
         let base = self.yard.items.len();
-        let mut depth = 0;
-        while self.peek().is_some() {
+        self.yard.items.push(first.id);
+        let mut depth = first.depth;
+        while self.next == Some(Rule::expression) {
             let item = self.expression();
             depth = depth.max(item.depth);
             self.yard.items.push(item.id);
@@ -328,19 +356,20 @@ impl Build<'_> {
     }
 
     /// Arguments with their brackets.
-    fn items(&mut self) -> (ExprList, u16) {
+    fn arguments(&mut self) -> (ExprList, u16) {
         self.step();
-        let items = self.items_until_end();
+        let arguments = self.expressions();
         self.step();
-        items
+        arguments
     }
 
     fn end(&mut self) -> EndId {
         let start = self.step();
-        let part = self.name();
-        let at = (self.peek() == Some(Rule::at)).then(|| self.place().0.id);
+        let span = self.word_at(start);
+        let (indices, _) = self.expressions();
+        let at = (self.next == Some(Rule::at)).then(|| self.place().0.id);
         let end = self.step();
-        self.tree.ends.push(End { span: self.span((start, end)), part, at });
+        self.tree.ends.push(End { span: self.span((start, end)), part: Ident { span, indices }, at });
         EndId((self.tree.ends.len() - 1) as u32)
     }
 
@@ -352,14 +381,14 @@ impl Build<'_> {
 
     fn one_or_two_ends(&mut self) -> (EndId, Option<EndId>) {
         let from = self.end();
-        let to = (self.peek() == Some(Rule::end)).then(|| self.end());
+        let to = (self.next == Some(Rule::end)).then(|| self.end());
         (from, to)
     }
 
     /// `@A`, `@(0, 1 m)`: the point and the place behind it.
     fn place(&mut self) -> (Operand, usize) {
         self.step();
-        let point = match self.peek() {
+        let point = match self.next {
             Some(Rule::name) => self.name_expression(),
             _ => self.group(),
         };
@@ -368,8 +397,8 @@ impl Build<'_> {
 
     fn name_expression(&mut self) -> Operand {
         let start = self.step();
-        self.word();
-        let (indices, depth) = self.items_until_end();
+        self.word_at(start);
+        let (indices, depth) = self.expressions();
         let end = self.step();
         self.node((start, end), ExprKind::Name { indices }, depth)
     }
@@ -378,7 +407,7 @@ impl Build<'_> {
         self.step();
         // Fields hold no fields, so those of one declaration are next to each other.
         let start = self.tree.fields.len();
-        while let Some(rule) = self.peek() {
+        while let Some(rule) = self.next {
             let field = self.field(rule);
             self.tree.fields.push(field);
         }
@@ -387,17 +416,17 @@ impl Build<'_> {
     }
 
     fn field(&mut self, rule: Rule) -> Field {
-        self.step();
-        let key = self.word();
+        let start = self.step();
+        let key = self.word_at(start);
         let value = match rule {
             Rule::assignment => {
                 let value = self.expression().id;
-                match self.clause(Rule::about) {
-                    Some(point) => FieldValue::About(value, point),
+                match self.next {
+                    Some(_) => FieldValue::About(value, self.expression().id),
                     None => FieldValue::Expr(value),
                 }
             }
-            Rule::moves_along => FieldValue::MovesAlong(self.expression().id),
+            Rule::moves if self.next == Some(Rule::expression) => FieldValue::MovesAlong(self.expression().id),
             Rule::moves => FieldValue::Moves(self.motion_words()),
             _ => FieldValue::Flag,
         };
@@ -407,7 +436,7 @@ impl Build<'_> {
 
     fn motion_words(&mut self) -> ExprList {
         let base = self.yard.items.len();
-        while self.peek().is_some() {
+        while self.next.is_some() {
             let span = self.word();
             let id = self.tree.push_expr(Expr { span, kind: ExprKind::Name { indices: ExprList::EMPTY } });
             self.yard.items.push(id);
@@ -420,7 +449,7 @@ impl Build<'_> {
     fn expression(&mut self) -> Operand {
         self.step();
         let base = self.yard.operators.len();
-        while let Some(rule) = self.peek() {
+        while let Some(rule) = self.next {
             match rule {
                 Rule::minus => {
                     let (at, _) = self.leaf();
@@ -497,72 +526,67 @@ impl Build<'_> {
             Rule::literal => self.literal(),
             Rule::reference => self.reference(),
             Rule::group => self.group(),
-            Rule::text => {
+            _ => {
                 let place = self.leaf();
                 self.node(place, ExprKind::Text, 0)
-            }
-            Rule::member => {
-                let base = self.pop_operand();
-                self.step();
-                let member = self.word();
-                let end = self.step();
-                let kind = ExprKind::Member { base: base.id, member_len: member.len() as u16 };
-                self.suffixed(base, end, kind, base.depth)
-            }
-            _ => {
-                let base = self.pop_operand();
-                let (point, end) = self.place();
-                self.suffixed(base, end, ExprKind::At { base: base.id, point: point.id }, base.depth.max(point.depth))
             }
         }
     }
 
-    fn suffixed(&mut self, base: Operand, end: usize, kind: ExprKind, below: u16) -> Operand {
-        self.node((base.start as usize, end), kind, below)
-    }
-
+    /// A number and its unit, with at most a blank and the slash of `0.1 /s` between them.
     fn literal(&mut self) -> Operand {
         let start = self.step();
-        let (_, number_end) = self.leaf();
+        let unit = self.next.is_some().then(|| self.leaf().0);
         let end = self.step();
-        let number_len = number_end - start;
+        let number = &self.text[start..unit.unwrap_or(end)];
+        let number_len = number.strip_suffix('/').unwrap_or(number).trim_end_matches(' ').len();
         if number_len > limits::NUMBER {
-            self.refuse(Refused::TooLong(self.span((start, number_end))));
+            self.refuse(Refused::LongNumber(self.span((start, start + number_len))));
         }
         self.node((start, end), ExprKind::Literal { number_len: number_len as u16 }, 0)
     }
 
+    /// `k`, `m[i]`, `sqrt(x)`, with what follows of a part: `.angle`, `@A.x`.
     fn reference(&mut self) -> Operand {
         let start = self.step();
-        let word = self.word();
-        if self.peek() == Some(Rule::arguments) {
-            let (arguments, depth) = self.items();
-            let end = self.step();
-            return self.node((start, end), ExprKind::Call { name_len: word.len() as u16, arguments }, depth);
+        let name_len = self.word_at(start).len() as u16;
+        let (kind, depth) = if self.next == Some(Rule::arguments) {
+            let (arguments, depth) = self.arguments();
+            (ExprKind::Call { name_len, arguments }, depth)
+        } else {
+            let (indices, depth) = self.expressions();
+            (ExprKind::Name { indices }, depth)
+        };
+        // Nothing stands between a name and its first suffix.
+        let mut operand = self.node((start, self.next_place), kind, depth);
+        while let Some(rule) = self.next {
+            operand = if rule == Rule::member { self.member(operand) } else { self.point_of(operand) };
         }
-        let (indices, depth) = self.items_until_end();
-        let end = self.step();
-        self.node((start, end), ExprKind::Name { indices }, depth)
+        self.step();
+        operand
+    }
+
+    fn member(&mut self, base: Operand) -> Operand {
+        let (start, end) = self.leaf();
+        let member_len = self.word_at(start + 1).len() as u16;
+        self.node((base.start as usize, end), ExprKind::Member { base: base.id, member_len }, base.depth)
+    }
+
+    fn point_of(&mut self, base: Operand) -> Operand {
+        let (point, end) = self.place();
+        let kind = ExprKind::At { base: base.id, point: point.id };
+        self.node((base.start as usize, end), kind, base.depth.max(point.depth))
     }
 
     /// `(x)` is x itself; `(x, y)` a tuple.
     fn group(&mut self) -> Operand {
         let start = self.step();
         let first = self.expression();
-        if self.peek().is_none() {
+        if self.next.is_none() {
             let end = self.step();
             return Operand { start: start as u32, end: end as u32, ..first };
         }
-        let base = self.yard.items.len();
-        self.yard.items.push(first.id);
-        let mut depth = first.depth;
-        while self.peek().is_some() {
-            let item = self.expression();
-            depth = depth.max(item.depth);
-            self.yard.items.push(item.id);
-        }
-        let items = self.tree.push_list(&self.yard.items[base..]);
-        self.yard.items.truncate(base);
+        let (items, depth) = self.expressions_after(first);
         let end = self.step();
         self.node((start, end), ExprKind::Tuple { items }, depth)
     }

@@ -1,16 +1,24 @@
 //! Text to syntax tree. Clause: spec.md, "Grammar".
 //!
 //! In: a model file. Out: the tree of every declaration that is in the grammar (`grammar/vib.pest`), and an error for
-//! every one that is not. `split` cuts the text into declarations, `build` parses them one by one.
+//! every one that is not. `split` cuts the text into declarations, `build` parses them one by one, and `explain` says what
+//! is wrong with those that pest refuses.
 
 mod build;
+mod error;
+mod explain;
 pub mod limits;
+mod report;
 mod split;
 pub mod tree;
 pub mod words;
 
-use crate::base::{Code, Diagnostic, Diagnostics, FileId, Sources, Span};
+pub use error::SyntaxError;
+
+use crate::base::{Diagnostics, FileId, Sources, Span};
 use build::{Built, Refused, RepeatHead, Yard};
+use error::{Expected, Meant, Remark};
+use report::Report;
 use split::{Piece, Pieces, Trouble};
 use std::ops::Range;
 use tree::{Decl, DeclKind, ExprId, Repeat, Tree};
@@ -26,14 +34,17 @@ pub struct Parsed {
 /// Parses a model file.
 pub fn parse(sources: &Sources, file: FileId) -> Parsed {
     let text = sources.text(file);
+    let mut parse = Parse::new(text, file);
+    if text.len() > limits::FILE {
+        parse.report.tell(SyntaxError::FileLength { at: parse.span(0..1) });
+        return parse.finish();
+    }
     let mut pieces = Pieces::new(text);
-    let mut parse =
-        Parse { text, tree: Tree::new(file), yard: Yard::default(), errors: Diagnostics::new(), open: Vec::new() };
     while let Some(piece) = pieces.next() {
-        parse.piece(piece, pieces.take_doc());
+        parse.piece(piece, &mut pieces);
     }
     parse.close_rest();
-    Parsed { tree: parse.tree, errors: parse.errors }
+    parse.finish()
 }
 
 /// Parses a value that stands alone, as that of `--set NAME=VALUE`; `None` where it is no expression of the language.
@@ -51,6 +62,7 @@ pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
 /// A `repeat` whose `}` has not come yet.
 struct OpenRepeat {
     range: Range<usize>,
+    doc: Option<Range<usize>>,
     /// `None` where it is not in the grammar.
     head: Option<RepeatHead>,
     body: Vec<Decl>,
@@ -60,32 +72,56 @@ struct Parse<'a> {
     text: &'a str,
     tree: Tree,
     yard: Yard,
-    errors: Diagnostics,
+    report: Report,
     open: Vec<OpenRepeat>,
+    /// The text of a declaration with its comments blanked, where it has some.
+    blanked: String,
+    /// The declaration before this lacks its `{`: what follows up to the next keyword belongs to it.
+    headless: bool,
+    /// Brackets that were told to be unclosed: as many closing ones may still come.
+    abandoned: usize,
 }
 
-impl Parse<'_> {
+impl<'a> Parse<'a> {
+    fn new(text: &'a str, file: FileId) -> Parse<'a> {
+        Parse {
+            text,
+            tree: Tree::new(file),
+            yard: Yard::default(),
+            report: Report::default(),
+            open: Vec::new(),
+            blanked: String::new(),
+            headless: false,
+            abandoned: 0,
+        }
+    }
+
+    fn finish(self) -> Parsed {
+        Parsed { tree: self.tree, errors: self.report.finish() }
+    }
+
     fn span(&self, range: Range<usize>) -> Span {
         Span::new(self.tree.file, range.start, range.end)
     }
 
-    fn piece(&mut self, piece: Piece, doc: Option<Range<usize>>) {
+    fn piece(&mut self, piece: Piece, pieces: &mut Pieces<'_>) {
         match piece {
             Piece::Declaration { range, trouble } => {
-                if let Some(Built::Decl(decl)) = self.build(&range, trouble) {
+                let doc = pieces.take_doc();
+                if let Some(Built::Decl(decl)) = self.build(&range, trouble, pieces.comments()) {
                     self.push(decl, doc);
                 }
             }
             Piece::Open { range, trouble } => {
-                let head = match self.build(&range, trouble) {
-                    Some(Built::Repeat(head)) => Some(head),
-                    _ => None,
-                };
-                self.open.push(OpenRepeat { range, head, body: Vec::new() });
+                let doc = pieces.take_doc();
+                self.open(range, trouble, doc, pieces.comments());
             }
-            Piece::Close { at } => self.close(at + 1),
+            Piece::Close { at } => {
+                pieces.take_doc();
+                self.close(at + 1);
+            }
             Piece::Character { range } => self.trouble(&range, Trouble::Character { range: range.clone() }),
-            Piece::Stray { at } => self.trouble(&(at..at + 1), Trouble::Stray { at }),
+            Piece::Stray { at } => self.stray(at),
         }
     }
 
@@ -99,71 +135,208 @@ impl Parse<'_> {
         }
     }
 
-    fn build(&mut self, range: &Range<usize>, trouble: Option<Trouble>) -> Option<Built> {
-        let built = self.try_build(range, trouble);
+    /// A text that is no declaration; neighbours become one, so that a file of nothing else takes little memory.
+    fn push_broken(&mut self, range: Range<usize>) {
+        if let Some(last) = self.tree.broken.last_mut() {
+            let adjacent = last.end() <= range.start && self.text[last.end()..range.start].trim().is_empty();
+            if adjacent && range.end - last.start() < Span::MAX_LEN {
+                *last = Span::new(last.file(), last.start(), range.end);
+                return;
+            }
+        }
+        self.tree.broken.push(self.span(range));
+    }
+
+    fn build(&mut self, range: &Range<usize>, trouble: Option<Trouble>, comments: &[Range<usize>]) -> Option<Built> {
+        let built = self.try_build(range, trouble, comments);
         if built.is_none() {
-            self.tree.broken.push(self.span(range.clone()));
+            self.push_broken(range.clone());
         }
         built
     }
 
-    fn try_build(&mut self, range: &Range<usize>, trouble: Option<Trouble>) -> Option<Built> {
+    fn try_build(
+        &mut self,
+        range: &Range<usize>,
+        trouble: Option<Trouble>,
+        comments: &[Range<usize>],
+    ) -> Option<Built> {
+        if self.headless && self.belongs_to_headless(range) {
+            return None;
+        }
         if let Some(trouble) = trouble {
             self.trouble(range, trouble);
             return None;
         }
-        match build::declaration(&mut self.tree, &mut self.yard, &self.text[range.clone()], range.start) {
-            Ok(built) => Some(built),
-            Err(Refused::Grammar) => {
-                let span = self.span(range.clone());
-                self.errors.push(Diagnostic::error(UNEXPECTED, span, "this declaration is not understood"));
-                None
-            }
-            Err(Refused::TooDeep(span)) => {
-                self.errors.push(Diagnostic::error(TOO_DEEP, span, "this expression is too deep"));
-                None
-            }
-            Err(Refused::TooLong(span)) => {
-                self.errors.push(Diagnostic::error(TOO_LARGE, span, "this is too long"));
-                None
-            }
+        self.tree.make_room(range.start, self.text.len());
+        let mut text = &self.text[range.clone()];
+        if comments.iter().any(|comment| comment.start < range.end) {
+            blank(text, range.start, comments, &mut self.blanked);
+            text = &self.blanked;
         }
+        let refused = match build::declaration(&mut self.tree, &mut self.yard, text, range.start) {
+            Ok(built) => return Some(built),
+            Err(refused) => refused,
+        };
+        let error = match refused {
+            Refused::Grammar if self.report.is_full() => {
+                self.report.count(self.span(range.clone()));
+                return None;
+            }
+            Refused::Grammar => self.explain(text, range.start),
+            Refused::TooDeep(at) => SyntaxError::ExpressionDepth { at },
+            Refused::LongWord(at) => SyntaxError::WordLength { at },
+            Refused::LongNumber(at) => SyntaxError::NumberLength { at },
+        };
+        self.headless = error.lacks_brace();
+        self.abandoned += usize::from(self.headless);
+        self.report.tell(error);
+        None
+    }
+
+    /// The declaration before has lost its `{`, and this is no declaration: its fields, most likely.
+    fn belongs_to_headless(&mut self, range: &Range<usize>) -> bool {
+        let text = &self.text[range.clone()];
+        let belongs = explain::keyword_of(text).is_none();
+        self.headless = belongs && !text.starts_with('{');
+        belongs
+    }
+
+    fn explain(&self, text: &str, offset: usize) -> SyntaxError {
+        let place = |at: Range<usize>| self.span(offset + at.start..offset + at.end);
+        if explain::keyword_of(text).is_none() {
+            let at = explain::thing(text, 0);
+            let word = &text[at.clone()];
+            let found = explain::shown(word);
+            return SyntaxError::UnknownKeyword { at: place(at.clone()), found, meant: meant(word, &text[at.end..]) };
+        }
+        let problem = explain::explain(text);
+        let (found, expected, remark) = (problem.found, problem.expected, problem.remark);
+        SyntaxError::Unexpected { at: place(problem.at), found, expected, remark }
     }
 
     fn trouble(&mut self, range: &Range<usize>, trouble: Trouble) {
-        let span = match &trouble {
-            Trouble::Unclosed { open } | Trouble::Mismatch { open, .. } | Trouble::Text { open } => {
-                self.span(*open..open + 1)
+        if let Trouble::Unclosed { count, .. } = &trouble {
+            self.abandoned += count;
+        }
+        let one = |at: usize| self.span(at..at + 1);
+        let error = match trouble {
+            Trouble::Unclosed { open, before, .. } => {
+                let before = before.map(|before| self.span(before));
+                SyntaxError::Unclosed { open: one(open), bracket: self.char_at(open), before, repeat: false }
             }
-            Trouble::Stray { at } | Trouble::Nesting { at } => self.span(*at..at + 1),
-            Trouble::Character { range } => self.span(range.clone()),
-            Trouble::Length | Trouble::SameLine => self.span(range.clone()),
+            Trouble::Mismatch { open, close } => SyntaxError::Mismatch {
+                open: one(open),
+                bracket: self.char_at(open),
+                close: one(close),
+                found: self.char_at(close),
+            },
+            Trouble::Stray { at } => return self.stray_inside(range, at),
+            Trouble::Text { open } => SyntaxError::UnclosedString { open: one(open) },
+            Trouble::Character { range } => {
+                SyntaxError::Character { at: self.span(range.clone()), character: self.char_at(range.start) }
+            }
+            Trouble::Nesting { at } => SyntaxError::Nesting { at: one(at) },
+            Trouble::Length => SyntaxError::DeclarationLength { at: self.span(range.start..range.start + 1) },
+            Trouble::SameLine => {
+                let at = explain::thing(self.text, range.start);
+                let found = Some(explain::shown(&self.text[at.clone()]));
+                let (expected, remark) = (Expected::LineEnd, Remark::LineOfItsOwn);
+                SyntaxError::Unexpected { at: self.span(at), found, expected, remark }
+            }
         };
-        let message = format!("this does not fit: {trouble:?}");
-        self.errors.push(Diagnostic::error(UNEXPECTED, span, message));
+        self.report.tell(error);
+    }
+
+    fn char_at(&self, at: usize) -> char {
+        self.text[at..].chars().next().unwrap_or('\n')
+    }
+
+    /// A closing bracket too many in a declaration: most often its opening one is missing, and something stands there.
+    fn stray_inside(&mut self, range: &Range<usize>, at: usize) {
+        let before = self.text[range.start..at].trim_end();
+        if explain::keyword_of(before).is_some() && !self.report.is_full() {
+            let error = self.explain(before, range.start);
+            if matches!(&error, SyntaxError::Unexpected { found: Some(_), expected, .. } if *expected != Expected::Form)
+            {
+                return self.report.tell(error);
+            }
+        }
+        self.stray(at);
+    }
+
+    fn stray(&mut self, at: usize) {
+        if std::mem::take(&mut self.headless) {
+            return;
+        }
+        if self.abandoned > 0 {
+            self.abandoned -= 1;
+            return;
+        }
+        self.report.tell(SyntaxError::Stray { at: self.span(at..at + 1), bracket: self.char_at(at) });
+    }
+
+    fn open(
+        &mut self,
+        range: Range<usize>,
+        trouble: Option<Trouble>,
+        doc: Option<Range<usize>>,
+        comments: &[Range<usize>],
+    ) {
+        if self.open.len() == limits::REPEATS {
+            self.report.tell(SyntaxError::RepeatNesting { at: self.span(range.clone()) });
+        }
+        let head = match self.open.len() {
+            // Told once, for the outermost one that is too deep.
+            limits::REPEATS.. => None,
+            _ => match self.build(&range, trouble, comments) {
+                Some(Built::Repeat(head)) => Some(head),
+                _ => None,
+            },
+        };
+        self.open.push(OpenRepeat { range, doc, head, body: Vec::new() });
     }
 
     fn close(&mut self, end: usize) {
-        let Some(OpenRepeat { range, head, body }) = self.open.pop() else { return };
-        let Some(head) = head else {
-            self.tree.broken.push(self.span(range.start..end));
-            return;
-        };
+        let Some(OpenRepeat { range, doc, head, body }) = self.open.pop() else { return };
+        let Some(head) = head else { return self.push_broken(range.start..end) };
         self.tree.repeats.push(Repeat { index: head.index, first: head.first, last: head.last, body });
         let kind = DeclKind::Repeat { index: (self.tree.repeats.len() - 1) as u32 };
-        self.push(Decl { span: self.span(range.start..end), kind }, None);
+        self.push(Decl { span: self.span(range.start..end), kind }, doc);
     }
 
     /// At the end of the file: what is still open was not closed.
     fn close_rest(&mut self) {
         while let Some(repeat) = self.open.last() {
-            let range = repeat.range.clone();
-            self.trouble(&range, Trouble::Unclosed { open: range.end - 1 });
+            let open = repeat.range.end - 1;
+            let error =
+                SyntaxError::Unclosed { open: self.span(open..open + 1), bracket: '{', before: None, repeat: true };
+            self.report.tell(error);
             self.close(self.text.len());
         }
     }
 }
 
-const UNEXPECTED: Code = Code("vib::syntax::unexpected");
-const TOO_DEEP: Code = Code("vib::syntax::too_deep");
-const TOO_LARGE: Code = Code("vib::syntax::too_large");
+/// The text of a declaration with spaces in place of its comments, byte for byte.
+fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut String) {
+    blanked.clear();
+    let mut done = 0;
+    for comment in comments {
+        let start = (comment.start - offset).min(text.len());
+        let end = (comment.end - offset).min(text.len());
+        blanked.push_str(&text[done..start]);
+        blanked.extend(std::iter::repeat_n(' ', end - start));
+        done = end;
+    }
+    blanked.push_str(&text[done..]);
+}
+
+/// What may have been meant by a declaration that starts with this word.
+fn meant(word: &str, rest: &str) -> Meant {
+    let is_word = word.starts_with(words::is_letter);
+    match rest.trim_start().chars().next() {
+        Some('=') if is_word => Meant::Value,
+        Some(':') if is_word => Meant::Part,
+        _ => words::nearest(word).map_or(Meant::Nothing, Meant::Keyword),
+    }
+}

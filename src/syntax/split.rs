@@ -27,8 +27,8 @@ pub(super) enum Piece {
 /// What is wrong with a declaration before its words are read; the first such thing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
-    /// An opening bracket without its closing one.
-    Unclosed { open: usize },
+    /// Opening brackets without their closing ones, the innermost of them, and the keyword that starts the next declaration.
+    Unclosed { open: usize, count: usize, before: Option<Range<usize>> },
     /// A bracket that is closed by one of another kind.
     Mismatch { open: usize, close: usize },
     /// A closing bracket without its opening one.
@@ -56,6 +56,8 @@ pub(super) struct Pieces<'a> {
     fresh: bool,
     /// The `///` lines since the last declaration.
     doc: Option<Range<usize>>,
+    /// The comments inside the declaration at hand.
+    comments: Vec<Range<usize>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -119,12 +121,17 @@ fn closes(open: u8, close: u8) -> bool {
 impl<'a> Pieces<'a> {
     pub fn new(text: &'a str) -> Pieces<'a> {
         let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-        Pieces { bytes: text.as_bytes(), text, at, repeats: 0, fresh: true, doc: None }
+        Pieces { bytes: text.as_bytes(), text, at, repeats: 0, fresh: true, doc: None, comments: Vec::new() }
     }
 
     /// The `///` lines before the declaration that came last.
     pub fn take_doc(&mut self) -> Option<Range<usize>> {
         self.doc.take()
+    }
+
+    /// The comments inside the declaration that came last, and one after it perhaps.
+    pub fn comments(&self) -> &[Range<usize>] {
+        &self.comments
     }
 
     fn byte(&self, at: usize) -> u8 {
@@ -148,21 +155,20 @@ impl<'a> Pieces<'a> {
         Some(at..at + len)
     }
 
-    /// Steps over a comment up to its line end; stops before a forbidden character.
+    /// Steps over a comment up to its line end; the first forbidden character in it.
     fn skip_comment(&mut self) -> Option<Range<usize>> {
-        while self.at < self.bytes.len() {
-            match class(self.byte(self.at)) {
-                Class::LineEnd => return None,
-                Class::Control | Class::High => {
-                    if let Some(range) = self.forbidden(self.at) {
-                        return Some(range);
-                    }
-                }
-                _ => {}
+        self.skip_until(|byte| byte == b'\n')
+    }
+
+    fn skip_until(&mut self, ends: impl Fn(u8) -> bool) -> Option<Range<usize>> {
+        let mut found = None;
+        while self.at < self.bytes.len() && !ends(self.bytes[self.at]) {
+            if found.is_none() && matches!(class(self.bytes[self.at]), Class::Control | Class::High) {
+                found = self.forbidden(self.at);
             }
             self.at += 1;
         }
-        None
+        found
     }
 
     /// Steps over blanks, line ends and comments between declarations.
@@ -176,7 +182,6 @@ impl<'a> Pieces<'a> {
                 }
                 Class::Slash if self.byte(self.at + 1) == b'/' => {
                     if let Some(range) = self.comment_between() {
-                        self.at = range.end;
                         return Some(Piece::Character { range });
                     }
                 }
@@ -225,6 +230,9 @@ impl<'a> Pieces<'a> {
         let mut brackets = Brackets::default();
         let mut trouble = (!self.fresh).then_some(Trouble::SameLine);
         self.fresh = false;
+        self.comments.clear();
+        let mut before = None;
+        let mut braces = false;
         while self.at < self.bytes.len() {
             let at = self.at;
             match class(self.byte(at)) {
@@ -236,28 +244,32 @@ impl<'a> Pieces<'a> {
                 Class::Blank => {}
                 Class::LineEnd if brackets.is_empty() => break,
                 Class::LineEnd => {
-                    if words::starts_declaration(&self.bytes[at + 1..]) {
+                    before = words::starts_declaration(&self.bytes[at + 1..])
+                        .map(|word| at + 1 + word.start..at + 1 + word.end);
+                    if before.is_some() {
                         break;
                     }
                 }
                 Class::Slash if self.byte(at + 1) == b'/' => {
-                    if let Some(range) = self.skip_comment() {
-                        trouble.get_or_insert(Trouble::Character { range: range.clone() });
-                        self.at = range.end;
+                    let forbidden = self.skip_comment();
+                    self.comments.push(at..self.at);
+                    if let Some(range) = forbidden {
+                        trouble.get_or_insert(Trouble::Character { range });
                     }
                     continue;
                 }
                 Class::Slash => end = at + 1,
                 Class::Quote => {
-                    if !self.skip_text() {
-                        trouble.get_or_insert(Trouble::Text { open: at });
+                    if let Some(found) = self.skip_text() {
+                        trouble.get_or_insert(found);
                     }
                     end = self.at;
                     continue;
                 }
                 Class::Open => {
                     end = at + 1;
-                    if brackets.is_empty() && self.byte(at) == b'{' && words::opens_repeat(&self.text[start..at]) {
+                    let first_brace = self.byte(at) == b'{' && !std::mem::replace(&mut braces, true);
+                    if first_brace && brackets.is_empty() && self.opens_repeat(start, at) {
                         self.at = end;
                         self.repeats += 1;
                         self.fresh = true;
@@ -294,9 +306,18 @@ impl<'a> Pieces<'a> {
             self.at += 1;
         }
         if let Some(&open) = brackets.open.last() {
-            trouble.get_or_insert(Trouble::Unclosed { open });
+            let count = brackets.open.len() + brackets.beyond;
+            trouble.get_or_insert(Trouble::Unclosed { open, count, before });
         }
         Piece::Declaration { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) }
+    }
+
+    /// The `{` opens the body of a `repeat`, or of something that was meant as one.
+    fn opens_repeat(&self, start: usize, at: usize) -> bool {
+        if at == start {
+            return words::starts_declaration(self.bytes[at + 1..].trim_ascii_start()).is_some();
+        }
+        words::opens_repeat(&self.text[start..at])
     }
 
     fn skip_plain(&mut self) {
@@ -305,20 +326,16 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Steps over a string; `false` where its line ends first.
-    fn skip_text(&mut self) -> bool {
+    /// Steps over a string, to the end of its line where it is not closed.
+    fn skip_text(&mut self) -> Option<Trouble> {
+        let open = self.at;
         self.at += 1;
-        while self.at < self.bytes.len() {
-            match self.byte(self.at) {
-                b'"' => {
-                    self.at += 1;
-                    return true;
-                }
-                b'\n' => return false,
-                _ => self.at += 1,
-            }
+        let forbidden = self.skip_until(|byte| matches!(byte, b'"' | b'\n'));
+        if self.byte(self.at) != b'"' {
+            return Some(Trouble::Text { open });
         }
-        false
+        self.at += 1;
+        forbidden.map(|range| Trouble::Character { range })
     }
 
     /// A `}` belongs to this declaration rather than to the `repeat` around it.
@@ -341,6 +358,8 @@ impl<'a> Pieces<'a> {
         match brackets.open.iter().rposition(|&open| closes(self.byte(open), self.byte(close))) {
             // Those inside were not closed.
             Some(matching) => brackets.open.truncate(matching),
+            // In braces, where a line end ends a value, it is the other one that is too many.
+            None if self.byte(top) == b'{' => return Some(Trouble::Stray { at: close }),
             None => {
                 brackets.open.pop();
             }

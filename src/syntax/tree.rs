@@ -296,6 +296,16 @@ impl Tree {
         Some(self.docs[at].1)
     }
 
+    /// Room for what is to come, guessed from what came: `done` of `total` bytes are parsed. An arena that doubled each
+    /// time it is full would hold twice what it needs, and the old one beside the new one while it is copied.
+    pub(super) fn make_room(&mut self, done: usize, total: usize) {
+        room(&mut self.decls, done, total);
+        room(&mut self.exprs, done, total);
+        room(&mut self.lists, done, total);
+        room(&mut self.fields, done, total);
+        room(&mut self.ends, done, total);
+    }
+
     pub(super) fn push_expr(&mut self, expr: Expr) -> ExprId {
         self.exprs.push(expr);
         ExprId::at(self.exprs.len() - 1)
@@ -348,6 +358,20 @@ impl ExprList {
     pub fn is_empty(self) -> bool {
         self.0.is_none()
     }
+}
+
+/// More than nearly every declaration needs at once.
+const AT_ONCE: usize = 64;
+
+fn room<T>(arena: &mut Vec<T>, done: usize, total: usize) {
+    if arena.capacity() - arena.len() >= AT_ONCE || arena.is_empty() && done > 0 {
+        return;
+    }
+    // As many as so far for the rest of the file and a little more, since no file is even; at most eight times what is
+    // there, since the start of a file says little. What is reserved and never used is never touched.
+    let expected = arena.len() as u128 * total as u128 * 33 / (done.max(1) as u128 * 32);
+    let most = arena.len() * 8;
+    arena.reserve_exact(AT_ONCE + (expected.min(most as u128) as usize).saturating_sub(arena.len()));
 }
 
 #[cfg(test)]

@@ -74,3 +74,132 @@ fn every_form_of_the_language_parses() {
     assert!(errors.is_empty(), "{errors:#?}");
     assert_eq!(parsed.tree.decls.len(), 42);
 }
+
+/// Each mistake with the only finding that it gives.
+fn told(text: &str) -> Vec<String> {
+    let (sources, parsed) = parse(text);
+    let tell = |d: &vibc::base::Diagnostic| {
+        let place = sources.positions(d.primary.span).0;
+        let related: String =
+            d.related.iter().map(|l| format!("; {} at {:?}", l.text, sources.slice(l.span))).collect();
+        format!(
+            "{}:{} {}: {}{related} ({})",
+            place.line,
+            place.column,
+            d.code,
+            d.message,
+            d.help.as_deref().unwrap_or("")
+        )
+    };
+    parsed.errors.sorted().iter().map(tell).collect()
+}
+
+const MISTAKES: &[&str] = &[
+    "param k 10 N/m",
+    "param k = ",
+    "param k",
+    "param",
+    "param=3",
+    "param 2k = 1",
+    "param left-wheel = 1",
+    "param länge = 1 m",
+    "param k = 10  N/m",
+    "param k = 10 20",
+    "param k = a b",
+    "param k = 2**3",
+    "param k = +3",
+    "param k = 3 +",
+    "param k = 10 −3",
+    "param k = a²",
+    "param k = 3;",
+    "param k = 3 # comment",
+    "param k = sqrt (2)",
+    "param k = m [1]",
+    "param k = 1, j = 2",
+    "param a = 1 m  param b = 2",
+    "parm k = 3",
+    "Param k = 3",
+    "k = 3",
+    "s: ground -- block { k = 1 N/m }",
+    "hinge p: a -- b",
+    "xyzzy foo",
+    "point A = 0, 0",
+    "point A (0, 0)",
+    "spring s ground -- block { k = 1 N/m }",
+    "spring s: ground block { k = 1 N/m }",
+    "spring s: ground - block { k = 1 N/m }",
+    "spring s: ground -> block { k = 1 N/m }",
+    "spring s: ground -- { k = 1 N/m }",
+    "spring s: ground@A + (0, 1) -- block { k = 1 N/m }",
+    "spring s: ground -- block",
+    "spring s: ground -- block k = 1 N/m",
+    "spring s: ground -- block\n{ k = 1 N/m }",
+    "body b\n{\n  mass = 1 kg\n  moves x\n}\nparam z = 1",
+    "body b\n  mass = 1 kg\n  moves x\n}\nparam z = 1",
+    "body b mass = 1 kg, moves x }",
+    "body b { mass = 1 kg, moves x",
+    "body b { mass = 1 kg, moves x\nparam z = 1",
+    "body b { mass = (1 kg, moves x }",
+    "body b { mass = 1 kg) }",
+    "body b { mass 1 kg }",
+    "body b { mass: 1 kg }",
+    "body b { mass = 1 kg moves x }",
+    "body b { mass = 1 kg; moves x }",
+    "body b { mass = 1 kg, moves }",
+    "body b { mass = 1 kg, , moves x }",
+    "body b { shape rod(A, B) }",
+    "body b { = 3 }",
+    "body b { mass = 1 kg } moves x",
+    "body b {\n  spring s: ground -- b { k = 1 N/m }\n}",
+    "gravity",
+    "gravity9.81",
+    "damping 2 %",
+    "damping",
+    "rest",
+    "rest as shown",
+    "solve k = 3",
+    "solve k in 1: stable = 1",
+    "solve k in 1 .. 2: frequency(1)",
+    "require",
+    "require a = b",
+    "repeat i in 1 to 3 {\n  param a[i] = 1\n}",
+    "repeat i in 1..3\n{\n  param a[i] = 1\n}",
+    "repeat i in 1..3\n  param a[i] = 1\n}",
+    "repeat i in 1..3 {\n  param a[i] = 1",
+    "repeat i in 1..3 {\n  body m[i] { moves x\n}",
+    "repeet i in 1..3 {\n  param a[i] = 1\n}",
+    "for i in 1..3 {\n  param a[i] = 1\n}",
+    "repeat i in 1..3 { param a[i] = 1 } param b = 2",
+    "force F: block along",
+    "force F: block = table(\"x.csv)",
+    "force F: block = table('x.csv')",
+    "output y = block.",
+    "output y = gain(a -> b 3)",
+    "param k = (1 + 2",
+    "param k = 1 + 2)",
+    "}",
+    "param k = \u{7}3",
+    "// \u{202e}reversed",
+    "param k = 3 \u{a0}+ 4",
+    "param a = 1\rparam b = 2",
+    "couple r: a.x",
+    "pivot p: a -- b along x",
+    "model my cart",
+    "output x == b.x",
+    "initial b x = 1",
+    "param k = 3 m)",
+    "param k = 3 @ 4",
+    "10 N/m",
+    "{ mass = 1 kg }",
+];
+
+#[test]
+fn one_mistake_gives_one_error_that_says_what_to_type() {
+    let mut table = String::new();
+    for mistake in MISTAKES {
+        let told = told(mistake);
+        table += &format!("{mistake}\n    {}\n", told.join("\n    "));
+        assert_eq!(told.len(), 1, "{mistake}: {told:#?}");
+    }
+    insta::assert_snapshot!(table);
+}

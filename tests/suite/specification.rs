@@ -5,13 +5,15 @@ use vibc::backend::explain;
 
 /// Codes that no check of a model's text can show (bytes, `vibc simulate`, systems that no model gives): their clauses tell
 /// the example in words.
-const IN_WORDS: [&str; 6] = [
+const IN_WORDS: [&str; 8] = [
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",
     "vib::mass::indefinite",
     "vib::mass::singular",
     "vib::signal::base_impulse",
+    "vib::syntax::character",
+    "vib::syntax::more_errors",
 ];
 
 #[test]

@@ -1,0 +1,342 @@
+//! What can be wrong with a text: facts with places, and how each is told. Clauses: spec.md 1 and 14, `vib::syntax::*`.
+//!
+//! Messages say in words what was expected and what to type; rules of the grammar are not named.
+
+use super::limits;
+use super::words;
+use crate::base::{Code, Diagnostic, Span};
+
+const UNKNOWN_KEYWORD: Code = Code("vib::syntax::unknown_keyword");
+const UNEXPECTED: Code = Code("vib::syntax::unexpected");
+const UNCLOSED: Code = Code("vib::syntax::unclosed");
+const STRAY: Code = Code("vib::syntax::stray");
+const UNCLOSED_STRING: Code = Code("vib::syntax::unclosed_string");
+const CHARACTER: Code = Code("vib::syntax::character");
+const TOO_DEEP: Code = Code("vib::syntax::too_deep");
+const TOO_LARGE: Code = Code("vib::syntax::too_large");
+const MORE: Code = Code("vib::syntax::more_errors");
+
+/// An error of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SyntaxError {
+    /// A declaration starts with something else than a keyword.
+    UnknownKeyword {
+        at: Span,
+        found: String,
+        meant: Meant,
+    },
+    /// Something else stands where the grammar has one thing.
+    Unexpected {
+        at: Span,
+        found: Option<String>,
+        expected: Expected,
+        remark: Remark,
+    },
+    /// An opening bracket is not closed before the next declaration, or before the end of the file.
+    Unclosed {
+        open: Span,
+        bracket: char,
+        before: Option<Span>,
+        repeat: bool,
+    },
+    /// An opening bracket is closed by one of another kind.
+    Mismatch {
+        open: Span,
+        bracket: char,
+        close: Span,
+        found: char,
+    },
+    /// A closing bracket closes nothing.
+    Stray {
+        at: Span,
+        bracket: char,
+    },
+    /// A string is not closed on its line.
+    UnclosedString {
+        open: Span,
+    },
+    /// A character that may stand nowhere.
+    Character {
+        at: Span,
+        character: char,
+    },
+    /// Brackets inside brackets.
+    Nesting {
+        at: Span,
+    },
+    /// `repeat` inside `repeat`.
+    RepeatNesting {
+        at: Span,
+    },
+    /// Operators on operators.
+    ExpressionDepth {
+        at: Span,
+    },
+    DeclarationLength {
+        at: Span,
+    },
+    WordLength {
+        at: Span,
+    },
+    NumberLength {
+        at: Span,
+    },
+    FileLength {
+        at: Span,
+    },
+    /// Errors that are counted and not told.
+    More {
+        at: Span,
+        count: usize,
+    },
+}
+
+/// What may have been meant by something that is no keyword.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Meant {
+    Keyword(&'static str),
+    /// `k = 10 N/m`, without `param` or `let`.
+    Value,
+    /// `s: ground -- block`, without `spring` or another.
+    Part,
+    Nothing,
+}
+
+/// What the grammar has at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Expected {
+    /// A blank after a keyword.
+    Blank(&'static str),
+    /// A name, and whose.
+    Name(&'static str),
+    /// A sign or word, and between or after what it stands.
+    Sign(&'static str, &'static str),
+    /// A value, and which.
+    Value(&'static str),
+    /// A direction after `moves`.
+    Motion,
+    /// A field in braces.
+    Field,
+    /// Something between two fields.
+    Separator,
+    /// Something between two values in brackets of this closing kind.
+    Comma(char),
+    LineEnd,
+    /// Another declaration form: only where the grammar and this module disagree.
+    Form,
+}
+
+/// What the reader of an error may want to know beside what was expected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Remark {
+    /// How the declaration is written.
+    Form(&'static str),
+    /// What to type for a character that looks like it.
+    Write(&'static str),
+    Plus,
+    Power,
+    UnitApart,
+    FunctionApart,
+    IndexApart,
+    OperatorMissing,
+    NameJoined,
+    NameLetters,
+    NameStart,
+    FieldColon,
+    LineGoesOn,
+    LineOfItsOwn,
+    Semicolon,
+    Hash,
+    Comparison,
+}
+
+impl SyntaxError {
+    pub fn at(&self) -> Span {
+        match self {
+            SyntaxError::Unclosed { open, .. }
+            | SyntaxError::Mismatch { open, .. }
+            | SyntaxError::UnclosedString { open } => *open,
+            SyntaxError::UnknownKeyword { at, .. }
+            | SyntaxError::Unexpected { at, .. }
+            | SyntaxError::Stray { at, .. }
+            | SyntaxError::Character { at, .. }
+            | SyntaxError::Nesting { at }
+            | SyntaxError::RepeatNesting { at }
+            | SyntaxError::ExpressionDepth { at }
+            | SyntaxError::DeclarationLength { at }
+            | SyntaxError::WordLength { at }
+            | SyntaxError::NumberLength { at }
+            | SyntaxError::FileLength { at }
+            | SyntaxError::More { at, .. } => *at,
+        }
+    }
+
+    /// The `{` of fields or of a `repeat` is missing where the line ends.
+    pub(super) fn lacks_brace(&self) -> bool {
+        matches!(self, SyntaxError::Unexpected { found: None, expected: Expected::Sign("{", _), .. })
+    }
+
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        let error = |code, message: String| Diagnostic::error(code, self.at(), message);
+        match self {
+            SyntaxError::UnknownKeyword { found, meant, .. } => {
+                error(UNKNOWN_KEYWORD, format!("{found} starts no declaration")).help(meant.help())
+            }
+            SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
+            SyntaxError::Unclosed { bracket, before, repeat, .. } => {
+                let of = if *repeat { " of `repeat`" } else { "" };
+                let closing = closing(*bracket);
+                let end = if before.is_some() { "the next declaration" } else { "the end of the file" };
+                let told = error(UNCLOSED, format!("the `{bracket}`{of} is not closed"))
+                    .help(format!("write `{closing}` before {end}"));
+                match before {
+                    Some(span) => told.related(*span, "the next declaration starts here"),
+                    None => told,
+                }
+            }
+            SyntaxError::Mismatch { bracket, close, found, .. } => {
+                error(UNCLOSED, format!("the `{bracket}` is not closed before `{found}`"))
+                    .related(*close, format!("`{}` is missing before this", closing(*bracket)))
+                    .help(format!("write `{}` where the bracket ends", closing(*bracket)))
+            }
+            SyntaxError::Stray { bracket, .. } => error(STRAY, format!("this `{bracket}` closes nothing"))
+                .help(format!("delete it, or write the `{}` that it closes", opening(*bracket))),
+            SyntaxError::UnclosedString { .. } => error(UNCLOSED_STRING, "this string is not closed".into())
+                .help("write `\"` at its end; a string ends on its line"),
+            SyntaxError::Character { character, .. } => character_error(self.at(), *character),
+            SyntaxError::Nesting { .. } => {
+                error(TOO_DEEP, format!("brackets are nested more than {} levels deep", limits::BRACKETS))
+                    .help("give the inner values names with `let`")
+            }
+            SyntaxError::RepeatNesting { .. } => {
+                error(TOO_DEEP, format!("`repeat`s are nested more than {} levels deep", limits::REPEATS))
+                    .help("a name has at most three indices; write separate `repeat`s")
+            }
+            SyntaxError::ExpressionDepth { .. } => {
+                error(TOO_DEEP, format!("this expression has more than {} levels", limits::EXPRESSION_DEPTH))
+                    .help("every operator in a row is a level; give parts of it names with `let`")
+            }
+            SyntaxError::DeclarationLength { .. } => {
+                error(TOO_LARGE, format!("this declaration is longer than {} bytes", limits::DECLARATION))
+                    .help("a declaration ends at the end of its line; write several")
+            }
+            SyntaxError::WordLength { .. } => {
+                error(TOO_LARGE, format!("this word is longer than {} bytes", limits::WORD)).help("shorten it")
+            }
+            SyntaxError::NumberLength { .. } => {
+                error(TOO_LARGE, format!("this number is longer than {} bytes", limits::NUMBER))
+                    .help("write it with fewer digits")
+            }
+            SyntaxError::FileLength { .. } => {
+                error(TOO_LARGE, format!("this file is larger than {} MiB", limits::FILE >> 20))
+                    .help("write what repeats with `repeat`")
+            }
+            SyntaxError::More { count, .. } => {
+                let errors = if *count == 1 { "error" } else { "errors" };
+                error(MORE, format!("{count} more syntax {errors} from here on")).help("mend the first ones first")
+            }
+        }
+    }
+}
+
+fn unexpected(at: Span, found: &Option<String>, expected: Expected, remark: &Remark) -> Diagnostic {
+    let expected = expected.words();
+    let message = match found {
+        Some(found) => format!("expected {expected}, found {found}"),
+        None => format!("expected {expected}, but the declaration ends"),
+    };
+    Diagnostic::error(UNEXPECTED, at, message).help(remark.help())
+}
+
+impl Expected {
+    fn words(self) -> String {
+        match self {
+            Expected::Blank(keyword) => format!("a blank after `{keyword}`"),
+            Expected::Name(whose) => format!("the name of {whose}"),
+            Expected::Sign(sign, place) => format!("`{sign}` {place}"),
+            Expected::Value(which) => which.into(),
+            Expected::Motion => "a direction of motion: `x`, `y` or `along (a, b)`".into(),
+            Expected::Field => "a field".into(),
+            Expected::Separator => "a comma or a line end between two fields".into(),
+            Expected::Comma(closing) => format!("`,` or `{closing}`"),
+            Expected::LineEnd => "the end of the line".into(),
+            Expected::Form => "another form of this declaration".into(),
+        }
+    }
+}
+
+impl Meant {
+    fn help(&self) -> String {
+        match self {
+            Meant::Keyword(keyword) => format!("did you mean `{keyword}`? It is written `{}`", words::form(keyword)),
+            Meant::Value => "write `param` before it, or `let` where it is derived from others".into(),
+            Meant::Part => {
+                "write what it is before it: `spring`, `damper`, `pivot`, `slide`, `weld`, `force`, ...".into()
+            }
+            Meant::Nothing => format!("a declaration starts with one of: {}", words::KEYWORDS.join(", ")),
+        }
+    }
+}
+
+impl Remark {
+    fn help(&self) -> String {
+        let text = match self {
+            Remark::Form(form) => return format!("it is written `{form}`"),
+            Remark::Write(what) => return format!("write {what}"),
+            Remark::Plus => "leave out the `+` before a value",
+            Remark::Power => "write `^` for powers: `x^2`",
+            Remark::UnitApart => "write one blank, or none, between a number and its unit: `10 N/m`",
+            Remark::FunctionApart => "write a function and its bracket without a blank between them: `sqrt(x)`",
+            Remark::IndexApart => "write a name and its index without a blank between them: `m[1]`",
+            Remark::OperatorMissing => "write an operator between two values, such as `*`",
+            Remark::NameJoined => "join the words of a name with `_`",
+            Remark::NameLetters => "names are made of the letters a to z, Greek letters, digits and `_`",
+            Remark::NameStart => "a name starts with a letter or `_`",
+            Remark::FieldColon => "write `=` between a field and its value: `mass = 1 kg`",
+            Remark::LineGoesOn => "a declaration ends at the end of its line; brackets around a value let it go on",
+            Remark::LineOfItsOwn => "write each declaration on a line of its own",
+            Remark::Semicolon => {
+                "write no `;`: a declaration ends with its line, fields are separated by commas or line ends"
+            }
+            Remark::Hash => "write `//` before a comment",
+            Remark::Comparison => "a requirement compares with `<`, `<=`, `>` or `>=`",
+        };
+        text.into()
+    }
+}
+
+fn character_error(at: Span, character: char) -> Diagnostic {
+    let number = character as u32;
+    let (message, help) = match character {
+        '\0' => (
+            "a NUL character stands here: this file is no text".to_string(),
+            "save the file as UTF-8; a `.vib` file of another program cannot be read",
+        ),
+        '\r' => (
+            "a carriage return without a line feed stands here".to_string(),
+            "save the file with line ends of LF or CR LF",
+        ),
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => (
+            format!("a character that reverses the direction of the text (U+{number:04X}) is not allowed"),
+            "delete it: it makes the text look other than it is",
+        ),
+        _ => (format!("a control character (U+{number:04X}) is not allowed"), "delete it"),
+    };
+    Diagnostic::error(CHARACTER, at, message).help(help)
+}
+
+fn closing(bracket: char) -> char {
+    match bracket {
+        '(' => ')',
+        '[' => ']',
+        _ => '}',
+    }
+}
+
+fn opening(bracket: char) -> char {
+    match bracket {
+        ')' => '(',
+        ']' => '[',
+        _ => '{',
+    }
+}

@@ -1,0 +1,718 @@
+//! A declaration that is not in the grammar to the first thing that is wrong with it.
+//!
+//! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and
+//! what may help. pest tells how far it came in terms of its rules; an engineer wants to know what to type. So this module
+//! reads the text once more, rule by rule in the order of `grammar/vib.pest`, and stops at the first thing amiss. It makes
+//! nothing of what it reads: that it agrees with the grammar is shown by tests. Clause: spec.md 1.
+
+use super::error::{Expected, Remark};
+use super::words;
+use std::ops::Range;
+
+/// Where a declaration leaves the grammar; places are bytes of its text.
+#[derive(Debug)]
+pub(super) struct Problem {
+    pub at: Range<usize>,
+    /// As it is shown; `None` at the end.
+    pub found: Option<String>,
+    pub expected: Expected,
+    pub remark: Remark,
+}
+
+type Read = Result<(), Problem>;
+
+/// What is wrong with a declaration that starts with a keyword.
+pub(super) fn explain(text: &str) -> Problem {
+    let keyword = keyword_of(text).unwrap_or("require");
+    let mut reader = Reader { text, at: keyword.len(), form: words::form(keyword), keyword };
+    match reader.declaration().and_then(|()| reader.line_end()) {
+        Err(problem) => problem,
+        Ok(()) => {
+            reader.at = 0;
+            reader.problem(Expected::Form)
+        }
+    }
+}
+
+/// The keyword at the start of a declaration.
+pub(super) fn keyword_of(text: &str) -> Option<&'static str> {
+    let end = text.find(|c: char| !words::is_letter(c) && !c.is_ascii_digit()).unwrap_or(text.len());
+    words::KEYWORDS.iter().find(|keyword| **keyword == &text[..end]).copied()
+}
+
+/// The thing that starts at a place: a word or number, an operator, or one character.
+pub(super) fn thing(text: &str, at: usize) -> Range<usize> {
+    let rest = &text[at..];
+    let word = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+    if word > 0 {
+        return at..at + word;
+    }
+    let operators = ["--", "->", "==", "<=", ">=", "**", "..", "!="];
+    match operators.iter().find(|operator| rest.starts_with(**operator)) {
+        Some(operator) => at..at + operator.len(),
+        None => at..at + rest.chars().next().map_or(0, char::len_utf8),
+    }
+}
+
+/// A thing as a message shows it: in quotes, shortened, invisible characters by their number.
+pub(super) fn shown(thing: &str) -> String {
+    match thing.chars().next() {
+        Some(c)
+            if c.is_whitespace() && !c.is_ascii() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{feff}' | '\u{ad}') =>
+        {
+            format!("a character that looks like a blank or nothing (U+{:04X})", c as u32)
+        }
+        Some('\n') => "a line end".into(),
+        _ if thing.chars().count() > 40 => format!("`{}...`", thing.chars().take(37).collect::<String>()),
+        _ => format!("`{thing}`"),
+    }
+}
+
+/// What to type for characters that look like those of the language.
+fn look_alike(c: char) -> Option<&'static str> {
+    Some(match c {
+        '\u{2212}' | '\u{2010}'..='\u{2015}' => "`-`",
+        '\u{d7}' | '\u{b7}' | '\u{22c5}' | '\u{2219}' | '\u{2022}' => "`*`",
+        '\u{f7}' | '\u{2215}' | '\u{2044}' => "`/`",
+        '\u{201c}'..='\u{201f}' | '\u{ab}' | '\u{bb}' | '\u{2018}'..='\u{201b}' | '\'' => "`\"`",
+        '\u{2264}' => "`<=`",
+        '\u{2265}' => "`>=`",
+        '\u{2192}' => "`->`",
+        '\u{b2}' => "`^2`",
+        '\u{b3}' => "`^3`",
+        '\u{221a}' => "`sqrt(x)`",
+        '\u{a0}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' | '\u{3000}' => "an ordinary blank",
+        '\u{200b}'..='\u{200f}' | '\u{feff}' | '\u{ad}' => "nothing there",
+        _ => return None,
+    })
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    keyword: &'static str,
+    /// A declaration of this kind as it is written.
+    form: &'static str,
+}
+
+impl Reader<'_> {
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn next(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    /// The character before the place at hand.
+    fn last(&self) -> Option<char> {
+        self.text[..self.at].chars().next_back()
+    }
+
+    /// The same with the blanks between left out.
+    fn last_visible(&self) -> Option<char> {
+        self.text[..self.at].trim_end().chars().next_back()
+    }
+
+    fn eat(&mut self, sign: &str) -> bool {
+        let found = self.rest().starts_with(sign);
+        if found {
+            self.at += sign.len();
+        }
+        found
+    }
+
+    /// Steps over a word that is followed by no letter or digit.
+    fn eat_word(&mut self, word: &str) -> bool {
+        let rest = self.rest();
+        let found = rest.starts_with(word) && !rest[word.len()..].starts_with(|c: char| in_word(c));
+        if found {
+            self.at += word.len();
+        }
+        found
+    }
+
+    /// Steps over blanks and line ends; `false` where there are none.
+    fn blanks(&mut self) -> bool {
+        let start = self.at;
+        self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\n' | b'\r')).count();
+        self.at > start
+    }
+
+    fn blanks_in_line(&mut self) {
+        self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\r')).count();
+    }
+
+    /// The problem that something else is expected at the place at hand.
+    fn problem(&self, expected: Expected) -> Problem {
+        let at = thing(self.text, self.at);
+        let found = (!at.is_empty()).then(|| shown(&self.text[at.clone()]));
+        Problem { remark: self.remark(expected), at, found, expected }
+    }
+
+    fn problem_with(&self, expected: Expected, remark: Remark) -> Problem {
+        Problem { remark, ..self.problem(expected) }
+    }
+
+    /// What is worth saying about what stands where something else is expected.
+    fn remark(&self, expected: Expected) -> Remark {
+        let Some(next) = self.next() else {
+            let operator = matches!(self.last_visible(), Some('+' | '-' | '*' | '/' | '^' | '=' | '<' | '>' | ','));
+            return if matches!(expected, Expected::Value(_)) && operator {
+                Remark::LineGoesOn
+            } else {
+                Remark::Form(self.form)
+            };
+        };
+        if let Some(write) = look_alike(next) {
+            return Remark::Write(write);
+        }
+        match (expected, next) {
+            (_, ';') => Remark::Semicolon,
+            (_, '#') => Remark::Hash,
+            (Expected::Value(_), '+') => Remark::Plus,
+            (Expected::Value(_), '*') if self.last() == Some('*') => Remark::Power,
+            (Expected::Name(_), c) if c.is_ascii_digit() => Remark::NameStart,
+            (_, c) if c.is_alphabetic() && !words::is_letter(c) => Remark::NameLetters,
+            (Expected::Sign(..), '-' | '.') if self.joins_name() => Remark::NameJoined,
+            (Expected::LineEnd | Expected::Separator | Expected::Comma(_), _) => {
+                self.remark_after_value(expected, next)
+            }
+            _ => Remark::Form(self.form),
+        }
+    }
+
+    /// `left-wheel`, where only `left` was read.
+    fn joins_name(&self) -> bool {
+        self.last().is_some_and(in_word) && self.rest()[1..].starts_with(in_word)
+    }
+
+    /// A complete value, and something after it.
+    fn remark_after_value(&self, expected: Expected, next: char) -> Remark {
+        let apart = self.text[..self.at].ends_with([' ', '\t']);
+        let after_digit = self.last_visible().is_some_and(|c| c.is_ascii_digit());
+        let after_word = self.last_visible().is_some_and(in_word);
+        match next {
+            '(' if apart && after_word && !after_digit => Remark::FunctionApart,
+            '[' if apart && after_word => Remark::IndexApart,
+            _ if after_digit && apart && (words::is_letter(next) || matches!(next, '%' | '°')) => Remark::UnitApart,
+            '=' if self.keyword == "require" => Remark::Comparison,
+            _ if expected == Expected::LineEnd && self.starts_keyword() => Remark::LineOfItsOwn,
+            ',' if expected == Expected::LineEnd && !self.form.contains("= (") => Remark::LineOfItsOwn,
+            _ if expected == Expected::LineEnd && self.keyword == "model" => Remark::NameJoined,
+            _ if expected == Expected::LineEnd && !self.ends_with_value() => Remark::Form(self.form),
+            _ if expected != Expected::Separator && (next == '(' || in_word(next)) => Remark::OperatorMissing,
+            _ => Remark::Form(self.form),
+        }
+    }
+
+    fn ends_with_value(&self) -> bool {
+        ["param", "let", "point", "output", "gravity", "damping", "solve", "require", "couple"].contains(&self.keyword)
+    }
+
+    fn starts_keyword(&self) -> bool {
+        keyword_of(self.rest()).is_some()
+    }
+
+    // ---- Declarations, as in the grammar ----
+
+    fn declaration(&mut self) -> Read {
+        match self.keyword {
+            "model" => self.blank().and_then(|()| self.word("the model")),
+            "param" => {
+                self.named_value("the parameter", "between the parameter and its value", "the parameter's value")
+            }
+            "let" => self.named_value("the quantity", "between the name and its value", "a value"),
+            "point" => self.named_value("the point", "between the point and its place", "a place `(x, y)`"),
+            "output" => self.named_value("the output", "between the output and what it is", "what is put out"),
+            "gravity" => self.apart().and_then(|()| self.expression("the acceleration of gravity")),
+            "body" => self.named_fields("the body"),
+            "initial" => self.named_fields("the body"),
+            "base" => self.named_fields("the base").and_then(|()| self.signal()),
+            "spring" | "damper" => {
+                self.part()?;
+                self.two_ends()?;
+                self.blanks();
+                self.fields()
+            }
+            "pivot" | "weld" => self.part().and_then(|()| self.two_ends()),
+            "slide" => {
+                self.part()?;
+                self.two_ends()?;
+                self.along()
+            }
+            "couple" => self.couple(),
+            "force" | "torque" => self.load(),
+            "damping" => self.damping(),
+            "rest" => self.rest_as_drawn(),
+            "solve" => self.solve(),
+            "repeat" => self.repeat(),
+            _ => self.apart().and_then(|()| self.expression("a condition")),
+        }
+    }
+
+    fn blank(&mut self) -> Read {
+        if self.blanks() {
+            return Ok(());
+        }
+        Err(match self.next() {
+            None => self.problem(self.first()),
+            Some(_) => self.problem(Expected::Blank(self.keyword)),
+        })
+    }
+
+    /// What comes first after the keyword.
+    fn first(&self) -> Expected {
+        match self.keyword {
+            "gravity" | "require" => Expected::Value("a value"),
+            "rest" => Expected::Sign("as drawn", "after `rest`"),
+            "damping" => Expected::Sign("modal` or `rayleigh", "after `damping`"),
+            "repeat" => Expected::Name("the index"),
+            "initial" => Expected::Name("the body"),
+            keyword => Expected::Name(match keyword {
+                "model" => "the model",
+                "param" | "solve" => "the parameter",
+                "let" => "the quantity",
+                "point" => "the point",
+                "body" => "the body",
+                "base" => "the base",
+                "output" => "the output",
+                _ => "the part",
+            }),
+        }
+    }
+
+    /// Before a value: a blank or a bracket.
+    fn apart(&mut self) -> Read {
+        if self.next() == Some('(') || self.blanks() {
+            return Ok(());
+        }
+        Err(match self.next() {
+            None => self.problem(Expected::Value("a value")),
+            Some(_) => self.problem(Expected::Sign("a blank", "before the value")),
+        })
+    }
+
+    fn sign(&mut self, sign: &'static str, place: &'static str) -> Read {
+        self.blanks();
+        if !self.eat(sign) {
+            return Err(self.problem(Expected::Sign(sign, place)));
+        }
+        self.blanks();
+        Ok(())
+    }
+
+    /// A word between others, with a blank before it.
+    fn word_sign(&mut self, word: &'static str, place: &'static str) -> Read {
+        self.blanks();
+        if self.eat_word(word) { Ok(()) } else { Err(self.problem(Expected::Sign(word, place))) }
+    }
+
+    fn word(&mut self, whose: &'static str) -> Read {
+        if !self.next().is_some_and(words::is_letter) {
+            return Err(self.problem(Expected::Name(whose)));
+        }
+        self.at += self.rest().find(|c: char| !in_word(c)).unwrap_or(self.rest().len());
+        Ok(())
+    }
+
+    fn name(&mut self, whose: &'static str) -> Read {
+        self.word(whose)?;
+        self.indices()
+    }
+
+    fn indices(&mut self) -> Read {
+        while self.eat("[") {
+            self.blanks();
+            self.list("an index", ']')?;
+        }
+        Ok(())
+    }
+
+    /// Values up to the closing bracket.
+    fn list(&mut self, what: &'static str, closing: char) -> Read {
+        loop {
+            self.expression(what)?;
+            self.blanks();
+            if self.next() == Some(closing) {
+                self.at += 1;
+                return Ok(());
+            }
+            if !self.eat(",") {
+                return Err(self.problem(Expected::Comma(closing)));
+            }
+            self.blanks();
+        }
+    }
+
+    fn named_value(&mut self, whose: &'static str, between: &'static str, value: &'static str) -> Read {
+        self.blank()?;
+        self.name(whose)?;
+        self.sign("=", between)?;
+        self.expression(value)
+    }
+
+    fn named_fields(&mut self, whose: &'static str) -> Read {
+        self.blank()?;
+        self.name(whose)?;
+        self.blanks();
+        self.fields()
+    }
+
+    /// `spring s:`
+    fn part(&mut self) -> Read {
+        self.blank()?;
+        self.name("the part")?;
+        self.sign(":", "after the part's name")
+    }
+
+    fn end(&mut self, which: &'static str) -> Read {
+        self.name(which)?;
+        let after = self.at;
+        self.blanks();
+        if self.eat("@") {
+            return self.place();
+        }
+        self.at = after;
+        Ok(())
+    }
+
+    fn two_ends(&mut self) -> Read {
+        self.end("the part at the first end")?;
+        self.sign("--", "between the two ends")?;
+        self.end("the part at the second end")
+    }
+
+    /// The point behind `@`.
+    fn place(&mut self) -> Read {
+        self.blanks();
+        if self.eat("(") {
+            self.blanks();
+            return self.list("a coordinate", ')');
+        }
+        if !self.next().is_some_and(words::is_letter) {
+            return Err(self.problem(Expected::Value("a point, its name or `(x, y)`")));
+        }
+        self.name("a point")
+    }
+
+    fn along(&mut self) -> Read {
+        let before = self.at;
+        if self.blanks() && self.eat_word("along") {
+            self.apart()?;
+            return self.expression("a direction");
+        }
+        self.at = before;
+        Ok(())
+    }
+
+    fn signal(&mut self) -> Read {
+        let before = self.at;
+        self.blanks();
+        if self.eat("=") {
+            self.blanks();
+            return self.expression("a signal");
+        }
+        self.at = before;
+        Ok(())
+    }
+
+    fn couple(&mut self) -> Read {
+        self.part()?;
+        self.expression("a relation between motions")?;
+        self.sign("=", "between the two sides")?;
+        self.expression("the other side")
+    }
+
+    fn load(&mut self) -> Read {
+        self.part()?;
+        self.end("the part that is loaded")?;
+        let before = self.at;
+        self.blanks();
+        if self.eat("--") {
+            self.blanks();
+            self.end("the part at the second end")?;
+        } else {
+            self.at = before;
+        }
+        if self.keyword == "force" {
+            self.along()?;
+        }
+        self.signal()
+    }
+
+    fn damping(&mut self) -> Read {
+        self.blank()?;
+        if self.eat_word("modal") {
+            self.apart()?;
+            return self.expression("a damping ratio");
+        }
+        if !self.eat_word("rayleigh") {
+            return Err(self.problem(self.first()));
+        }
+        self.blanks();
+        if !self.eat("(") {
+            return Err(self.problem(Expected::Sign("(", "before the two factors")));
+        }
+        self.blanks();
+        if self.eat(")") {
+            return Ok(());
+        }
+        self.list("a factor", ')')
+    }
+
+    fn rest_as_drawn(&mut self) -> Read {
+        self.blank()?;
+        self.word_sign("as", "after `rest`")?;
+        self.word_sign("drawn", "after `rest as`")
+    }
+
+    /// `in low .. high`
+    fn range(&mut self) -> Read {
+        self.word_sign("in", "before the range")?;
+        self.apart()?;
+        self.expression("the lower bound")?;
+        self.sign("..", "between the bounds")?;
+        self.expression("the upper bound")
+    }
+
+    fn solve(&mut self) -> Read {
+        self.blank()?;
+        self.name("the parameter")?;
+        self.range()?;
+        self.sign(":", "before the measure")?;
+        self.expression("a measure")?;
+        self.sign("=", "between the measure and its value")?;
+        self.expression("the measure's value")
+    }
+
+    fn repeat(&mut self) -> Read {
+        self.blank()?;
+        self.word("the index")?;
+        self.range()?;
+        self.sign("{", "at the end of the line")
+    }
+
+    fn line_end(&mut self) -> Read {
+        self.blanks();
+        if self.rest().is_empty() { Ok(()) } else { Err(self.problem(Expected::LineEnd)) }
+    }
+
+    // ---- Fields ----
+
+    fn fields(&mut self) -> Read {
+        if !self.eat("{") {
+            return Err(self.problem(Expected::Sign("{", "before the fields")));
+        }
+        self.blanks();
+        while !self.eat("}") {
+            self.field()?;
+            self.blanks_in_line();
+            match self.next() {
+                Some('}') => {}
+                Some(',') => self.at += 1,
+                Some('\n') => {
+                    self.blanks();
+                    self.eat(",");
+                }
+                _ => return Err(self.problem(Expected::Separator)),
+            }
+            self.blanks();
+        }
+        Ok(())
+    }
+
+    fn field(&mut self) -> Read {
+        if !self.next().is_some_and(words::is_letter) {
+            return Err(self.problem(Expected::Field));
+        }
+        let start = self.at;
+        self.word("a field")?;
+        let key = &self.text[start..self.at];
+        let flag = matches!(key, "turns" | "free");
+        let moves = key == "moves";
+        let after = self.at;
+        let apart = self.blanks();
+        if self.eat("=") {
+            self.blanks();
+            self.expression("the field's value")?;
+            return self.about();
+        }
+        if moves && apart && self.next().is_some_and(words::is_letter) {
+            return self.moves();
+        }
+        self.at = after;
+        self.blanks_in_line();
+        match self.next() {
+            None | Some('}' | ',' | '\n') if !moves => self.at = after,
+            _ if moves => return Err(self.problem(Expected::Motion)),
+            Some(':') => return Err(self.problem_with(Expected::Sign("=", "after a field's name"), Remark::FieldColon)),
+            Some(';') => return Err(self.problem(Expected::Separator)),
+            _ if flag => {}
+            _ => return Err(self.problem(Expected::Sign("=", "after a field's name"))),
+        }
+        Ok(())
+    }
+
+    fn moves(&mut self) -> Read {
+        if self.eat_word("along") {
+            self.apart()?;
+            return self.expression("a direction");
+        }
+        loop {
+            self.word("a motion")?;
+            let after = self.at;
+            self.blanks_in_line();
+            if self.at == after || !self.next().is_some_and(words::is_letter) {
+                self.at = after;
+                return Ok(());
+            }
+        }
+    }
+
+    fn about(&mut self) -> Read {
+        let before = self.at;
+        if self.blanks() && self.eat_word("about") {
+            self.apart()?;
+            return self.expression("a point");
+        }
+        self.at = before;
+        Ok(())
+    }
+
+    // ---- Expressions ----
+
+    fn expression(&mut self, what: &'static str) -> Read {
+        let mut what = what;
+        loop {
+            while self.next() == Some('-') && !self.rest().starts_with("->") {
+                self.at += 1;
+                self.blanks();
+                what = "a value after `-`";
+            }
+            self.operand(what)?;
+            let after = self.at;
+            self.blanks();
+            if !self.operator() {
+                self.at = after;
+                return Ok(());
+            }
+            self.blanks();
+            what = "a value after the operator";
+        }
+    }
+
+    fn operator(&mut self) -> bool {
+        ["->", "<=", ">=", "==", "+", "-", "*", "/", "^", "<", ">"].into_iter().any(|operator| self.eat(operator))
+    }
+
+    fn operand(&mut self, what: &'static str) -> Read {
+        match self.next() {
+            Some(c) if words::is_letter(c) => self.reference(),
+            Some(c) if c.is_ascii_digit() => self.literal(),
+            Some('.') if self.rest()[1..].starts_with(|c: char| c.is_ascii_digit()) => self.literal(),
+            Some('(') => {
+                self.at += 1;
+                self.blanks();
+                self.list("a value", ')')
+            }
+            Some('"') => {
+                self.at += 1;
+                self.at += self.rest().find('"').map_or(self.rest().len(), |at| at + 1);
+                Ok(())
+            }
+            _ => Err(self.problem(Expected::Value(what))),
+        }
+    }
+
+    fn reference(&mut self) -> Read {
+        self.word("a quantity")?;
+        if self.eat("(") {
+            self.blanks();
+            if !self.eat(")") {
+                self.list("an argument", ')')?;
+            }
+        } else {
+            self.indices()?;
+        }
+        loop {
+            if self.next() == Some('.') && !self.rest().starts_with("..") {
+                self.at += 1;
+                self.word("a motion or quantity of the part")?;
+            } else if self.eat("@") {
+                self.place()?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    fn digits(&mut self) -> bool {
+        let count = self.rest().bytes().take_while(u8::is_ascii_digit).count();
+        self.at += count;
+        count > 0
+    }
+
+    fn literal(&mut self) -> Read {
+        self.digits();
+        let point = self.at;
+        if !(self.eat(".") && self.digits()) {
+            self.at = point;
+        }
+        let exponent = self.at;
+        if self.eat("e") || self.eat("E") {
+            let _sign = self.eat("+") || self.eat("-");
+            if !self.digits() {
+                self.at = exponent;
+            }
+        }
+        self.unit();
+        Ok(())
+    }
+
+    /// Steps over a unit, with a blank before it perhaps.
+    fn unit(&mut self) {
+        let number = self.at;
+        if self.eat(" ") {
+            self.eat("/");
+        }
+        let about = self.at;
+        let is_about = self.eat_word("about");
+        self.at = about;
+        if is_about || !self.factor() {
+            self.at = number;
+            return;
+        }
+        loop {
+            let after = self.at;
+            let glued = ["*", "/", "·", "⋅"].into_iter().any(|sign| self.eat(sign));
+            if !(glued && self.factor()) {
+                self.at = after;
+                return;
+            }
+        }
+    }
+
+    fn factor(&mut self) -> bool {
+        let unit_letter = |c: char| words::is_letter(c) || matches!(c, '%' | '°');
+        if !self.next().is_some_and(unit_letter) {
+            return false;
+        }
+        let len = self.rest().find(|c: char| !unit_letter(c) && !c.is_ascii_digit()).unwrap_or(self.rest().len());
+        self.at += len;
+        let power = self.at;
+        if self.eat("^") {
+            self.eat("-");
+            if !self.digits() {
+                self.at = power;
+            }
+        } else if !self.eat("²") {
+            self.eat("³");
+        }
+        true
+    }
+}
+
+fn in_word(c: char) -> bool {
+    words::is_letter(c) || c.is_ascii_digit()
+}
