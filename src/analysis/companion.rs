@@ -152,6 +152,10 @@ fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if matrix.iter().any(|x| !x.is_finite()) {
         return None;
     }
+    if matrix.is_empty() {
+        // All motions of the part are rigid, as far as binary64 can tell: nalgebra's Schur form has no case for it.
+        return Some(Vec::new());
+    }
     let sweeps = 100 * matrix.nrows();
     let values = Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues();
     let mut list: Vec<Complex<f64>> = values.iter().map(|z| Complex::new(z.re, z.im)).collect();

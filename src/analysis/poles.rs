@@ -10,7 +10,7 @@ use super::answer::{ModeKind, Modes, Poles};
 use super::companion::Basis;
 use super::complex::Complex;
 use super::discs::{Disc, discs};
-use super::error::AnalysisError;
+use super::error::{AnalysisError, place};
 use super::parts::{Part, as_system, independent};
 use super::pencil::Pencil;
 use super::pole_exact::{Exact, exact_poles};
@@ -68,7 +68,7 @@ impl Portion<'_> {
         } else if let Some(damping) = proportional(self.system, self.part) {
             self.decoupled(modes, &damping, found);
         } else {
-            self.general(modes, found);
+            self.general(modes, found)?;
         }
         Ok(())
     }
@@ -106,7 +106,7 @@ impl Portion<'_> {
     }
 
     /// Companion, refinement, discs.
-    fn general(&self, modes: &Modes, found: &mut PoleList) {
+    fn general(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
         let pencil = Pencil::of(self.system, self.part, self.local);
         let rigid = if modes.list.iter().any(|mode| mode.kind == ModeKind::Rigid) {
             rigid_motions(&as_system(self.system, self.part, self.local))
@@ -127,10 +127,16 @@ impl Portion<'_> {
             (pairs, discs) = certified(&aberth(&basis, &starts));
         }
         if !all_apart(&discs) && self.exact(found) {
-            return;
+            return Ok(());
+        }
+        let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
+        if pairs.is_empty() && basis.zeros() + count != 2 * pencil.n {
+            // Better no poles than a list that lacks some without a word.
+            return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
         }
         found.zeros(basis.zeros());
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.is_dissipative());
+        Ok(())
     }
 
     /// The roots of det Q; false where that is beyond exact arithmetic.

@@ -226,3 +226,21 @@ fn the_report_tells_a_critical_damping() {
     let report = report::text(&outcome.answer.expect("an answer"), &ReportOptions::default());
     assert!(report.contains("poles 1, 2: one pole with a single shape, exactly: critical damping"), "{report}");
 }
+
+/// A rest that is not isolated leaves stiffnesses which cannot be told from zero, and no elastic motion to start from.
+#[test]
+fn poles_that_cannot_be_found_are_refused_not_left_out() {
+    let text = "
+body b0 { mass = 0.5 kg, inertia = 1 kg*m^2, at = (0.5 m, -1 m) }
+pivot j0: ground@(sqrt(2) * 1 m, -1 m) -- b0
+damper s2: ground@(3 m, 3 m) -- b0@(0, 1 m / 3) { c = 2 N*s/m }
+body b1 { mass = 0.01 kg, inertia = 0.5 kg*m^2, at = (1 m, -1 m) }
+pivot j1: b0@(sqrt(2) * 1 m, sqrt(2) * 1 m) -- b1
+spring s4: b0@(3 m, 3 m) -- b1@(0, 0) { k = 40 N/m }
+";
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("hinge.vib", text));
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    let complete = outcome.answer.is_some_and(|answer| answer.poles.list.len() == 4);
+    assert!(complete || outcome.diagnostics.iter().any(|found| found.is_error()));
+}

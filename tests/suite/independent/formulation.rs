@@ -397,7 +397,7 @@ impl<'a> Formulation<'a> {
                 Quantity::new([a.part, b.part], move |p| length(minus(b.now(p), a.now(p))) - drawn)
             }
             Geometry::Along(direction) => {
-                let (d, drawn) = (unit(direction), minus(b.drawn, a.drawn));
+                let (d, drawn) = (self.first_to_second(element, direction), minus(b.drawn, a.drawn));
                 Quantity::new([a.part, b.part], move |p| dot(d, minus(minus(b.now(p), a.now(p)), drawn)))
             }
             Geometry::Torsion => Quantity::new([a.part, b.part], move |p| angle(p, b.part) - angle(p, a.part)),
@@ -409,9 +409,19 @@ impl<'a> Formulation<'a> {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
             Geometry::Line => length(minus(b.drawn, a.drawn)),
-            Geometry::Along(direction) => dot(unit(direction), minus(b.drawn, a.drawn)),
+            Geometry::Along(direction) => dot(self.first_to_second(element, direction), minus(b.drawn, a.drawn)),
             Geometry::Torsion => Dd::ZERO,
         }
+    }
+
+    /// A fixed direction, turned round where the drawing runs against it: a stretch takes the ends apart.
+    fn first_to_second(&self, element: &Element, direction: &Vec3) -> [Dd; 2] {
+        let d = unit(direction);
+        let against = match (&element.ends[0].at, &element.ends[1].at) {
+            (Some(a), Some(b)) => dot(d, planar(&b.sub(a))).hi < 0.0,
+            _ => false,
+        };
+        if against { [-d[0], -d[1]] } else { d }
     }
 
     /// Spring: T0 s + k s^2 / 2.
