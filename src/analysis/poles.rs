@@ -130,7 +130,7 @@ impl Portion<'_> {
             return Ok(());
         }
         let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
-        if pairs.is_empty() && basis.zeros() + count != 2 * pencil.n {
+        if basis.zeros() + count != 2 * pencil.n {
             // Better no poles than a list that lacks some without a word.
             return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
         }
