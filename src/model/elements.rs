@@ -10,8 +10,9 @@ use super::fields::Given;
 use super::freedoms::{Line, are_parallel};
 use super::scene::{Attachment, Element, Geometry, Law, SpringRest};
 use super::scope::{Environment, Instance};
+use super::value::Value;
 use crate::base::{Dimension, Number, Vec3};
-use crate::syntax::tree::{DeclKind, ElementKeyword, EndId, ExprId, Fields, Ident};
+use crate::syntax::tree::{DeclKind, ElementKeyword, EndId, Fields, Ident};
 use std::sync::Arc;
 
 const SPRING_FIELDS: [&str; 4] = ["k", "along", "free_length", "preload"];
@@ -32,7 +33,8 @@ const TWIST: Expected = Expected::new("a torque", Dimension::TORQUE, "preload = 
 type Acting = ([Attachment; 2], Law, Geometry);
 
 /// Stiffness or damping coefficient with what its unit says.
-struct Coefficient {
+#[derive(Clone, Debug)]
+pub struct Coefficient {
     value: Number,
     torsional: bool,
 }
@@ -119,23 +121,18 @@ impl<'a> Check<'a> {
         };
         let expr = self.field_expr(field, environment)?;
         let turns = Expected { dimension: torsional, ..*expected };
-        if self.is_of(expr, torsional, environment) {
-            return Ok(Coefficient { value: self.number(expr, environment, &turns)?, torsional: true });
-        }
-        Ok(Coefficient { value: self.number(expr, environment, expected)?, torsional: false })
-    }
-
-    /// Whether the value has this dimension; decided once for all repetitions.
-    fn is_of(&mut self, expr: ExprId, dimension: Dimension, environment: Environment) -> bool {
-        if let Some(&known) = self.torsional.get(&expr) {
-            return known;
-        }
-        let Ok(super::value::Value::Scalar(scalar)) = self.evaluate(expr, environment) else { return false };
-        let is = scalar.dimension() == Some(dimension);
-        if !environment.is_top() {
-            self.torsional.insert(expr, is);
-        }
-        is
+        self.remembered(
+            expr,
+            environment,
+            |memory| &mut memory.coefficients,
+            |check| {
+                let value = check.evaluate(expr, environment)?;
+                let is_torsional = matches!(&value, Value::Scalar(scalar) if scalar.dimension() == Some(torsional));
+                let expected = if is_torsional { &turns } else { expected };
+                let value = check.as_number(&value, expr, environment, expected)?;
+                Ok(Coefficient { value, torsional: is_torsional })
+            },
+        )
     }
 
     fn spring_rest<const N: usize>(

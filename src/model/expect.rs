@@ -3,6 +3,7 @@
 //! Clause: spec.md, "Units".
 
 use super::Check;
+use super::elements::Coefficient;
 use super::error::ValueError;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{DefinitionId, Environment, Table};
@@ -32,6 +33,7 @@ impl Expected {
 pub struct Memory {
     numbers: Table<ExprId, Evaluated<Number>>,
     places: Table<ExprId, Evaluated<Arc<Vec3>>>,
+    pub coefficients: Table<ExprId, Evaluated<Coefficient>>,
 }
 
 const POSITION: Expected = Expected::new("a position", Dimension::LENGTH, "(0, 1 m)");
@@ -124,7 +126,7 @@ impl<'a> Check<'a> {
     }
 
     /// What has been found before for this expression, where no index enters it; or what `make` finds now.
-    fn remembered<T: Clone>(
+    pub fn remembered<T: Clone>(
         &mut self,
         expr: ExprId,
         environment: Environment,

@@ -36,7 +36,7 @@ mod value;
 
 use crate::base::unit::Unit;
 use crate::base::{Code, Diagnostics, FileId, Sources, Span, Symbol, Vec3, Words};
-use crate::syntax::tree::{ExprId, Tree};
+use crate::syntax::tree::Tree;
 use bodies::Directions;
 use collect::Instances;
 use error::Error;
@@ -132,8 +132,6 @@ struct Check<'a> {
     instances: Instances<'a>,
     walk: Walk,
     memory: Memory,
-    /// Whether `k` or `c` of an element is torsional, where no index enters it.
-    torsional: Table<ExprId, bool>,
     directions: Directions,
     freedoms: Freedoms,
     /// Where an inertia is given about a point of a body without a mass.
@@ -168,7 +166,6 @@ impl<'a> Check<'a> {
             instances: Instances::default(),
             walk: Walk::default(),
             memory: Memory::default(),
-            torsional: Table::default(),
             directions: Directions::default(),
             freedoms: Freedoms::default(),
             inertia_points: HashMap::new(),

@@ -281,7 +281,7 @@ pub enum Signal {
         to: Number,
         duration: Number,
     },
-    /// Two columns: time in s, value in `unit_factor` SI units.
+    /// Two columns: time in s, value in SI units.
     Table {
         file: String,
         span: Span,

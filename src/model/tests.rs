@@ -329,6 +329,20 @@ fn repetitions_nest_and_indices_are_calculated() {
 }
 
 #[test]
+fn each_repetition_has_its_own_kind_of_spring() {
+    let scene = scene(
+        "param k[1] = 1 N/m
+         param k[2] = 1 N*m/rad
+         repeat i in 1..2 {
+           body m[i] { mass = 1 kg, inertia = 1 kg*m^2, moves x, turns }
+           spring s[i]: ground -- m[i] { k = k[i] }
+         }",
+    );
+    assert!(matches!(scene.elements[0].geometry, Geometry::Along(_)));
+    assert_eq!(scene.elements[1].geometry, Geometry::Torsion);
+}
+
+#[test]
 fn an_empty_repetition_is_none_and_a_reversed_one_an_error() {
     let with = |range: &str| {
         format!("body a {{ mass = 1 kg, moves x }}\nrepeat i in {range} {{\nbody m[i] {{ mass = 1 kg, moves x }}\n}}")
