@@ -15,6 +15,9 @@ use super::{certificate, shape};
 use crate::base::Ball;
 use crate::system::{Form, LinearSystem, Nature, Term};
 
+/// Relative accuracy that a load factor should have.
+const TOLERANCE: f64 = 1e-12;
+
 /// How far a system is from buckling.
 #[derive(Clone, Debug)]
 pub struct Buckling {
@@ -50,7 +53,7 @@ fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Option<Buckling> {
     let n = part.coordinates.len();
     let given = weighted(k, |term| (term.nature == Nature::Property).then_some(false));
     let softening = weighted(k, |term| (term.nature == Nature::Geometric).then_some(true));
-    let (load_factor, pair) = match eigenpairs(&softening, &given, n) {
+    let (load_factor, pair) = match eigenpairs(&softening, &given, n, TOLERANCE) {
         Ok(pairs) => {
             let pair = pairs.into_iter().next_back()?;
             (Ball::ONE / positive(&pair)?, pair)
@@ -58,12 +61,11 @@ fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Option<Buckling> {
         Err(Failure::Range) => return None,
         Err(Failure::Mass(_)) => {
             // -rho, descending: the pencil with -K_g again.
-            let pair = eigenpairs(&softening, k, n).ok()?.into_iter().next_back()?;
+            let pair = eigenpairs(&softening, k, n, TOLERANCE).ok()?.into_iter().next_back()?;
             (Ball::ONE + Ball::ONE / positive(&pair)?, pair)
         }
     };
-    let mut whole = vec![0.0; system.n()];
-    part.coordinates.iter().zip(&pair.x).for_each(|(&i, x)| whole[i as usize] = x.hi());
+    let whole = pair.x.spread(&part.coordinates, system.n()).to_f64();
     Some(Buckling { load_factor, shape: shape::with_largest_one(&whole) })
 }
 

@@ -15,10 +15,14 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Relative error of a sum or product.
+    /// Relative error bound of a sum, product or quotient.
     const ERROR: f64;
     const ZERO: Self;
     const ONE: Self;
+    /// The nearest number.
+    fn of(x: Dd) -> Self;
+    /// Without rounding.
+    fn to_dd(self) -> Dd;
     /// The leading word.
     fn hi(self) -> f64;
     fn root(self) -> Self;
@@ -30,6 +34,16 @@ impl Real for f64 {
     const ERROR: f64 = f64::EPSILON / 2.0;
     const ZERO: f64 = 0.0;
     const ONE: f64 = 1.0;
+
+    #[inline]
+    fn of(x: Dd) -> f64 {
+        x.to_f64()
+    }
+
+    #[inline]
+    fn to_dd(self) -> Dd {
+        Dd::from(self)
+    }
 
     #[inline]
     fn hi(self) -> f64 {
@@ -57,9 +71,19 @@ impl Real for f64 {
 }
 
 impl Real for Dd {
-    const ERROR: f64 = Dd::EPSILON / 4.0;
+    const ERROR: f64 = Dd::EPSILON;
     const ZERO: Dd = Dd::ZERO;
     const ONE: Dd = Dd::ONE;
+
+    #[inline]
+    fn of(x: Dd) -> Dd {
+        x
+    }
+
+    #[inline]
+    fn to_dd(self) -> Dd {
+        self
+    }
 
     #[inline]
     fn hi(self) -> f64 {

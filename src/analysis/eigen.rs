@@ -23,8 +23,6 @@ use crate::system::Form;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
 const ALL_DIGITS: usize = 30;
-/// Relative accuracy asked of an eigenvalue.
-const TOLERANCE: f64 = 1e-12;
 /// A change that triple words do not show any more.
 const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
 const MAX_STEPS: usize = 8;
@@ -34,8 +32,60 @@ const MAX_STEPS: usize = 8;
 pub struct Pair {
     pub value: Eigenvalue,
     /// M-normalised.
-    pub x: Vec<Triple>,
+    pub x: Displacements,
     pub route: Route,
+}
+
+/// Displacements, in three words where the stretches of stiff springs need them.
+#[derive(Clone, Debug)]
+pub enum Displacements {
+    Precise(Vec<Triple>),
+    Plain(Vec<f64>),
+}
+
+impl Displacements {
+    pub fn to_f64(&self) -> Vec<f64> {
+        match self {
+            Displacements::Precise(x) => x.iter().map(|x| x.hi()).collect(),
+            Displacements::Plain(x) => x.clone(),
+        }
+    }
+
+    pub fn to_triple(&self) -> Vec<Triple> {
+        match self {
+            Displacements::Precise(x) => x.clone(),
+            Displacements::Plain(x) => x.iter().map(|&x| Triple::from(x)).collect(),
+        }
+    }
+
+    /// The same among n coordinates, the others at rest.
+    pub fn spread(self, coordinates: &[u32], n: usize) -> Displacements {
+        match self {
+            Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),
+            Displacements::Plain(x) => Displacements::Plain(spread(x, coordinates, n, 0.0)),
+        }
+    }
+
+    /// w (a . x)^2 of each term.
+    pub fn energies(&self, terms: &Terms) -> Vec<f64> {
+        let energy = |t: usize| {
+            let stretch = match self {
+                Displacements::Precise(x) => terms.stretch(t, x).value.hi(),
+                Displacements::Plain(x) => terms.stretch_f64(t, x),
+            };
+            terms.weights[t].value.hi() * stretch * stretch
+        };
+        (0..terms.len()).map(energy).collect()
+    }
+}
+
+fn spread<T: Copy>(x: Vec<T>, coordinates: &[u32], n: usize, zero: T) -> Vec<T> {
+    if coordinates.len() == n {
+        return x;
+    }
+    let mut whole = vec![zero; n];
+    coordinates.iter().zip(&x).for_each(|(&i, &x)| whole[i as usize] = x);
+    whole
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -55,24 +105,35 @@ pub enum Failure {
     Range,
 }
 
-/// All eigenvalues of the pencil of two forms on n coordinates, ascending.
-pub fn eigenpairs(k: &Form, m: &Form, n: usize) -> Result<Vec<Pair>, Failure> {
+/// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance where that can be.
+pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pair>, Failure> {
+    eigenpairs_of(k, &Terms::of(k), &Terms::of(m), n, tolerance)
+}
+
+/// The same if the terms are at hand: those of `form` and those of M.
+pub fn eigenpairs_of(
+    form: &Form,
+    stiffness: &Terms,
+    masses: &Terms,
+    n: usize,
+    tolerance: f64,
+) -> Result<Vec<Pair>, Failure> {
     if n == 0 {
         return Ok(Vec::new());
     }
-    let (masses, stiffness) = (Terms::of(m), Terms::of(k));
     if !(masses.is_finite() && stiffness.is_finite()) {
         return Err(Failure::Range);
     }
-    let matrix = mass::assembled(&masses, n);
+    let matrix = mass::assembled(masses, n);
     let lower = mass::factor(matrix.clone()).map_err(Failure::Mass)?;
     let problem = Problem {
         n,
-        form: k,
-        masses: &masses,
-        stiffness: &stiffness,
+        form,
+        masses,
+        stiffness,
         inertia: Inertia { matrix, lower },
-        rigid: structure::null_space(k, n),
+        rigid: structure::null_space(form, n),
+        tolerance,
     };
     problem.solved().ok_or(Failure::Range)
 }
@@ -85,6 +146,7 @@ struct Problem<'a> {
     stiffness: &'a Terms,
     inertia: Inertia,
     rigid: NullSpace,
+    tolerance: f64,
 }
 
 /// Approximate modes with their pencil and its certificate.
@@ -106,7 +168,7 @@ impl<'a> Problem<'a> {
             if best.as_ref().is_none_or(|(other, _)| worst < *other) {
                 best = Some((worst, candidate));
             }
-            if worst <= TOLERANCE {
+            if worst <= self.tolerance {
                 break;
             }
         }
@@ -151,7 +213,7 @@ impl<'a> Problem<'a> {
 
     /// Newton steps until the couplings do not matter or do not shrink any more, then the certificate.
     fn refined(&self, mut start: Start) -> Candidate<'a> {
-        let target = if self.n <= ALL_DIGITS { NEGLIGIBLE } else { TOLERANCE * 1e-3 };
+        let target = if self.n <= ALL_DIGITS { NEGLIGIBLE } else { (self.tolerance * 1e-3).max(NEGLIGIBLE) };
         let (mut k, mut m) = self.pencil(&start.x);
         let mut distance = self.distance(&k, &m);
         for _ in 0..MAX_STEPS {
@@ -214,9 +276,9 @@ impl<'a> Problem<'a> {
 }
 
 impl Candidate<'_> {
-    fn normalised(&self, column: usize) -> Vec<Triple> {
+    fn normalised(&self, column: usize) -> Displacements {
         let scale = Triple::from(self.m.mid[(column, column)].sqrt().recip());
-        self.start.x.column(column).iter().map(|&x| x * scale).collect()
+        Displacements::Precise(self.start.x.column(column).iter().map(|&x| x * scale).collect())
     }
 }
 

@@ -8,9 +8,11 @@
 use super::answer::{Mode, ModeKind, Modes, Route};
 use super::certificate;
 use super::condense::{Condensed, condense};
-use super::eigen::{Eigenvalue, Failure, Pair, eigenpairs};
+use super::eigen::{Displacements, Eigenvalue, Failure, Pair, eigenpairs, eigenpairs_of};
 use super::error::{AnalysisError, place};
 use super::parts::{Part, chosen, independent_undamped};
+use super::request::Request;
+use super::sparse;
 use super::terms::Terms;
 use super::triple::Triple;
 use super::{shape, structure};
@@ -20,7 +22,10 @@ use std::cmp::Ordering;
 
 /// Dense matrices of more coordinates than this would take minutes.
 pub const MAX_DENSE: usize = 400;
+/// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
+const MIN_SPARSE: usize = 100;
 
+<<<<<<< HEAD
 /// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
 const MAX_COORDINATES: usize = 4000;
 
@@ -53,15 +58,84 @@ pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
     let list = pairs.iter().zip(cluster_numbers(&pairs)).map(|(pair, cluster)| report.mode(pair, cluster)).collect();
     Ok(Modes { list, infinite })
+=======
+/// All undamped modes, ascending in omega^2.
+pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
+    modes_as(system, &Request::default())
+>>>>>>> 85aaaf7 (The lowest modes of large trees, and a request for modes and accuracy)
 }
 
-/// The eigenpairs of a part, whose own forms these are.
-fn part_pairs(system: &LinearSystem, part: &Part, k: &Form, m: &Form) -> Result<Vec<Pair>, AnalysisError> {
+/// The undamped modes asked for, ascending in omega^2.
+pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    let parts = independent_undamped(system);
+    let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
+    let mut local = vec![0u32; system.n()];
+    let (mut pairs, mut infinite) = (Vec::new(), 0);
+    for (index, part) in parts.iter().enumerate() {
+        let found = if parts.len() == 1 {
+            let whole = Forms { k: &system.k, m: &system.m, stiffness: &report.stiffness, masses: &report.masses };
+            part_pairs(system, part, &whole, request)?
+        } else {
+            part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+            let (k, m) = (chosen(&system.k, &part.k, &local), chosen(&system.m, &part.m, &local));
+            let own = Forms { k: &k, m: &m, stiffness: &Terms::of(&k), masses: &Terms::of(&m) };
+            part_pairs(system, part, &own, request)?
+        };
+        infinite += found.infinite;
+        pairs.extend(found.pairs.into_iter().map(|pair| (pair, index)));
+    }
+    if parts.len() > 1 {
+        pairs.sort_by(|a, b| ascending(&a.0.value, &b.0.value));
+    }
+    pairs.truncate(request.which.limit());
+    let numbers = cluster_numbers(&pairs);
+    let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
+        let x = pair.x.spread(&parts[part].coordinates, system.n());
+        report.mode(&Pair { x, ..pair }, cluster)
+    });
+    Ok(Modes { list: list.collect(), infinite })
+}
+
+/// M and K of a part, as the model's numbers and as terms.
+struct Forms<'a> {
+    k: &'a Form,
+    m: &'a Form,
+    stiffness: &'a Terms,
+    masses: &'a Terms,
+}
+
+/// The eigenpairs of a part, and how many of its motions have no inertia.
+struct PartPairs {
+    pairs: Vec<Pair>,
+    infinite: usize,
+}
+
+/// The eigenpairs asked for of a part.
+fn part_pairs(
+    system: &LinearSystem,
+    part: &Part,
+    forms: &Forms,
+    request: &Request,
+) -> Result<PartPairs, AnalysisError> {
     let n = part.coordinates.len();
-    match eigenpairs(k, m, n) {
-        Ok(pairs) => Ok(pairs),
-        Err(Failure::Range) => Err(AnalysisError::OutOfRange { at: place(system, part.coordinates[0] as usize) }),
-        Err(Failure::Mass(at)) => without_massless_motions(system, part, k, m, at),
+    let limit = request.which.limit();
+    if n > MIN_SPARSE
+        && limit < n / 4
+        && let Some(pairs) = sparse::lowest(forms.stiffness, forms.masses, n, limit, request.tolerance)
+    {
+        return Ok(PartPairs { pairs, infinite: 0 });
+    }
+    let first = part.coordinates[0] as usize;
+    if n > MAX_DENSE {
+        return Err(AnalysisError::TooManyCoordinates { count: n, limit: MAX_DENSE, at: place(system, first) });
+    }
+    match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
+        Ok(pairs) => Ok(PartPairs { pairs, infinite: 0 }),
+        Err(Failure::Range) => Err(AnalysisError::OutOfRange { at: place(system, first) }),
+        Err(Failure::Mass(at)) => {
+            let pairs = without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?;
+            Ok(PartPairs { infinite: n - pairs.len(), pairs })
+        }
     }
 }
 
@@ -72,6 +146,7 @@ fn without_massless_motions(
     k: &Form,
     m: &Form,
     at: usize,
+    tolerance: f64,
 ) -> Result<Vec<Pair>, AnalysisError> {
     let n = part.coordinates.len();
     let global = |local: usize| part.coordinates[local] as usize;
@@ -90,7 +165,8 @@ fn without_massless_motions(
             return Err(singular(moving));
         }
     }
-    let pairs = eigenpairs(&condensed.k, &condensed.m, condensed.kept.len()).map_err(|failure| match failure {
+    let pairs = eigenpairs(&condensed.k, &condensed.m, condensed.kept.len(), tolerance);
+    let pairs = pairs.map_err(|failure| match failure {
         Failure::Mass(at) => AnalysisError::indefinite_mass(system, CoordinateId(global(condensed.kept[at]) as u32)),
         Failure::Range => AnalysisError::OutOfRange { at: place(system, global(0)) },
     })?;
@@ -98,7 +174,7 @@ fn without_massless_motions(
 }
 
 fn expanded(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
-    Pair { x: condensed.expanded(n, &pair.x), ..pair }
+    Pair { x: Displacements::Precise(condensed.expanded(n, &pair.x.to_triple())), ..pair }
 }
 
 /// Some damper may act on the motion of the part.
@@ -113,16 +189,6 @@ fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
     })
 }
 
-/// The vector over all coordinates.
-fn spread(pair: Pair, part: &Part, n: usize) -> Pair {
-    if pair.x.len() == n {
-        return pair;
-    }
-    let mut x = vec![Triple::ZERO; n];
-    part.coordinates.iter().zip(&pair.x).for_each(|(&i, &value)| x[i as usize] = value);
-    Pair { x, ..pair }
-}
-
 fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
     let value = |e: &Eigenvalue| match e {
         Eigenvalue::Zero => Triple::ZERO,
@@ -133,11 +199,11 @@ fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
 }
 
 /// Numbers the modes whose enclosures overlap.
-fn cluster_numbers(pairs: &[Pair]) -> Vec<Option<u32>> {
+fn cluster_numbers(pairs: &[(Pair, usize)]) -> Vec<Option<u32>> {
     let mut numbers = vec![None; pairs.len()];
     let mut next = 0;
     for i in 1..pairs.len() {
-        if !overlap(&pairs[i - 1].value, &pairs[i].value) {
+        if !overlap(&pairs[i - 1].0.value, &pairs[i].0.value) {
             continue;
         }
         if numbers[i - 1].is_none() {
@@ -166,7 +232,7 @@ struct Report<'a> {
 
 impl Report<'_> {
     fn mode(&self, pair: &Pair, cluster: Option<u32>) -> Mode {
-        let mut shape: Vec<f64> = pair.x.iter().map(|x| x.hi()).collect();
+        let mut shape = pair.x.to_f64();
         let kinetic = shape::kinetic_shares(&self.masses, &shape);
         if shape::is_reversed(&shape, &kinetic, self.system) {
             shape.iter_mut().for_each(|x| *x = -*x);
@@ -199,19 +265,14 @@ impl Report<'_> {
         if !positive && lambda.hi().abs() <= radius {
             omega = Ball::new(omega.mid, f64::INFINITY);
         }
-        let energies: Vec<f64> = (0..self.stiffness.len())
-            .map(|t| {
-                let stretch = self.stiffness.stretch(t, &pair.x).value.hi();
-                self.stiffness.weights[t].value.hi() * stretch * stretch
-            })
-            .collect();
+        let energies = pair.x.energies(&self.stiffness);
         let whole: f64 = energies.iter().map(|energy| energy.abs()).sum();
         Mode {
             kind: if negative { ModeKind::Divergence } else { ModeKind::Oscillation },
             omega_squared: certificate::ball(lambda, radius),
             omega,
             input_condition: Some(whole / lambda.hi().abs() + 1.0),
-            strain: shape::strain_shares(&self.system.k, energies.into_iter()),
+            strain: shape::strain_shares(&self.system.k, &energies),
             ..mode
         }
     }

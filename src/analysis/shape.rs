@@ -67,6 +67,10 @@ pub(super) fn with_largest_one(shape: &[f64]) -> Vec<f64> {
     shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
 }
 
+/// Up to this many shares are told completely, of more the largest.
+const COMPLETE: usize = 1000;
+const LARGEST: usize = 10;
+
 /// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
 pub(super) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<CoordinateId>> {
     let mut energy = vec![0.0; shape.len()];
@@ -77,28 +81,30 @@ pub(super) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<Coordin
             energy[i as usize] += shape[i as usize] * factor.to_f64() * momentum;
         }
     }
-    let shares = energy.into_iter().enumerate().map(|(i, part)| Share { of: CoordinateId(i as u32), part });
-    sorted_parts(shares.collect())
+    let every = (0..shape.len() as u32).collect();
+    largest_first(&energy, every, |i| CoordinateId(i as u32))
 }
 
 /// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from the energies of the terms.
-pub(super) fn strain_shares(form: &Form, energies: impl Iterator<Item = f64>) -> Vec<Share<Label>> {
+pub(super) fn strain_shares(form: &Form, energies: &[f64]) -> Vec<Share<Label>> {
     let mut by_source = vec![0.0; form.source_count()];
     for (term, energy) in form.terms().iter().zip(energies) {
         by_source[term.source as usize] += energy;
     }
-    let shares = by_source.into_iter().enumerate().filter(|(_, part)| *part != 0.0);
-    sorted_parts(shares.map(|(source, part)| Share { of: form.source_name(source as u32), part }).collect())
+    let holding = (0..by_source.len() as u32).filter(|&i| by_source[i as usize] != 0.0).collect();
+    largest_first(&by_source, holding, |i| form.source_name(i as u32))
 }
 
-/// Divided by their sum and sorted, largest first; equal ones keep their order.
-fn sorted_parts<T: Copy>(mut shares: Vec<Share<T>>) -> Vec<Share<T>> {
-    let whole: f64 = shares.iter().map(|share| share.part).sum();
-    for share in &mut shares {
-        share.part /= whole;
+/// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order.
+fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
+    let whole: f64 = parts.iter().sum();
+    let order = |a: &u32, b: &u32| parts[*b as usize].total_cmp(&parts[*a as usize]).then(a.cmp(b));
+    if chosen.len() > COMPLETE {
+        chosen.select_nth_unstable_by(LARGEST, order);
+        chosen.truncate(LARGEST);
     }
-    shares.sort_by(|a, b| b.part.total_cmp(&a.part));
-    shares
+    chosen.sort_unstable_by(order);
+    chosen.into_iter().map(|i| Share { of: of(i as usize), part: parts[i as usize] / whole }).collect()
 }
 
 #[cfg(test)]
@@ -113,8 +119,16 @@ mod tests {
     }
 
     #[test]
+    fn of_many_shares_the_largest_are_told() {
+        let parts: Vec<f64> = (0..2000).map(|i| f64::from(i % 100)).collect();
+        let shares = largest_first(&parts, (0..2000).collect(), |i| i);
+        let expected: Vec<usize> = (0..10).map(|i| 99 + 100 * i).collect();
+        assert_eq!(shares.iter().map(|share| share.of).collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
     fn shares_sum_to_one() {
-        let shares = sorted_parts(vec![Share { of: 0, part: 3.0 }, Share { of: 1, part: 5.0 }]);
+        let shares = largest_first(&[3.0, 5.0], vec![0, 1], |i| i);
         assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
     }
 }
