@@ -66,12 +66,8 @@ pub use crate::system::Signal;
 pub use answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use buckling::{Buckling, buckling};
 pub use error::AnalysisError;
-<<<<<<< HEAD
 pub use measures::Measurement;
-pub use modes::modes;
-=======
 pub use modes::{modes, modes_as};
->>>>>>> 85aaaf7 (The lowest modes of large trees, and a request for modes and accuracy)
 pub use poles::poles;
 pub use response::{History, grid, respond};
 pub use request::{Request, Which};
