@@ -11,7 +11,7 @@ use super::condense::{Condensed, condense};
 use super::eigen::{Displacements, Eigenvalue, Failure, Pair, eigenpairs, eigenpairs_of};
 use super::error::{AnalysisError, place};
 use super::parts::{Part, chosen, independent_undamped};
-use super::request::Request;
+use super::request::{Request, Which};
 use super::sparse;
 use super::terms::Terms;
 use super::triple::Triple;
@@ -25,48 +25,20 @@ pub const MAX_DENSE: usize = 400;
 /// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
 const MIN_SPARSE: usize = 100;
 
-<<<<<<< HEAD
 /// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
-const MAX_COORDINATES: usize = 4000;
+const MAX_ALL: usize = 4000;
 
-/// The undamped modes, ascending in omega^2.
-pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
-    if system.n() > MAX_COORDINATES {
-        let (count, limit) = (system.n(), MAX_COORDINATES);
-        return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
-    }
-    let parts = independent_undamped(system);
-    let mut local = vec![0u32; system.n()];
-    let (mut pairs, mut infinite) = (Vec::new(), 0);
-    for part in &parts {
-        let count = part.coordinates.len();
-        if count > MAX_DENSE {
-            return Err(AnalysisError::TooManyCoordinates { count, limit: MAX_DENSE, at: place(system, 0) });
-        }
-        let found = if parts.len() == 1 {
-            part_pairs(system, part, &system.k, &system.m)?
-        } else {
-            part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
-            part_pairs(system, part, &chosen(&system.k, &part.k, &local), &chosen(&system.m, &part.m, &local))?
-        };
-        infinite += count - found.len();
-        pairs.extend(found.into_iter().map(|pair| spread(pair, part, system.n())));
-    }
-    if parts.len() > 1 {
-        pairs.sort_by(|a, b| ascending(&a.value, &b.value));
-    }
-    let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
-    let list = pairs.iter().zip(cluster_numbers(&pairs)).map(|(pair, cluster)| report.mode(pair, cluster)).collect();
-    Ok(Modes { list, infinite })
-=======
 /// All undamped modes, ascending in omega^2.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     modes_as(system, &Request::default())
->>>>>>> 85aaaf7 (The lowest modes of large trees, and a request for modes and accuracy)
 }
 
 /// The undamped modes asked for, ascending in omega^2.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    if system.n() > MAX_ALL && request.which == Which::All {
+        let (count, limit) = (system.n(), MAX_ALL);
+        return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
+    }
     let parts = independent_undamped(system);
     let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
     let mut local = vec![0u32; system.n()];

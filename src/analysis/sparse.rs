@@ -4,8 +4,8 @@ use super::answer::Route;
 use super::eigen::{Displacements, Eigenvalue, Pair};
 use super::forest::Forest;
 use super::terms::Terms;
-use super::triple::Triple;
 use super::tree_modes;
+use super::triple::Triple;
 
 /// The `wanted` lowest eigenpairs, rigid motions first; `None` if no sparse method suits the part.
 pub fn lowest(stiffness: &Terms, masses: &Terms, n: usize, wanted: usize, tolerance: f64) -> Option<Vec<Pair>> {

@@ -124,7 +124,8 @@ impl<'a> Search<'a> {
             let places = self.places(&open);
             self.count(&places);
         }
-        let single = self.points.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1 && (from..to).contains(&pair[0].1));
+        let single =
+            self.points.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1 && (from..to).contains(&pair[0].1));
         self.brackets = single.map(|pair| Bracket { low: pair[0].0, high: pair[1].0 }).collect();
         (self.brackets.len() == wanted).then_some(())
     }
@@ -175,7 +176,8 @@ impl<'a> Search<'a> {
     fn room(&self, i: usize) -> f64 {
         let points = &self.points;
         let below = (0..i).rev().find(|&j| points[j].1 < points[i].1).map(|j| points[i].0 - points[j + 1].0);
-        let above = (i + 2..points.len()).find(|&j| points[j].1 > points[i + 1].1).map(|j| points[j - 1].0 - points[i + 1].0);
+        let above =
+            (i + 2..points.len()).find(|&j| points[j].1 > points[i + 1].1).map(|j| points[j - 1].0 - points[i + 1].0);
         below.unwrap_or(f64::INFINITY).min(above.unwrap_or(f64::INFINITY))
     }
 
@@ -393,7 +395,7 @@ fn enclosed<T: Real>(nodes: &[Node<T>], x: &[T], tree: Tree, frame: &Frame) -> E
     let slip = energies.slip / strain.hi();
     let rounding = energies.strain.relative_error() + energies.inertia.relative_error() + 12.0 * T::ERROR + slip;
     // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
-    let residual = residual(nodes, x, inertia / strain, holding, tree) ;
+    let residual = residual(nodes, x, inertia / strain, holding, tree);
     let error = residual.elastic + residual.unbalanced / frame.least.sqrt();
     let square = (error * shifted.hi()).powi(2) / strain.hi() * UP;
     let value = shifted.hi() * (1.0 - 2.0 * rounding);
