@@ -29,11 +29,7 @@ impl Eight {
 
 #[inline]
 fn each(a: Eight, b: Eight, f: impl Fn(f64, f64) -> f64) -> Eight {
-    let mut result = [0.0; 8];
-    for lane in 0..8 {
-        result[lane] = f(a.0[lane], b.0[lane]);
-    }
-    Eight(result)
+    Eight(std::array::from_fn(|lane| f(a.0[lane], b.0[lane])))
 }
 
 impl Add for Eight {
