@@ -97,14 +97,16 @@ pub(super) fn strain_shares(form: &Form, energies: &[f64]) -> Vec<Share<Label>> 
 
 /// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order.
 fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
+    // Negative where the motion has negative stiffness: then the most negative part is the largest share.
     let whole: f64 = parts.iter().sum();
-    let order = |a: &u32, b: &u32| parts[*b as usize].total_cmp(&parts[*a as usize]).then(a.cmp(b));
+    let share = |i: u32| parts[i as usize] / whole;
+    let order = |a: &u32, b: &u32| share(*b).total_cmp(&share(*a)).then(a.cmp(b));
     if chosen.len() > COMPLETE {
         chosen.select_nth_unstable_by(LARGEST, order);
         chosen.truncate(LARGEST);
     }
     chosen.sort_unstable_by(order);
-    chosen.into_iter().map(|i| Share { of: of(i as usize), part: parts[i as usize] / whole }).collect()
+    chosen.into_iter().map(|i| Share { of: of(i as usize), part: share(i) }).collect()
 }
 
 #[cfg(test)]
@@ -130,5 +132,7 @@ mod tests {
     fn shares_sum_to_one() {
         let shares = largest_first(&[3.0, 5.0], vec![0, 1], |i| i);
         assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
+        let negative = largest_first(&[1.0, -5.0], vec![0, 1], |i| i);
+        assert_eq!((negative[0].of, negative[0].part, negative[1].part), (1, 1.25, -0.25));
     }
 }
