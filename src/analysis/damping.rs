@@ -2,9 +2,9 @@
 //! C = sum 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system; out: its C with these terms added.
 //! Clause: spec.md, "Response".
 
-use super::answer::{ModeKind, Modes};
-use super::squares::Squares;
-use super::transfer_modal::refined_shapes;
+use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::modes::squares::Squares;
+use crate::analysis::transfer::modal::refined_shapes;
 use crate::base::{Ball, Dd, Name, Number};
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature};
 

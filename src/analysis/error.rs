@@ -25,31 +25,31 @@ pub enum AnalysisError {
 }
 
 impl AnalysisError {
-    pub(super) fn singular_mass(system: &LinearSystem, coordinates: &[usize]) -> AnalysisError {
+    pub(in crate::analysis) fn singular_mass(system: &LinearSystem, coordinates: &[usize]) -> AnalysisError {
         let at = coordinates.first().map_or_else(|| place(system, 0), |&i| place(system, i));
         let coordinates = coordinates.iter().map(|&i| system.display(system.coordinates[i].name)).collect();
         AnalysisError::SingularMass { coordinates, at }
     }
 
-    pub(super) fn indefinite_mass(system: &LinearSystem, coordinate: CoordinateId) -> AnalysisError {
+    pub(in crate::analysis) fn indefinite_mass(system: &LinearSystem, coordinate: CoordinateId) -> AnalysisError {
         let coordinate = coordinate.index();
         let name = system.display(system.coordinates[coordinate].name);
         AnalysisError::IndefiniteMass { coordinate: name, at: place(system, coordinate) }
     }
 
-    pub(super) fn too_many_states(system: &LinearSystem, count: usize, limit: usize) -> AnalysisError {
+    pub(in crate::analysis) fn too_many_states(system: &LinearSystem, count: usize, limit: usize) -> AnalysisError {
         AnalysisError::TooManyStates { count, limit, at: place(system, 0) }
     }
 
-    pub(super) fn out_of_range(system: &LinearSystem) -> AnalysisError {
+    pub(in crate::analysis) fn out_of_range(system: &LinearSystem) -> AnalysisError {
         AnalysisError::MotionOutOfRange { at: place(system, 0) }
     }
 
-    pub(super) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
+    pub(in crate::analysis) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
         AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
 
-    pub(super) fn blow_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
+    pub(in crate::analysis) fn blow_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
         AnalysisError::BlowOnBase { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
 
@@ -125,6 +125,6 @@ impl AnalysisError {
     }
 }
 
-pub(super) fn place(system: &LinearSystem, coordinate: usize) -> Span {
+pub(in crate::analysis) fn place(system: &LinearSystem, coordinate: usize) -> Span {
     system.coordinates[coordinate].span
 }

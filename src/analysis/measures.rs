@@ -1,9 +1,9 @@
 //! Single numbers that a model asks for or requires, by their definitions on the language page, each a ball. In: answers;
 //! out: a value, or why there is none. Clause: spec.md, "Response".
 
-use super::answer::{ModeKind, Modes, PoleKind, Poles};
-use super::complex::Complex;
-use super::transfer::{Disc, Frequency, Gain, Transfer};
+use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
 use crate::system::Signal;
 

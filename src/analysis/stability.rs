@@ -1,7 +1,7 @@
 //! What modes and poles say about the rest: unstable if anything grows, neutral if a rigid motion is left, stable otherwise.
 //! In: the certified answers. Out: the verdict. Clause: spec.md 11.8.
 
-use super::answer::{ModeKind, Modes, PoleKind, Poles, Stability};
+use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles, Stability};
 
 /// The verdict. A kind is certain where its number is; what could not be certified counts as the kind that it was given.
 pub fn stability(modes: &Modes, poles: &Poles) -> Stability {

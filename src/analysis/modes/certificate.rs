@@ -1,0 +1,247 @@
+//! Bounds of the eigenvalues of K x = lambda M x that hold, from any approximate eigenvectors.
+//!
+//! In: the stiffness and the inertia in the basis of the approximate modes, K^ = X^T K X and M^ = X^T M X, with error bounds
+//! ([`Gram`]). Out: for each k an interval that contains the k-th eigenvalue.
+//!
+//! For a real s let T = K^ - s M^. Where X is regular, T has as many negative eigenvalues as there are lambda < s
+//! (Sylvester). Take the modes near s as group C and the rest as R, and let g_j > 0 bound |T_jj| from below for j in R.
+//! Scaled by g^-1/2 the rest is a diagonal of magnitude at least 1 plus an off-diagonal part of Frobenius norm q; for q < 1
+//! it has the signs of its diagonal and an inverse of norm at most 1/(1-q). So the Schur complement of the group differs from
+//! the diagonal of (lambda^_i - s) M^_ii, with numbers lambda^_i near K^_ii / M^_ii, by at most
+//!
+//!   e = max_i |K^_ii - lambda^_i M^_ii| + ||T_CC off the diagonal||_F + sum_(i in C, j in R) T_ij^2 / (g_j (1 - q)),
+//!
+//! and by Weyl's inequality the k-th eigenvalue lies within delta = e / min M^_ii of the k-th lambda^. The bound is
+//! quadratic in the errors of the modes, and it counts: nothing is missed, nothing is found twice. The quotients of a group
+//! are evaluated in triple words. X is regular because ||M^ off the diagonal||_F < min M^_ii.
+//! Clause: spec.md 10.7; compare Parlett, The Symmetric Eigenvalue Problem (1998), chapters 10 and 11.
+
+use crate::analysis::modes::gram::{Gram, SLACK};
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::triple::Triple;
+use crate::base::Dd;
+use std::cmp::Ordering;
+
+/// The k-th eigenvalue of a pencil.
+#[derive(Clone, Copy, Debug)]
+pub struct Enclosure {
+    /// Column of X that approximates its mode.
+    pub column: usize,
+    pub lambda: Triple,
+    /// |lambda - true|; infinite where nothing could be certified.
+    pub radius: f64,
+}
+
+/// The pencil in the basis of its approximate modes.
+struct Pencil<'a> {
+    k: &'a Gram<'a>,
+    m: &'a Gram<'a>,
+    /// Columns ascending by lambda^.
+    order: Vec<usize>,
+    /// lambda^, ascending.
+    lambda: Vec<Triple>,
+    /// Bound of |K^_ii - lambda^_i M^_ii|.
+    residual: Vec<f64>,
+    /// Lower bound of M^_ii.
+    mass: Vec<f64>,
+    /// Upper bounds of |K^| and |M^|, in the order of `order`.
+    k_size: Matrix<f64>,
+    m_size: Matrix<f64>,
+}
+
+/// The radius is found at the second trial unless the modes are poor.
+const MAX_TRIALS: usize = 12;
+
+/// Encloses every eigenvalue, ascending; see the module.
+pub fn enclose(k: &Gram, m: &Gram) -> Vec<Enclosure> {
+    let pencil = Pencil::new(k, m);
+    let n = pencil.lambda.len();
+    let regular = k.is_finite() && m.is_finite() && pencil.basis_is_regular();
+    let mut list = Vec::with_capacity(n);
+    for (start, end) in pencil.groups() {
+        let radius = if regular { pencil.radius(start, end) } else { f64::INFINITY };
+        list.extend((start..end).map(|i| Enclosure { column: pencil.order[i], lambda: pencil.lambda[i], radius }));
+    }
+    list
+}
+
+impl<'a> Pencil<'a> {
+    fn new(k: &'a Gram<'a>, m: &'a Gram<'a>) -> Pencil<'a> {
+        let n = k.mid.columns();
+        let mut found: Vec<(usize, Triple, f64)> = (0..n).map(|i| quotient(k, m, i)).collect();
+        found.sort_by(|a, b| compare(a.1, b.1));
+        let order: Vec<usize> = found.iter().map(|f| f.0).collect();
+        Pencil {
+            mass: order.iter().map(|&i| m.mid[(i, i)].hi * (2.0 - SLACK) - m.radius(i, i)).collect(),
+            k_size: Matrix::from_fn(n, n, |i, j| k.magnitude(order[i], order[j])),
+            m_size: Matrix::from_fn(n, n, |i, j| m.magnitude(order[i], order[j])),
+            lambda: found.iter().map(|f| f.1).collect(),
+            residual: found.iter().map(|f| f.2).collect(),
+            k,
+            m,
+            order,
+        }
+    }
+
+    /// M^ is positive definite, so X is regular: its off-diagonal norm is below its least diagonal entry.
+    fn basis_is_regular(&self) -> bool {
+        let n = self.lambda.len();
+        let least = self.mass.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let sum: f64 = (0..n).flat_map(|j| self.m_size.column(j)[..j].iter()).map(|x| 2.0 * x * x).sum();
+        least > 0.0 && sum.sqrt() * SLACK < least
+    }
+
+    /// Bound of |T_ij| at s = lambda^_i + h for all |h| <= span, from double-double.
+    fn coupling(&self, i: usize, j: usize, span: f64) -> f64 {
+        let (a, b) = (self.order[i], self.order[j]);
+        let (k, m, s) = (self.k.mid[(a, b)].hi, self.m.mid[(a, b)].hi, self.lambda[i].hi());
+        let rounding = 1e-15 * (k.abs() + (s * m).abs());
+        let t = (k - s * m).abs() + rounding + span * m.abs();
+        SLACK * (t + self.k.radius(a, b) + (s.abs() + span) * SLACK * self.m.radius(a, b))
+    }
+
+    /// The same from triple words: for modes of one group, whose coupling is not squared.
+    fn close_coupling(&self, i: usize, j: usize, span: f64) -> f64 {
+        let (a, b) = (self.order[i], self.order[j]);
+        let (k, m, s) = (self.k.precise(a, b), self.m.precise(a, b), self.lambda[i]);
+        let t = (k.value - s * m.value).hi().abs() + span * m.value.hi().abs();
+        let size = (s.hi().abs() + span) * SLACK;
+        let rounding = 4.0 * Triple::ERROR * (k.value.hi().abs() + size * m.value.hi().abs());
+        SLACK * (t + rounding + k.radius + size * m.radius)
+    }
+
+    fn distance(&self, i: usize, j: usize) -> f64 {
+        (self.lambda[j] - self.lambda[i]).hi()
+    }
+
+    /// Neighbours that are closer than their coupling and their residuals go together.
+    fn groups(&self) -> Vec<(usize, usize)> {
+        let n = self.lambda.len();
+        let near = |i: usize, j: usize| {
+            self.distance(i, j) <= 8.0 * (self.coupling(i, j, 0.0) + self.residual[i] + self.residual[j])
+        };
+        let last: Vec<usize> = (0..n).map(|i| (i + 1..n).rev().find(|&j| near(i, j)).unwrap_or(i)).collect();
+        let (mut groups, mut start) = (Vec::with_capacity(n), 0);
+        while start < n {
+            let (mut end, mut i) = (last[start], start);
+            while i < end {
+                i += 1;
+                end = end.max(last[i]);
+            }
+            groups.push((start, end + 1));
+            start = end + 1;
+        }
+        groups
+    }
+
+    /// A radius that holds for all modes of the group start..end, infinite if none is found.
+    fn radius(&self, start: usize, end: usize) -> f64 {
+        let inner = self.inner(start, end);
+        let mut assumed = 0.0;
+        for _ in 0..MAX_TRIALS {
+            let found = self.radius_assuming(start, end, inner, assumed);
+            if found <= assumed || !found.is_finite() {
+                return found;
+            }
+            // The dependence on the assumption is weak: one part in a thousand leaves room unless the modes are poor.
+            assumed = if assumed == 0.0 { 1.001 * found } else { 2.0 * found };
+        }
+        f64::INFINITY
+    }
+
+    /// ||T_CC off the diagonal||_F at s within the group, as its value and its growth with the distance beyond it.
+    fn inner(&self, start: usize, end: usize) -> (f64, f64) {
+        let (mut sum, mut slope) = (0.0, 0.0);
+        let span = self.distance(start, end - 1).abs() * SLACK;
+        for i in start..end {
+            for j in (start..end).filter(|&j| j != i) {
+                let t = self.close_coupling(i, j, span);
+                let m = self.m_size[(i, j)];
+                (sum, slope) = (sum + t * t, slope + m * m);
+            }
+        }
+        (sum.sqrt() * SLACK, slope.sqrt() * SLACK)
+    }
+
+    /// The delta of the module's text, valid if it comes out not above `assumed`: s runs over the group's lambda^, widened
+    /// by `assumed`.
+    fn radius_assuming(&self, start: usize, end: usize, inner: (f64, f64), assumed: f64) -> f64 {
+        let n = self.lambda.len();
+        let span = (self.distance(start, end - 1).abs() + assumed) * SLACK;
+        let largest = (self.lambda[start].hi().abs().max(self.lambda[end - 1].hi().abs()) + assumed) * SLACK;
+        let mut scale = vec![0.0; n];
+        for j in (0..start).chain(end..n) {
+            let distance = if j < start { self.distance(j, start) } else { self.distance(end - 1, j) };
+            let gap = (distance * (2.0 - SLACK) - assumed) * self.mass[j] * (2.0 - SLACK) - self.residual[j];
+            if gap.is_nan() || gap <= 0.0 {
+                return f64::INFINITY;
+            }
+            scale[j] = (1.0 / gap).sqrt() * SLACK;
+        }
+        let q = self.rest_norm(largest, &scale);
+        if q.is_nan() || q >= 0.5 {
+            return f64::INFINITY;
+        }
+        let (mut outer, mut residual, mut mass) = (0.0, 0.0f64, f64::INFINITY);
+        for i in start..end {
+            residual = residual.max(self.residual[i]);
+            mass = mass.min(self.mass[i]);
+            for j in (0..start).chain(end..n) {
+                outer += (self.coupling(i, j, span) * scale[j]).powi(2);
+            }
+        }
+        (residual + inner.0 + assumed * inner.1 + outer / (1.0 - q)) / mass * SLACK
+    }
+
+    /// q of the module's text; the scale is zero for the members of the group.
+    fn rest_norm(&self, largest: f64, scale: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (j, &outer) in scale.iter().enumerate().filter(|(_, scale)| **scale > 0.0) {
+            let (k, m) = (self.k_size.column(j), self.m_size.column(j));
+            let row: f64 =
+                k.iter().zip(m).zip(scale).take(j).map(|((k, m), inner)| ((k + largest * m) * inner).powi(2)).sum();
+            sum += 2.0 * row * outer * outer;
+        }
+        sum.sqrt() * SLACK
+    }
+}
+
+/// lambda^ of column i, near K^_ii / M^_ii, and a bound of |K^_ii - lambda^ M^_ii|.
+fn quotient(k: &Gram, m: &Gram, i: usize) -> (usize, Triple, f64) {
+    let (energy, inertia) = (k.precise(i, i), m.precise(i, i));
+    let first = energy.value.dd() / inertia.value.dd();
+    let rest = energy.value - Triple::from(first) * inertia.value;
+    let correction = rest.hi() / inertia.value.hi();
+    let lambda = Triple::from(first) + Triple::from(correction);
+    // The correction is 2^-100 of the quotient at most and rounded at 2^-52 of itself.
+    let size = energy.value.hi().abs() + (first.hi * inertia.value.hi()).abs();
+    let rounding = 8.0 * Triple::ERROR * size + rest.hi().abs() * (4.0 * f64::EPSILON);
+    (i, lambda, SLACK * (energy.radius + first.hi.abs() * SLACK * inertia.radius + rounding))
+}
+
+fn compare(a: Triple, b: Triple) -> Ordering {
+    (a - b).hi().partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+}
+
+/// The square root of a certified number in double-double, with its radius.
+pub fn root(x: Triple, radius: f64) -> crate::base::Ball {
+    use crate::base::Ball;
+    if x.hi() <= 0.0 {
+        // The number may be negative by its radius only.
+        return Ball::new(Dd::ZERO, ((x.hi().abs() + radius) * SLACK).sqrt() * SLACK);
+    }
+    let first = x.dd().sqrt();
+    let rest = x - Triple::from(first).square();
+    // One Newton step from 2^-103: its own error is far below 2^-150 of the root.
+    let (mid, dropped) = (Triple::from(first) + Triple::from(rest.hi() / (2.0 * first.hi))).split();
+    // |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b).
+    let least = (x.hi() * (2.0 - SLACK) - radius).max(0.0).sqrt();
+    let spread = (radius / (mid.hi + least)).min(radius.sqrt());
+    Ball::new(mid, SLACK * (spread + dropped.abs() + 32.0 * Triple::ERROR * mid.hi))
+}
+
+/// A certified number as a ball.
+pub fn ball(x: Triple, radius: f64) -> crate::base::Ball {
+    let (mid, dropped) = x.split();
+    crate::base::Ball::new(mid, (radius + dropped.abs()) * SLACK)
+}

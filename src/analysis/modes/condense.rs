@@ -1,0 +1,204 @@
+//! Motions without inertia are eliminated exactly: they follow the others without force of their own.
+//!
+//! In: M, K and independent exact null vectors of M. Out: forms M', K' on as many coordinates less, and the way back.
+//!
+//! With q = q' + sum v_i s_i, where coordinate f_i of q' is fixed at zero (v_i is 1 there), M does not see s. The condition
+//! that s moves without force is a minimum (or saddle) of the strain energy sum w_t (p_t s + r_t . q')^2 over one s after the
+//! other, and by Lagrange's identity, with W = sum w_t p_t^2,
+//!
+//!   min_s sum_t w_t (p_t s + r_t . q')^2 = sum_(t < u) (w_t w_u / W) ((p_t r_u - p_u r_t) . q')^2:
+//!
+//! again a sum of squares, positive where the terms are. For springs this is the star-mesh transformation.
+//! Clause: spec.md 10.4.
+
+use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::base::{Number, Rational};
+use crate::system::{CoordinateId, Form, Nature};
+
+/// Coordinates and factors.
+type Row = Vec<(usize, Number)>;
+
+/// A system with its massless motions eliminated.
+pub struct Condensed {
+    pub m: Form,
+    pub k: Form,
+    /// The coordinates that are left, ascending.
+    pub kept: Vec<usize>,
+    steps: Vec<Step>,
+    vectors: Vec<(usize, Vec<Number>)>,
+}
+
+/// s = -sum w_t p_t (r_t . q') / W as a row; none if no term holds s.
+struct Step {
+    at: usize,
+    row: Option<Row>,
+}
+
+/// A square of K under elimination.
+#[derive(Clone)]
+struct Square {
+    weight: Number,
+    row: Row,
+}
+
+/// A motion without inertia cannot be eliminated by itself: the coordinate that stands for it.
+pub struct Undetermined(pub usize);
+
+/// Eliminates the motions `vectors` (in reduced form: each has a one at a coordinate where the others have zero).
+pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Result<Condensed, Undetermined> {
+    let vectors = with_own_coordinates(vectors);
+    let own: Vec<usize> = vectors.iter().map(|(at, _)| *at).collect();
+    let kept: Vec<usize> = (0..n).filter(|i| !own.contains(i)).collect();
+    let mut squares: Vec<Square> = k.terms().iter().map(|term| in_new_coordinates(k, term, &vectors)).collect();
+    let mut steps = Vec::new();
+    for &at in &own {
+        steps.push(eliminate(&mut squares, at)?);
+    }
+    let local = |i: usize| kept.iter().position(|&j| j == i).map(|j| CoordinateId(j as u32));
+    let inertia = m.terms().iter().map(|term| {
+        let row = m.row(term).iter().filter_map(|(i, a)| Some((local(i.index())?, a.clone()))).collect();
+        (term.weight.clone(), row)
+    });
+    let stiffness = squares.iter().map(|square| {
+        let row = square.row.iter().filter_map(|(i, a)| Some((local(*i)?, a.clone()))).collect();
+        (square.weight.clone(), row)
+    });
+    Ok(Condensed { m: form(m, inertia), k: form(k, stiffness), kept, steps, vectors })
+}
+
+impl Condensed {
+    /// Massless motions that no term of K holds, each over all n coordinates.
+    pub fn loose_motions(&self, n: usize) -> Vec<Vec<Number>> {
+        let loose = self.steps.iter().enumerate().filter(|(_, step)| step.row.is_none());
+        loose.map(|(index, step)| self.loose_motion(n, index, step.at)).collect()
+    }
+
+    /// The motion in which the coordinate of step `index` moves by one, those eliminated before it follow, and nothing else
+    /// moves.
+    fn loose_motion(&self, n: usize, index: usize, at: usize) -> Vec<Number> {
+        let mut whole = vec![Number::ZERO; n];
+        whole[at] = Number::ONE;
+        for step in self.steps[..index].iter().rev() {
+            let row = step.row.iter().flatten();
+            whole[step.at] = row.fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &whole[*i]));
+        }
+        for (at, v) in &self.vectors {
+            let s = whole[*at].clone();
+            for (i, v) in v.iter().enumerate().filter(|(i, _)| i != at) {
+                whole[i] = &whole[i] + &(v * &s);
+            }
+        }
+        whole
+    }
+
+    /// The whole motion in which the coordinates that are left move like `x`.
+    pub fn expanded(&self, n: usize, x: &[Triple]) -> Vec<Triple> {
+        let mut whole = vec![Triple::ZERO; n];
+        for (&i, &x) in self.kept.iter().zip(x) {
+            whole[i] = x;
+        }
+        for step in self.steps.iter().rev() {
+            let parts = step.row.iter().flatten().map(|(i, a)| Precise::of(a).value * whole[*i]);
+            whole[step.at] = parts.fold(Triple::ZERO, |sum, part| sum + part);
+        }
+        for (at, v) in &self.vectors {
+            let s = whole[*at];
+            for (i, v) in v.iter().enumerate().filter(|(i, v)| i != at && !v.is_zero()) {
+                whole[i] = whole[i] + Precise::of(v).value * s;
+            }
+        }
+        whole
+    }
+}
+
+/// For each vector the coordinate at which it alone is not zero.
+fn with_own_coordinates(vectors: &[Vec<Rational>]) -> Vec<(usize, Vec<Number>)> {
+    let alone = |i: usize, at: usize| {
+        vectors[i][at].is_one() && vectors.iter().enumerate().all(|(j, other)| j == i || other[at].is_zero())
+    };
+    (0..vectors.len())
+        .map(|i| {
+            let at = (0..vectors[i].len()).rev().find(|&at| alone(i, at));
+            let at = at.expect("a null space comes in reduced echelon form");
+            (at, vectors[i].iter().cloned().map(Number::from).collect())
+        })
+        .collect()
+}
+
+/// The row a on q' and s: entries of own coordinates become a . v.
+fn in_new_coordinates(k: &Form, term: &crate::system::Term, vectors: &[(usize, Vec<Number>)]) -> Square {
+    let row = k.row(term);
+    let kept = row.iter().filter(|(i, _)| vectors.iter().all(|(at, _)| *at != i.index()));
+    let mut new: Row = kept.map(|(i, a)| (i.index(), a.clone())).collect();
+    for (at, v) in vectors {
+        let image = row.iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &v[i.index()]));
+        if !image.is_zero() {
+            new.push((*at, image));
+        }
+    }
+    Square { weight: term.weight.clone(), row: new }
+}
+
+/// Eliminates coordinate `at`.
+fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Undetermined> {
+    let (touched, rest): (Vec<Square>, Vec<Square>) =
+        squares.drain(..).partition(|square| square.row.iter().any(|e| e.0 == at));
+    *squares = rest;
+    let split: Vec<Split> = touched.into_iter().map(|square| Split::of(square, at)).collect();
+    let whole = split.iter().fold(Number::ZERO, |sum, t| &sum + &(&t.weight * &t.factor.square()));
+    if split.is_empty() {
+        return Ok(Step { at, row: None });
+    }
+    let inverse = whole.recip().ok_or(Undetermined(at))?;
+    for (index, t) in split.iter().enumerate() {
+        for u in &split[index + 1..] {
+            let row = combined(&t.factor, &u.rest, &-&u.factor, &t.rest);
+            if !row.is_empty() {
+                squares.push(Square { weight: &(&t.weight * &u.weight) * &inverse, row });
+            }
+        }
+    }
+    let row = split
+        .iter()
+        .fold(Row::new(), |sum, t| combined(&Number::ONE, &sum, &-&(&(&t.weight * &t.factor) * &inverse), &t.rest));
+    Ok(Step { at, row: Some(row) })
+}
+
+/// A square w (p s + r . q')^2, taken apart.
+struct Split {
+    weight: Number,
+    factor: Number,
+    rest: Row,
+}
+
+impl Split {
+    fn of(square: Square, at: usize) -> Split {
+        let (own, rest): (Row, Row) = square.row.into_iter().partition(|(i, _)| *i == at);
+        let factor = own.into_iter().map(|(_, a)| a).next().unwrap_or(Number::ZERO);
+        Split { weight: square.weight, factor, rest }
+    }
+}
+
+/// a x + b y of sparse rows, without entries that are exactly zero.
+fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Row {
+    let mut sum: Row = x.iter().map(|(i, x)| (*i, a * x)).collect();
+    for (i, y) in y {
+        let part = b * y;
+        match sum.iter_mut().find(|(j, _)| j == i) {
+            Some((_, entry)) => *entry = &*entry + &part,
+            None => sum.push((*i, part)),
+        }
+    }
+    sum.retain(|(_, entry)| !entry.is_zero());
+    sum
+}
+
+/// A form of nameless terms: sources are told from the whole motion, not from these.
+fn form(like: &Form, terms: impl Iterator<Item = (Number, Vec<(CoordinateId, Number)>)>) -> Form {
+    let mut form = Form::new();
+    if like.source_count() > 0 {
+        let source = form.source(like.source_name(0));
+        terms.for_each(|(weight, row)| form.push(source, Nature::Property, weight, row));
+    }
+    form
+}

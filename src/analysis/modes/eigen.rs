@@ -1,0 +1,304 @@
+//! The eigenproblem K x = lambda M x of one part: terms in, all eigenvalues with certified enclosures out.
+//!
+//! 1. What is rigid is decided exactly ([`structure`]).
+//! 2. Approximate modes by the cheapest method that suits the terms ([`start`]).
+//! 3. Newton steps for all of them at once, with K and M from the terms in double-double ([`correction`]).
+//! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, again from 2 with
+//!    the next precision.
+//!
+//! Clauses: spec.md 10.1, 10.3 to 10.7.
+
+use crate::analysis::answer::Route;
+use crate::analysis::modes::certificate::{Enclosure, enclose};
+use crate::analysis::modes::correction;
+use crate::analysis::modes::gram::Gram;
+use crate::analysis::modes::mass;
+use crate::analysis::modes::start::{self, Inertia, Start};
+use crate::analysis::modes::structure::{self, NullSpace};
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::triple::Triple;
+use crate::base::Dd;
+use crate::system::Form;
+
+/// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
+const ALL_DIGITS: usize = 30;
+/// A change that triple words do not show any more.
+const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
+const MAX_STEPS: usize = 8;
+
+/// An eigenvalue and its vector.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    pub value: Eigenvalue,
+    /// M-normalised.
+    pub x: Displacements,
+    pub route: Route,
+}
+
+/// Displacements, in three words where the stretches of stiff springs need them.
+#[derive(Clone, Debug)]
+pub enum Displacements {
+    Precise(Vec<Triple>),
+    Plain(Vec<f64>),
+}
+
+impl Displacements {
+    pub fn to_f64(&self) -> Vec<f64> {
+        match self {
+            Displacements::Precise(x) => x.iter().map(|x| x.hi()).collect(),
+            Displacements::Plain(x) => x.clone(),
+        }
+    }
+
+    pub fn to_triple(&self) -> Vec<Triple> {
+        match self {
+            Displacements::Precise(x) => x.clone(),
+            Displacements::Plain(x) => x.iter().map(|&x| Triple::from(x)).collect(),
+        }
+    }
+
+    /// The same among n coordinates, the others at rest.
+    pub fn spread(self, coordinates: &[u32], n: usize) -> Displacements {
+        match self {
+            Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),
+            Displacements::Plain(x) => Displacements::Plain(spread(x, coordinates, n, 0.0)),
+        }
+    }
+
+    /// w (a . x)^2 of each term.
+    pub fn energies(&self, terms: &Terms) -> Vec<f64> {
+        let energy = |t: usize| {
+            let stretch = match self {
+                Displacements::Precise(x) => terms.stretch(t, x).value.hi(),
+                Displacements::Plain(x) => terms.stretch_f64(t, x),
+            };
+            terms.weights[t].value.hi() * stretch * stretch
+        };
+        (0..terms.len()).map(energy).collect()
+    }
+}
+
+fn spread<T: Copy>(x: Vec<T>, coordinates: &[u32], n: usize, zero: T) -> Vec<T> {
+    if coordinates.len() == n {
+        return x;
+    }
+    let mut whole = vec![zero; n];
+    coordinates.iter().zip(&x).for_each(|(&i, &x)| whole[i as usize] = x);
+    whole
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Eigenvalue {
+    /// Zero, exactly.
+    Zero,
+    /// Within `radius` of `value`; infinite where nothing could be certified. `positive` if that is known without it.
+    Near { value: Triple, radius: f64, positive: bool },
+}
+
+/// Why there are none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure {
+    /// M is not positive definite: found at this coordinate.
+    Mass(usize),
+    /// Infinities came up.
+    Range,
+}
+
+/// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance where that can be.
+pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pair>, Failure> {
+    eigenpairs_of(k, &Terms::of(k), &Terms::of(m), n, tolerance)
+}
+
+/// The same if the terms are at hand: those of `form` and those of M.
+pub fn eigenpairs_of(
+    form: &Form,
+    stiffness: &Terms,
+    masses: &Terms,
+    n: usize,
+    tolerance: f64,
+) -> Result<Vec<Pair>, Failure> {
+    if n == 0 {
+        return Ok(Vec::new());
+    }
+    if !(masses.is_finite() && stiffness.is_finite()) {
+        return Err(Failure::Range);
+    }
+    let matrix = mass::assembled(masses, n);
+    let lower = mass::factor(matrix.clone()).map_err(Failure::Mass)?;
+    let problem = Problem {
+        n,
+        form,
+        masses,
+        stiffness,
+        inertia: Inertia { matrix, lower },
+        rigid: structure::null_space(form, n),
+        tolerance,
+    };
+    problem.solved().ok_or(Failure::Range)
+}
+
+/// What the modes are computed from.
+struct Problem<'a> {
+    n: usize,
+    form: &'a Form,
+    masses: &'a Terms,
+    stiffness: &'a Terms,
+    inertia: Inertia,
+    rigid: NullSpace,
+    tolerance: f64,
+}
+
+/// Approximate modes with their pencil and its certificate.
+struct Candidate<'a> {
+    start: Start,
+    k: Gram<'a>,
+    m: Gram<'a>,
+    list: Vec<Enclosure>,
+}
+
+impl<'a> Problem<'a> {
+    /// The methods one after the other until one is certified to the tolerance; else the best of them. `None` if numbers ran
+    /// out of range.
+    fn solved(&self) -> Option<Vec<Pair>> {
+        let mut best: Option<(f64, Candidate)> = None;
+        for method in [Problem::first, Problem::second] {
+            let candidate = self.refined(method(self));
+            let worst = self.worst_bound(&candidate);
+            if best.as_ref().is_none_or(|(other, _)| worst < *other) {
+                best = Some((worst, candidate));
+            }
+            if worst <= self.tolerance {
+                break;
+            }
+        }
+        let (_, candidate) = best.filter(|(_, candidate)| candidate.k.is_finite() && candidate.m.is_finite())?;
+        Some(self.pairs(&candidate))
+    }
+
+    /// In binary64, if that finds a basis: a stretch that is zero with some uncertainty has no column of its own there.
+    fn first(&self) -> Start {
+        let start = self.in_binary64();
+        if start.x.columns() == self.n { start } else { self.second() }
+    }
+
+    fn in_binary64(&self) -> Start {
+        if self.stiffness.all_positive() {
+            return match self.all_rigid_vectors_known() {
+                true => start::positive(self.stiffness, &self.inertia, &self.rigid),
+                false => self.second(),
+            };
+        }
+        let form = positive_part(self.form);
+        let rigid = structure::null_space(&form, self.n);
+        if rigid.dimension > rigid.vectors.len() {
+            return self.second();
+        }
+        let positive = start::positive(&Terms::of(&form), &self.inertia, &rigid);
+        start::mixed(self.stiffness, positive, self.rigid.vectors.len())
+    }
+
+    /// In double-double.
+    fn second(&self) -> Start {
+        if self.stiffness.all_positive() {
+            start::positive_in_double_double(self.stiffness, &self.inertia, &self.rigid)
+        } else {
+            start::assembled(self.stiffness, &self.inertia, &self.rigid)
+        }
+    }
+
+    fn all_rigid_vectors_known(&self) -> bool {
+        self.rigid.dimension == self.rigid.vectors.len()
+    }
+
+    /// Newton steps until the couplings do not matter or do not shrink any more, then the certificate.
+    fn refined(&self, mut start: Start) -> Candidate<'a> {
+        let target = if self.n <= ALL_DIGITS { NEGLIGIBLE } else { (self.tolerance * 1e-3).max(NEGLIGIBLE) };
+        let (mut k, mut m) = self.pencil(&start.x);
+        let mut distance = self.distance(&k, &m);
+        for _ in 0..MAX_STEPS {
+            if distance <= target {
+                break;
+            }
+            let x = correction::improved(&start.x, &k, &m, start.estimates.as_deref());
+            let (next_k, next_m) = self.pencil(&x);
+            let next = self.distance(&next_k, &next_m);
+            // A first step from estimates may have to bring the quotients into order before they improve.
+            let stuck = next.is_nan() || (next > 0.25 * distance && start.estimates.is_none());
+            if stuck {
+                break;
+            }
+            (k, m, distance) = (next_k, next_m, next);
+            start = Start { x, estimates: None, ..start };
+        }
+        let list = enclose(&k, &m);
+        Candidate { start, k, m, list }
+    }
+
+    fn pencil(&self, x: &Matrix<Triple>) -> (Gram<'a>, Gram<'a>) {
+        (Gram::of(self.stiffness, x), Gram::of(self.masses, x))
+    }
+
+    fn distance(&self, k: &Gram, m: &Gram) -> f64 {
+        correction::distance_from_diagonal(k, m, self.rigid.vectors.len())
+    }
+
+    /// The largest relative bound of an eigenvalue that is not known to be zero.
+    fn worst_bound(&self, candidate: &Candidate) -> f64 {
+        let known = self.rigid.vectors.len();
+        let elastic = candidate.list.iter().filter(|e| e.column >= known);
+        elastic
+            .map(|e| e.radius / e.lambda.hi().abs())
+            .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
+    }
+
+    /// All eigenvalues. The first columns of X are rigid motions. If the other eigenvalues that may be zero are no more than
+    /// the dimension of the null space leaves, then all of those are exactly zero.
+    fn pairs(&self, candidate: &Candidate) -> Vec<Pair> {
+        let known = self.rigid.vectors.len();
+        let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known();
+        let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
+        let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
+        let pair = |e: &Enclosure| {
+            let rigid = e.column < known || (certain && may_be_zero(e));
+            let value = match (rigid, certain) {
+                (true, true) => Eigenvalue::Zero,
+                (true, false) => Eigenvalue::Near { value: Triple::ZERO, radius: f64::INFINITY, positive },
+                (false, _) => Eigenvalue::Near { value: e.lambda, radius: e.radius, positive },
+            };
+            let route = if rigid { Route::Exact } else { candidate.start.route };
+            Pair { value, x: candidate.normalised(e.column), route }
+        };
+        let mut pairs: Vec<Pair> = candidate.list.iter().map(pair).collect();
+        pairs.sort_by_key(|pair| pair.value.sign());
+        pairs
+    }
+}
+
+impl Candidate<'_> {
+    fn normalised(&self, column: usize) -> Displacements {
+        let scale = Triple::from(self.m.mid[(column, column)].sqrt().recip());
+        Displacements::Precise(self.start.x.column(column).iter().map(|&x| x * scale).collect())
+    }
+}
+
+impl Eigenvalue {
+    /// -1, 0, 1; of what is not certain, the sign of its midpoint.
+    pub fn sign(self) -> i32 {
+        match self {
+            Eigenvalue::Zero => 0,
+            Eigenvalue::Near { value, .. } if value.hi() < 0.0 => -1,
+            Eigenvalue::Near { .. } => 1,
+        }
+    }
+}
+
+/// The terms of positive weight.
+fn positive_part(form: &Form) -> Form {
+    let mut part = Form::new();
+    for term in form.terms().iter().filter(|term| term.weight.is_positive()) {
+        let source = part.source(form.source_name(term.source));
+        part.push(source, term.nature, term.weight.clone(), form.row(term).iter().cloned());
+    }
+    part
+}

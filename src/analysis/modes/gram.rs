@@ -1,0 +1,121 @@
+//! X^T (sum w a a^T) X from the terms, with a bound of every entry's error: in double-double as a whole, in triple words
+//! where it is asked for.
+//!
+//! With b_t = a_t^T X the entry is sum_t w_t b_ti b_tj. Let w = w' + dw, b = b' + db be what is true and what was computed,
+//! |dw| <= v, |db| <= r. Then, by Cauchy and Schwarz with the weights |w'|,
+//!
+//!   |computed - true| <= gamma S_i S_j + S_i R_j + R_i S_j + R_i R_j + D_i D_j,
+//!   S_i^2 = sum |w'| b'_i^2,   R_i^2 = sum |w'| r_i^2,   D_i^2 = sum v (|b'_i| + r_i)^2,
+//!
+//! where for T terms gamma = (3 T + 16) 2^-106 in double-double: two products of 5u^2 and T sums of 3u^2 (see [`Dd`]),
+//! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. Clause: spec.md 10.7.
+
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::numeric::dense::{Matrix, dot};
+use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::base::Dd;
+
+/// Covers the roundings of sums of up to a million non-negative binary64 numbers.
+pub const SLACK: f64 = 1.0 + 1e-9;
+/// u^2 = 2^-106.
+const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+/// Products below 2^-969 lose bits of their low parts, a few units of 2^-1074 each.
+const UNDERFLOW: f64 = 1e-318;
+
+/// A form in the basis of the columns of some X.
+#[derive(Clone, Debug)]
+pub struct Gram<'a> {
+    terms: &'a Terms,
+    /// b = a . x: one row a term, one column a column of X.
+    stretches: Matrix<Precise>,
+    pub mid: Matrix<Dd>,
+    gamma: f64,
+    norms: Vec<Norms>,
+    floor: f64,
+}
+
+/// S, R, D of a column: see the module.
+#[derive(Clone, Copy, Debug)]
+struct Norms {
+    size: f64,
+    slip: f64,
+    doubt: f64,
+}
+
+impl Gram<'_> {
+    /// The form in the basis of the columns of `x`, taken as exact numbers.
+    pub fn of<'a>(terms: &'a Terms, x: &Matrix<Triple>) -> Gram<'a> {
+        let (count, n) = (terms.len(), x.columns());
+        let stretches = Matrix::from_fn(count, n, |t, j| terms.stretch(t, x.column(j)));
+        let b = stretches.map(|s| s.value.dd());
+        let weights: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd()).collect();
+        let mut mid = Matrix::zeros(n, n);
+        let mut weighted = vec![Dd::ZERO; count];
+        for j in 0..n {
+            for ((weighted, &w), &b) in weighted.iter_mut().zip(&weights).zip(b.column(j)) {
+                *weighted = w * b;
+            }
+            for i in 0..=j {
+                let entry = dot(&weighted, b.column(i));
+                mid[(i, j)] = entry;
+                mid[(j, i)] = entry;
+            }
+        }
+        // What double-double leaves of triple words is at most 2^-105 of them.
+        let norms = (0..n).map(|j| Norms::of(terms, stretches.column(j), 2.0 * UNIT_SQUARED)).collect();
+        let largest = (0..n).flat_map(|j| b.column(j)).fold(0.0, |m: f64, b| m.max(b.hi.abs()));
+        let floor = count as f64 * UNDERFLOW * (1.0 + largest) * (1.0 + largest);
+        Gram { terms, stretches, mid, gamma: (3.0 * count as f64 + 16.0) * UNIT_SQUARED, norms, floor }
+    }
+
+    /// A bound of the error of entry (i, j) of `mid`.
+    #[inline]
+    pub fn radius(&self, i: usize, j: usize) -> f64 {
+        Norms::radius(self.gamma, self.norms[i], self.norms[j], self.floor)
+    }
+
+    /// An upper bound of |entry (i, j)|.
+    #[inline]
+    pub fn magnitude(&self, i: usize, j: usize) -> f64 {
+        self.mid[(i, j)].hi.abs() * SLACK + self.radius(i, j)
+    }
+
+    /// Entry (i, j) in triple words.
+    pub fn precise(&self, i: usize, j: usize) -> Precise {
+        let (x, y) = (self.stretches.column(i), self.stretches.column(j));
+        let mut value = Triple::ZERO;
+        for ((w, x), y) in self.terms.weights.iter().zip(x).zip(y) {
+            value = value + (w.value * x.value) * y.value;
+        }
+        let norms = |j: usize| Norms::of(self.terms, self.stretches.column(j), 0.0);
+        let gamma = (self.terms.len() as f64 + 4.0) * Triple::ERROR;
+        Precise { value, radius: Norms::radius(gamma, norms(i), norms(j), self.floor) }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        let n = self.mid.columns();
+        (0..n).all(|j| self.mid.column(j).iter().all(|x| x.is_finite()) && self.radius(j, j).is_finite())
+    }
+}
+
+impl Norms {
+    /// The norms of a column of stretches, each number known to `relative` besides its own radius.
+    fn of(terms: &Terms, column: &[Precise], relative: f64) -> Norms {
+        let (mut size, mut slip, mut doubt) = (0.0, 0.0, 0.0);
+        for (w, b) in terms.weights.iter().zip(column) {
+            let (weight, stretch) = (w.value.hi().abs(), b.value.hi().abs());
+            let radius = b.radius + relative * stretch;
+            size += weight * stretch * stretch;
+            slip += weight * radius * radius;
+            doubt += (w.radius + relative * weight) * (stretch + radius) * (stretch + radius);
+        }
+        let root = |x: f64| (x * SLACK).sqrt() * SLACK;
+        Norms { size: root(size), slip: root(slip), doubt: root(doubt) }
+    }
+
+    #[inline]
+    fn radius(gamma: f64, x: Norms, y: Norms, floor: f64) -> f64 {
+        let slips = x.size * y.slip + x.slip * (y.size + y.slip);
+        SLACK * (gamma * x.size * y.size + slips + x.doubt * y.doubt + floor)
+    }
+}

@@ -1,0 +1,267 @@
+//! The undamped modes of M q'' + K q = 0: a linear system in, modes with certified frequencies out.
+//!
+//! The system is taken apart into independent parts; motions without inertia are eliminated exactly ([`condense`]); each part
+//! is an eigenproblem ([`eigen`]); the modes of all parts, over all coordinates, are put in order, scaled and signed.
+//!
+//! Clause: spec.md 10.
+
+pub mod buckling;
+pub(in crate::analysis) mod certificate;
+pub(in crate::analysis) mod condense;
+pub(in crate::analysis) mod correction;
+pub(in crate::analysis) mod eigen;
+pub(in crate::analysis) mod forest;
+pub(in crate::analysis) mod gram;
+pub(in crate::analysis) mod mass;
+pub(in crate::analysis) mod parts;
+pub mod request;
+pub mod shape;
+pub(in crate::analysis) mod sparse;
+pub mod squares;
+pub(in crate::analysis) mod star_mesh;
+pub(in crate::analysis) mod start;
+pub(in crate::analysis) mod structure;
+pub(in crate::analysis) mod terms;
+pub(in crate::analysis) mod tree;
+
+use crate::analysis::answer::{Mode, ModeKind, Modes, Route};
+use crate::analysis::error::{AnalysisError, place};
+use crate::analysis::modes::condense::{Condensed, condense};
+use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, eigenpairs, eigenpairs_of};
+use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
+use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::numeric::triple::Triple;
+use crate::base::{Ball, Dd, Number};
+use crate::system::{CoordinateId, Form, LinearSystem};
+use std::cmp::Ordering;
+
+/// Dense matrices of more coordinates than this would take minutes.
+pub const MAX_DENSE: usize = 400;
+/// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
+const MIN_SPARSE: usize = 100;
+
+/// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
+const MAX_ALL: usize = 4000;
+
+/// All undamped modes, ascending in omega^2.
+pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
+    modes_as(system, &Request::default())
+}
+
+/// The undamped modes asked for, ascending in omega^2.
+pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    if system.n() > MAX_ALL && request.which == Which::All {
+        let (count, limit) = (system.n(), MAX_ALL);
+        return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
+    }
+    let parts = independent_undamped(system);
+    let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
+    let mut local = vec![0u32; system.n()];
+    let (mut pairs, mut infinite) = (Vec::new(), 0);
+    for (index, part) in parts.iter().enumerate() {
+        let found = if parts.len() == 1 {
+            let whole = Forms { k: &system.k, m: &system.m, stiffness: &report.stiffness, masses: &report.masses };
+            part_pairs(system, part, &whole, request)?
+        } else {
+            part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+            let (k, m) = (chosen(&system.k, &part.k, &local), chosen(&system.m, &part.m, &local));
+            let own = Forms { k: &k, m: &m, stiffness: &Terms::of(&k), masses: &Terms::of(&m) };
+            part_pairs(system, part, &own, request)?
+        };
+        infinite += found.infinite;
+        pairs.extend(found.pairs.into_iter().map(|pair| (pair, index)));
+    }
+    if parts.len() > 1 {
+        pairs.sort_by(|a, b| ascending(&a.0.value, &b.0.value));
+    }
+    pairs.truncate(request.which.limit());
+    let numbers = cluster_numbers(&pairs);
+    let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
+        let x = pair.x.spread(&parts[part].coordinates, system.n());
+        report.mode(&Pair { x, ..pair }, cluster)
+    });
+    Ok(Modes { list: list.collect(), infinite })
+}
+
+/// M and K of a part, as the model's numbers and as terms.
+struct Forms<'a> {
+    k: &'a Form,
+    m: &'a Form,
+    stiffness: &'a Terms,
+    masses: &'a Terms,
+}
+
+/// The eigenpairs of a part, and how many of its motions have no inertia.
+struct PartPairs {
+    pairs: Vec<Pair>,
+    infinite: usize,
+}
+
+/// The eigenpairs asked for of a part.
+fn part_pairs(
+    system: &LinearSystem,
+    part: &Part,
+    forms: &Forms,
+    request: &Request,
+) -> Result<PartPairs, AnalysisError> {
+    let n = part.coordinates.len();
+    let limit = request.which.limit();
+    if n > MIN_SPARSE
+        && limit < n / 4
+        && let Some(pairs) = sparse::lowest(forms.stiffness, forms.masses, n, limit, request.tolerance)
+    {
+        return Ok(PartPairs { pairs, infinite: 0 });
+    }
+    let first = part.coordinates[0] as usize;
+    if n > MAX_DENSE {
+        return Err(AnalysisError::TooManyCoordinates { count: n, limit: MAX_DENSE, at: place(system, first) });
+    }
+    match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
+        Ok(pairs) => Ok(PartPairs { pairs, infinite: 0 }),
+        Err(Failure::Range) => Err(AnalysisError::OutOfRange { at: place(system, first) }),
+        Err(Failure::Mass(at)) => {
+            let pairs = without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?;
+            Ok(PartPairs { infinite: n - pairs.len(), pairs })
+        }
+    }
+}
+
+/// The same if M is singular: exactly, or not at all.
+fn without_massless_motions(
+    system: &LinearSystem,
+    part: &Part,
+    k: &Form,
+    m: &Form,
+    at: usize,
+    tolerance: f64,
+) -> Result<Vec<Pair>, AnalysisError> {
+    let n = part.coordinates.len();
+    let global = |local: usize| part.coordinates[local] as usize;
+    let space = structure::null_space(m, n);
+    if space.dimension == 0 {
+        return Err(AnalysisError::indefinite_mass(system, CoordinateId(global(at) as u32)));
+    }
+    let singular = |coordinates: Vec<usize>| AnalysisError::singular_mass(system, &coordinates);
+    if space.vectors.len() < space.dimension {
+        return Err(singular(vec![global(at)]));
+    }
+    let condensed = condense(m, k, n, &space.vectors).map_err(|undetermined| singular(vec![global(undetermined.0)]))?;
+    for motion in condensed.loose_motions(n) {
+        let moving: Vec<usize> = (0..n).filter(|&i| !motion[i].is_zero()).map(global).collect();
+        if !is_damped(system, part, &motion) {
+            return Err(singular(moving));
+        }
+    }
+    let pairs = eigenpairs(&condensed.k, &condensed.m, condensed.kept.len(), tolerance);
+    let pairs = pairs.map_err(|failure| match failure {
+        Failure::Mass(at) => AnalysisError::indefinite_mass(system, CoordinateId(global(condensed.kept[at]) as u32)),
+        Failure::Range => AnalysisError::OutOfRange { at: place(system, global(0)) },
+    })?;
+    Ok(pairs.into_iter().map(|pair| expanded(pair, &condensed, n)).collect())
+}
+
+fn expanded(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
+    Pair { x: Displacements::Precise(condensed.expanded(n, &pair.x.to_triple())), ..pair }
+}
+
+/// Some damper may act on the motion of the part.
+fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
+    system.c.terms().iter().any(|term| {
+        let stretch =
+            system.c.row(term).iter().fold(Number::ZERO, |sum, (i, a)| match part.coordinates.binary_search(&i.0) {
+                Ok(local) => &sum + &(a * &motion[local]),
+                Err(_) => sum,
+            });
+        !stretch.is_zero()
+    })
+}
+
+fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
+    let value = |e: &Eigenvalue| match e {
+        Eigenvalue::Zero => Triple::ZERO,
+        Eigenvalue::Near { value, .. } => *value,
+    };
+    let difference = (value(a) - value(b)).hi();
+    a.sign().cmp(&b.sign()).then(difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal))
+}
+
+/// Numbers the modes whose enclosures overlap.
+fn cluster_numbers(pairs: &[(Pair, usize)]) -> Vec<Option<u32>> {
+    let mut numbers = vec![None; pairs.len()];
+    let mut next = 0;
+    for i in 1..pairs.len() {
+        if !overlap(&pairs[i - 1].0.value, &pairs[i].0.value) {
+            continue;
+        }
+        if numbers[i - 1].is_none() {
+            (numbers[i - 1], next) = (Some(next), next + 1);
+        }
+        numbers[i] = numbers[i - 1];
+    }
+    numbers
+}
+
+fn overlap(a: &Eigenvalue, b: &Eigenvalue) -> bool {
+    match (a, b) {
+        (Eigenvalue::Near { value: a, radius: r, .. }, Eigenvalue::Near { value: b, radius: s, .. }) => {
+            (*b - *a).hi().abs() <= r + s
+        }
+        _ => false,
+    }
+}
+
+/// What a mode is told with.
+struct Report<'a> {
+    system: &'a LinearSystem,
+    masses: Terms,
+    stiffness: Terms,
+}
+
+impl Report<'_> {
+    fn mode(&self, pair: &Pair, cluster: Option<u32>) -> Mode {
+        let mut shape = pair.x.to_f64();
+        let kinetic = shape::kinetic_shares(&self.masses, &shape);
+        if shape::is_reversed(&shape, &kinetic, self.system) {
+            shape.iter_mut().for_each(|x| *x = -*x);
+        }
+        let rigid = Mode {
+            kind: ModeKind::Rigid,
+            omega_squared: Ball::ZERO,
+            omega: Ball::ZERO,
+            cluster,
+            shape,
+            input_condition: None,
+            kinetic,
+            strain: Vec::new(),
+            route: pair.route,
+        };
+        match pair.value {
+            Eigenvalue::Zero => rigid,
+            // Not to be told from a rigid motion, nor from one that is nearly so.
+            Eigenvalue::Near { value, radius, .. } if pair.route == Route::Exact || value.hi() == 0.0 => {
+                let unknown = Ball::new(Dd::ZERO, radius);
+                Mode { omega_squared: unknown, omega: Ball::new(Dd::ZERO, f64::INFINITY), ..rigid }
+            }
+            Eigenvalue::Near { value, radius, positive } => self.elastic(rigid, pair, value, radius, positive),
+        }
+    }
+
+    fn elastic(&self, mode: Mode, pair: &Pair, lambda: Triple, radius: f64, positive: bool) -> Mode {
+        let negative = lambda.hi() < 0.0;
+        let mut omega = certificate::root(if negative { -lambda } else { lambda }, radius);
+        if !positive && lambda.hi().abs() <= radius {
+            omega = Ball::new(omega.mid, f64::INFINITY);
+        }
+        let energies = pair.x.energies(&self.stiffness);
+        let whole: f64 = energies.iter().map(|energy| energy.abs()).sum();
+        Mode {
+            kind: if negative { ModeKind::Divergence } else { ModeKind::Oscillation },
+            omega_squared: certificate::ball(lambda, radius),
+            omega,
+            input_condition: Some(whole / lambda.hi().abs() + 1.0),
+            strain: shape::strain_shares(&self.system.k, &energies),
+            ..mode
+        }
+    }
+}

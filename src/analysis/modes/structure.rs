@@ -1,0 +1,357 @@
+//! What is decided exactly about K, without any threshold: how many independent motions leave it without force (the rigid
+//! motions), and which.
+//!
+//! Elimination modulo a prime near 2^61 finds a rank that is never above the true one; vectors of rationals that are
+//! recovered from the residues (of more primes where one is not enough) and verified term by term show that it is not below.
+//! Positive terms are weighted at random for the elimination (their null space does not depend on the weights), others as
+//! they are. Numbers known only as enclosures stand for independent unknowns, equal ones for the same unknown.
+//! Clause: spec.md 10.3.
+
+use crate::analysis::numeric::residues::{Field, PRIMES, scramble};
+use crate::base::{Ball, Number, Rational};
+use crate::system::{Form, Term};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+
+/// The motions that a form does not see.
+#[derive(Clone, Debug)]
+pub struct NullSpace {
+    /// Independent vectors, each verified exactly.
+    pub vectors: Vec<Vec<Rational>>,
+    /// The dimension for unknowns in general position. Larger than the number of vectors only if some of the form's
+    /// numbers are not rational, so that no rational vector can be given.
+    pub dimension: usize,
+}
+
+/// The exact null space of `form` on n coordinates.
+pub fn null_space(form: &Form, n: usize) -> NullSpace {
+    let positive = form.terms().iter().all(|term| term.weight.is_positive());
+    let exact = is_exact(form, positive);
+    let mut best: Option<Echelon> = None;
+    let mut space = NullSpace { vectors: Vec::new(), dimension: n };
+    for field in PRIMES.iter().take(if exact { PRIMES.len() } else { 2 }) {
+        let Some(next) = Echelon::of(form, n, positive, *field) else { continue };
+        let combined = match best.take() {
+            Some(known) => known.combined_with(next),
+            None => next,
+        };
+        space = combined.null_space(form, n, positive);
+        if space.vectors.len() == space.dimension {
+            break;
+        }
+        best = Some(combined);
+    }
+    space
+}
+
+/// All numbers that matter for the null space are rational.
+fn is_exact(form: &Form, positive: bool) -> bool {
+    form.terms().iter().all(|term| {
+        (positive || term.weight.exact().is_some()) && form.row(term).iter().all(|(_, a)| a.exact().is_some())
+    })
+}
+
+/// The reduced row echelon form of a form's matrix modulo one prime or a product of primes, by its columns without pivot:
+/// the null vector of each has a one there and these residues in the columns with pivots.
+struct Echelon {
+    modulus: BigInt,
+    free: Vec<usize>,
+    vectors: Vec<Vec<BigInt>>,
+}
+
+impl Echelon {
+    /// `None` if a denominator is a multiple of the prime.
+    fn of(form: &Form, n: usize, positive: bool, field: Field) -> Option<Echelon> {
+        let mut matrix = residue_matrix(form, n, positive, field)?;
+        let pivots = eliminate(&mut matrix, n, field);
+        let free: Vec<usize> = (0..n).filter(|&j| pivots[j].is_none()).collect();
+        let vectors = free.iter().map(|&column| null_vector(&matrix, &pivots, n, column, field)).collect();
+        Some(Echelon { modulus: field.prime().into(), free, vectors })
+    }
+
+    /// The residues modulo both (Chinese remainders). A prime that divides a minor finds a smaller rank or later pivots:
+    /// then the other alone counts.
+    fn combined_with(self, other: Echelon) -> Echelon {
+        if self.free != other.free {
+            let smaller = (self.free.len(), &other.free) < (other.free.len(), &self.free);
+            return if smaller { self } else { other };
+        }
+        let modulus = &self.modulus * &other.modulus;
+        // inverse x self.modulus = 1 modulo the other, by Euclid.
+        let inverse = self.modulus.extended_gcd(&other.modulus).x;
+        let join = |a: &BigInt, b: &BigInt| {
+            let step = ((b - a) * &inverse).mod_floor(&other.modulus);
+            a + step * &self.modulus
+        };
+        let vectors = (self.vectors.iter().zip(&other.vectors))
+            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| join(a, b)).collect())
+            .collect();
+        Echelon { modulus, free: self.free, vectors }
+    }
+
+    /// The vectors that can be recovered and verified.
+    fn null_space(&self, form: &Form, n: usize, positive: bool) -> NullSpace {
+        let recovered = self.vectors.iter().filter_map(|vector| {
+            let vector: Option<Vec<Rational>> = vector.iter().map(|x| recover_rational(x, &self.modulus)).collect();
+            vector.filter(|v| is_null(form, n, positive, v))
+        });
+        NullSpace { vectors: recovered.collect(), dimension: self.free.len() }
+    }
+}
+
+/// sum w a a^T modulo the prime, row by row.
+fn residue_matrix(form: &Form, n: usize, positive: bool, field: Field) -> Option<Vec<u64>> {
+    let mut matrix = vec![0; n * n];
+    for (t, term) in form.terms().iter().enumerate() {
+        let weight = if positive { field.random(t as u64) } else { residue(&term.weight, field)? };
+        let row = form.row(term);
+        for (i, a) in row {
+            let weighted = field.multiply(weight, residue(a, field)?);
+            for (j, b) in row {
+                let entry = &mut matrix[i.index() * n + j.index()];
+                *entry = field.add(*entry, field.multiply(weighted, residue(b, field)?));
+            }
+        }
+    }
+    Some(matrix)
+}
+
+/// Reduces to row echelon form with unit pivots and cleared columns; for each column the row of its pivot.
+fn eliminate(matrix: &mut [u64], n: usize, field: Field) -> Vec<Option<usize>> {
+    let mut pivots = vec![None; n];
+    let mut next = 0;
+    for j in 0..n {
+        let Some(row) = (next..n).find(|&i| matrix[i * n + j] != 0) else { continue };
+        for l in j..n {
+            matrix.swap(next * n + l, row * n + l);
+        }
+        let scale = field.inverse(matrix[next * n + j]);
+        for l in j..n {
+            matrix[next * n + l] = field.multiply(matrix[next * n + l], scale);
+        }
+        for i in (0..n).filter(|&i| i != next) {
+            subtract_row(matrix, n, next, i, j, field);
+        }
+        pivots[j] = Some(next);
+        next += 1;
+    }
+    pivots
+}
+
+/// Row i loses what it has in column j, by means of row `from`.
+fn subtract_row(matrix: &mut [u64], n: usize, from: usize, i: usize, j: usize, field: Field) {
+    let factor = matrix[i * n + j];
+    if factor == 0 {
+        return;
+    }
+    for l in j..n {
+        let x = matrix[from * n + l];
+        if x != 0 {
+            matrix[i * n + l] = field.add(matrix[i * n + l], field.negate(field.multiply(factor, x)));
+        }
+    }
+}
+
+fn null_vector(matrix: &[u64], pivots: &[Option<usize>], n: usize, free: usize, field: Field) -> Vec<BigInt> {
+    let entry = |j: usize| match pivots[j] {
+        Some(row) => field.negate(matrix[row * n + free]),
+        None => u64::from(j == free),
+    };
+    (0..n).map(|j| entry(j).into()).collect()
+}
+
+/// The fraction n/d with |n|, d below sqrt(modulus / 2) and n = x d modulo it, by Euclid's algorithm stopped half-way
+/// (Wang 1981; unique because 2 |n| d < modulus).
+fn recover_rational(x: &BigInt, modulus: &BigInt) -> Option<Rational> {
+    if x.is_zero() || x.is_one() {
+        return Some(if x.is_zero() { Rational::ZERO } else { Rational::ONE });
+    }
+    let limit = (modulus >> 1u32).sqrt();
+    let (mut a, mut b) = (modulus.clone(), x.clone());
+    let (mut s, mut t) = (BigInt::zero(), BigInt::one());
+    while b >= limit {
+        let q = &a / &b;
+        (a, b) = (b.clone(), a - &q * b);
+        (s, t) = (t.clone(), s - q * t);
+    }
+    (!t.is_zero() && t.abs() < limit).then(|| Rational::from(BigRational::new(b, t)))
+}
+
+/// The form times v is exactly zero: for positive weights every row is orthogonal to v, else the sum of all terms vanishes.
+fn is_null(form: &Form, n: usize, positive: bool, v: &[Rational]) -> bool {
+    let mut force = vec![Unknowns::default(); if positive { 0 } else { n }];
+    for term in form.terms() {
+        let mut stretch = Unknowns::default();
+        for (i, a) in form.row(term) {
+            stretch.add(a, &v[i.index()]);
+        }
+        if stretch.vanishes() {
+            continue;
+        }
+        if positive || !add_force(form, term, stretch, &mut force) {
+            return false;
+        }
+    }
+    force.iter().all(Unknowns::vanishes)
+}
+
+/// Adds w a (a . v); false if that is no longer linear in unknowns.
+fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]) -> bool {
+    let Some(stretch) = stretch.rational() else { return false };
+    for (i, a) in form.row(term) {
+        match (term.weight.exact(), a.exact()) {
+            (_, Some(a)) => force[i.index()].add(&term.weight, &(a * &stretch)),
+            (Some(weight), None) => force[i.index()].add(a, &(weight * &stretch)),
+            (None, None) => return false,
+        }
+    }
+    true
+}
+
+/// A rational plus rational multiples of unknown numbers, each unknown known by its enclosure.
+#[derive(Clone, Debug)]
+struct Unknowns {
+    exact: Rational,
+    others: Vec<([u64; 3], Rational)>,
+}
+
+impl Default for Unknowns {
+    fn default() -> Unknowns {
+        Unknowns { exact: Rational::ZERO, others: Vec::new() }
+    }
+}
+
+impl Unknowns {
+    fn add(&mut self, number: &Number, factor: &Rational) {
+        if factor.is_zero() {
+            return;
+        }
+        match number {
+            Number::Exact(value) => self.exact = &self.exact + &(value * factor),
+            Number::Ball(ball) => {
+                let (key, negative) = identity(ball);
+                let factor = if negative { -factor } else { factor.clone() };
+                match self.others.iter_mut().find(|(other, _)| *other == key) {
+                    Some((_, sum)) => *sum = &*sum + &factor,
+                    None => self.others.push((key, factor)),
+                }
+            }
+        }
+    }
+
+    fn vanishes(&self) -> bool {
+        self.exact.is_zero() && self.others.iter().all(|(_, factor)| factor.is_zero())
+    }
+
+    fn rational(self) -> Option<Rational> {
+        self.others.iter().all(|(_, factor)| factor.is_zero()).then_some(self.exact)
+    }
+}
+
+/// What tells one enclosed number from another, up to its sign: the bits of its enclosure.
+fn identity(ball: &Ball) -> ([u64; 3], bool) {
+    let magnitude = ball.mid.abs();
+    ([magnitude.hi.to_bits(), magnitude.lo.to_bits(), ball.rad.to_bits()], ball.mid.hi < 0.0)
+}
+
+fn residue(number: &Number, field: Field) -> Option<u64> {
+    match number {
+        Number::Exact(value) => match value.residues(field.prime()) {
+            (_, 0) => None,
+            (numerator, 1) => Some(numerator),
+            (numerator, denominator) => Some(field.multiply(numerator, field.inverse(denominator))),
+        },
+        Number::Ball(ball) => {
+            let (key, negative) = identity(ball);
+            let x = field.random(key.iter().fold(0, |hash, &bits| scramble(hash ^ bits)));
+            Some(if negative { field.negate(x) } else { x })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::{Name, Words};
+    use crate::system::{CoordinateId, Label, Nature};
+
+    fn form(terms: &[(Number, &[(u32, Number)])]) -> Form {
+        let mut words = Words::new();
+        let mut form = Form::new();
+        let source = form.source(Label { name: Name::plain(words.intern("s")), motion: "" });
+        for (weight, row) in terms {
+            let row = row.iter().map(|(i, a)| (CoordinateId(*i), a.clone()));
+            form.push(source, Nature::Property, weight.clone(), row);
+        }
+        form
+    }
+
+    fn n(text: &str) -> Number {
+        match text.strip_prefix('-') {
+            Some(digits) => -&Number::from(digits),
+            None => Number::from(text),
+        }
+    }
+
+    #[test]
+    fn a_free_chain_moves_as_a_whole() {
+        let rows = [[(0, n("1")), (1, n("-1"))], [(1, n("1")), (2, n("-1"))]];
+        let space = null_space(&form(&[(n("1e12"), &rows[0]), (n("1e-12"), &rows[1])]), 3);
+        assert_eq!(space.dimension, 1);
+        assert_eq!(space.vectors, vec![vec![Rational::ONE; 3]]);
+    }
+
+    #[test]
+    fn decimal_lever_arms_are_exact() {
+        // Two bodies 1.3 m apart, springs at 0.3 and 0.9: they heave together, and they turn together.
+        let rows = [
+            [(0, n("-1")), (1, n("-0.3")), (2, n("1")), (3, n("-1"))],
+            [(0, n("-1")), (1, n("-0.9")), (2, n("1")), (3, n("-0.4"))],
+        ];
+        let space = null_space(&form(&[(n("1"), &rows[0]), (n("3"), &rows[1])]), 4);
+        assert_eq!((space.vectors.len(), space.dimension), (2, 2));
+    }
+
+    #[test]
+    fn exact_buckling_is_a_null_vector_of_the_sum() {
+        let row = [(0, n("1"))];
+        let space = null_space(&form(&[(n("9.81"), &row), (n("-9.81"), &row)]), 1);
+        assert_eq!(space.vectors.len(), 1);
+        assert!(null_space(&form(&[(n("9.81"), &row), (n("-9.8100000000001"), &row)]), 1).vectors.is_empty());
+    }
+
+    #[test]
+    fn equal_enclosures_cancel() {
+        let third = n("3").sqrt().expect("positive");
+        let row = [(0, third.clone()), (1, -&third)];
+        let space = null_space(&form(&[(n("5"), &row)]), 2);
+        assert_eq!(space.vectors, vec![vec![Rational::ONE; 2]]);
+    }
+
+    #[test]
+    fn vectors_of_many_digits_take_more_primes() {
+        // (x + a y) = 0 with a of 40 digits: the null vector is (-a, 1), or (1, -1/a).
+        let row = [(0, n("1")), (1, n("0.9000000000000000222044604925031308084726"))];
+        let space = null_space(&form(&[(n("7"), &row)]), 2);
+        assert_eq!((space.vectors.len(), space.dimension), (1, 1));
+    }
+
+    #[test]
+    fn an_irrational_motion_is_counted_but_not_given() {
+        let row = [(0, n("3").sqrt().expect("positive")), (1, n("1"))];
+        let space = null_space(&form(&[(n("7"), &row)]), 2);
+        assert_eq!((space.vectors.len(), space.dimension), (0, 1));
+    }
+
+    #[test]
+    fn fractions_come_back_from_their_residues() {
+        let field = PRIMES[0];
+        for (p, q) in [(13, 10), (-7, 3), (123_456, 789_101), (1, 1)] {
+            let value = Rational::new(p, q);
+            let found = residue(&Number::from(value.clone()), field).map(BigInt::from);
+            assert_eq!(found.and_then(|x| recover_rational(&x, &field.prime().into())), Some(value));
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! A form of the system as flat numbers in triple words: the weights and sparse rows of `sum w a a^T`.
+//!
+//! The undamped modes start from these. What is uncertain in the model (a root, a sine, what three words cannot hold of a
+//! decimal) is in the radii and so in every bound.
+
+use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::base::Dd;
+use crate::system::Form;
+
+/// The squares `w a a^T` of a form.
+#[derive(Clone, Debug)]
+pub struct Terms {
+    pub weights: Vec<Precise>,
+    starts: Vec<u32>,
+    indices: Vec<u32>,
+    factors: Vec<Factor>,
+}
+
+/// An entry of a row. Most are signs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factor {
+    Plus,
+    Minus,
+    Other(Precise),
+}
+
+impl Terms {
+    pub fn of(form: &Form) -> Terms {
+        let count = form.terms().len();
+        let mut terms = Terms {
+            weights: Vec::with_capacity(count),
+            starts: Vec::with_capacity(count + 1),
+            indices: Vec::with_capacity(2 * count),
+            factors: Vec::with_capacity(2 * count),
+        };
+        terms.starts.push(0);
+        for term in form.terms() {
+            terms.weights.push(Precise::of(&term.weight));
+            for (coordinate, value) in form.row(term) {
+                terms.indices.push(coordinate.0);
+                terms.factors.push(Factor::of(Precise::of(value)));
+            }
+            terms.starts.push(terms.indices.len() as u32);
+        }
+        terms
+    }
+
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The row of term `t`: its coordinates and their factors.
+    #[inline]
+    pub fn row(&self, t: usize) -> (&[u32], &[Factor]) {
+        let range = self.starts[t] as usize..self.starts[t + 1] as usize;
+        (&self.indices[range.clone()], &self.factors[range])
+    }
+
+    /// a . x of term `t`, for an exactly known x.
+    #[inline]
+    pub fn stretch(&self, t: usize, x: &[Triple]) -> Precise {
+        let (indices, factors) = self.row(t);
+        let (mut sum, mut radius) = (Triple::ZERO, 0.0);
+        for (&i, factor) in indices.iter().zip(factors) {
+            let x = x[i as usize];
+            let part = match factor {
+                Factor::Plus => x,
+                Factor::Minus => -x,
+                Factor::Other(a) => {
+                    let part = a.value * x;
+                    radius += part.hi().abs() * (2.0 * Triple::ERROR) + a.radius * x.hi().abs() * 2.0;
+                    part
+                }
+            };
+            if sum.is_zero() {
+                sum = part;
+            } else {
+                radius += sum.hi().abs().max(part.hi().abs()) * (2.0 * Triple::ERROR);
+                sum = sum + part;
+            }
+        }
+        Precise { value: sum, radius }
+    }
+
+    /// a . x in binary64.
+    #[inline]
+    pub fn stretch_f64(&self, t: usize, x: &[f64]) -> f64 {
+        let (indices, factors) = self.row(t);
+        indices.iter().zip(factors).map(|(&i, factor)| factor.to_f64() * x[i as usize]).sum()
+    }
+
+    /// All weights are certainly positive.
+    pub fn all_positive(&self) -> bool {
+        self.weights.iter().all(|w| w.value.hi() > 2.0 * w.radius)
+    }
+
+    pub fn is_finite(&self) -> bool {
+        let finite = |x: &Precise| x.value.is_finite() && x.radius.is_finite();
+        self.weights.iter().all(finite)
+            && self.factors.iter().all(|factor| !matches!(factor, Factor::Other(x) if !finite(x)))
+    }
+}
+
+impl Factor {
+    fn of(value: Precise) -> Factor {
+        if value.radius > 0.0 {
+            Factor::Other(value)
+        } else if value.value == Triple::ONE {
+            Factor::Plus
+        } else if value.value == -Triple::ONE {
+            Factor::Minus
+        } else {
+            Factor::Other(value)
+        }
+    }
+
+    #[inline]
+    pub fn to_triple(self) -> Triple {
+        match self {
+            Factor::Plus => Triple::ONE,
+            Factor::Minus => -Triple::ONE,
+            Factor::Other(x) => x.value,
+        }
+    }
+
+    #[inline]
+    pub fn to_dd(self) -> Dd {
+        self.to_triple().dd()
+    }
+
+    #[inline]
+    pub fn to_f64(self) -> f64 {
+        self.to_triple().hi()
+    }
+}

@@ -1,0 +1,15 @@
+//! Arithmetic and dense linear algebra that the analyses share: words of two and three numbers, complex numbers, matrices.
+//! Nothing here knows a system.
+
+pub(in crate::analysis) mod big_float;
+pub mod complex;
+pub mod dense;
+pub(in crate::analysis) mod enclosure;
+pub(in crate::analysis) mod jacobi;
+pub(in crate::analysis) mod lanes;
+pub(in crate::analysis) mod pairwise;
+pub(in crate::analysis) mod pivoted_qr;
+pub(in crate::analysis) mod polynomial;
+pub(in crate::analysis) mod precise;
+pub(in crate::analysis) mod residues;
+pub(in crate::analysis) mod triple;

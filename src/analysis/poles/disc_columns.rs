@@ -1,0 +1,260 @@
+//! The columns of the pencil in which poles are certified: approximate pairs, their conjugates, and the exact rigid
+//! motions, each scaled by a factor of binary64; and what is known of their products, with bounds of the rounding.
+//! Clause: spec.md 11.6.
+
+use crate::analysis::numeric::complex::{Complex, Real};
+use crate::analysis::numeric::triple::Precise;
+use crate::analysis::poles::pencil::{Application, Pencil, Squares};
+use crate::analysis::poles::refinement::Pair;
+use crate::analysis::poles::rigid::RigidMotions;
+use crate::base::{Ball, Dd};
+
+/// Unit roundoff of binary64.
+pub const U: f64 = f64::EPSILON / 2.0;
+/// Covers the rounding of sums of up to 2^20 non-negative numbers.
+pub const UP: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
+
+/// A complex number in binary64 and how far it may be from the true one.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    pub value: Complex<f64>,
+    pub error: f64,
+    /// At least the modulus of either.
+    pub size: f64,
+}
+
+/// One vector z = (x, v), scaled.
+pub struct Column {
+    x: Vec<Near>,
+    /// Stretches of the terms of M under x and under v, and of C under x.
+    mx: Vec<Near>,
+    mv: Vec<Near>,
+    cx: Vec<Near>,
+}
+
+/// An exact rigid motion N: what the terms of M and of C do to it, w (a . N), and the factor of its column.
+pub struct Motion {
+    inertia: Vec<Precise>,
+    drag: Vec<Precise>,
+    factor: Complex<f64>,
+    /// v = +-t x
+    pub rate: f64,
+}
+
+/// All columns, conjugates behind their originals.
+pub struct Columns {
+    pub list: Vec<Column>,
+    /// The first columns, which span the motions of poles that are exactly zero.
+    pub rigid: Vec<Motion>,
+    /// Column of pair p, and of its conjugate (the same for a real pair).
+    pub of_pair: Vec<(usize, usize)>,
+    /// The factor that scales pair p.
+    pub factors: Vec<Complex<f64>>,
+    /// The column of the conjugate vector, up to a sign.
+    pub mirror: Vec<usize>,
+    pub centres: Vec<Complex<Ball>>,
+}
+
+impl Near {
+    pub fn of(z: Complex<Precise>, factor: Complex<f64>) -> Near {
+        let near = z.to_f64();
+        let value = near * factor;
+        let (length, scale) = (near.abs(), factor.abs());
+        let radius = Complex::new(z.re.radius, z.im.radius).abs() * UP;
+        let error = (radius + 8.0 * U * length) * scale * UP + f64::MIN_POSITIVE;
+        Near { value, error, size: (value.abs() + error) * UP }
+    }
+
+    /// At most the modulus of the true number.
+    pub fn least(&self) -> f64 {
+        self.value.abs() * (2.0 - UP) - self.error * UP
+    }
+
+    fn conj(self) -> Near {
+        Near { value: self.value.conj(), ..self }
+    }
+}
+
+impl Column {
+    fn of_pair(pair: &Pair, applied: &Application<Precise>, factor: Complex<f64>) -> Column {
+        let s = Complex::new(Precise::of_dd(pair.s.re), Precise::of_dd(pair.s.im));
+        let scaled = |stretches: &[Complex<Precise>]| stretches.iter().map(|&z| Near::of(z, factor)).collect();
+        let entry = |i: usize| {
+            let x = pair.x.entry(i);
+            Near::of(Complex::new(Precise::of_dd(x.re), Precise::of_dd(x.im)), factor)
+        };
+        Column {
+            mx: scaled(&applied.m_stretch),
+            mv: applied.m_stretch.iter().map(|&z| Near::of(z * s, factor)).collect(),
+            cx: scaled(&applied.c_stretch),
+            x: (0..pair.x.re.len()).map(entry).collect(),
+        }
+    }
+
+    fn conj(&self) -> Column {
+        let conj = |list: &[Near]| list.iter().map(|near| near.conj()).collect();
+        Column { mx: conj(&self.mx), mv: conj(&self.mv), cx: conj(&self.cx), x: conj(&self.x) }
+    }
+
+    /// z = a (N, t N) of an exact rigid motion N.
+    fn of_motion(pencil: &Pencil<Precise>, motion: &[Precise], a: Complex<f64>, rate: f64) -> Column {
+        let scaled = |squares: &Squares<Precise>, rate: f64| -> Vec<Near> {
+            let rate = Precise { value: rate.into(), radius: 0.0 };
+            (0..squares.len()).map(|t| Near::of(Complex::real(squares.stretch(t, motion) * rate), a)).collect()
+        };
+        Column {
+            mx: scaled(&pencil.m, 1.0),
+            mv: scaled(&pencil.m, rate),
+            cx: scaled(&pencil.c, 1.0),
+            x: motion.iter().map(|&x| Near::of(Complex::real(x), a)).collect(),
+        }
+    }
+
+    /// A bound of |x . f|.
+    pub fn dot(&self, f: &[Near]) -> f64 {
+        let gamma = (4 * f.len() + 16) as f64 * U;
+        let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
+        for (x, f) in self.x.iter().zip(f) {
+            sum = sum + x.value * f.value;
+            error += x.size * f.error + x.error * f.size + gamma * x.size * f.size;
+        }
+        (sum.abs() + error * UP) * UP
+    }
+
+    /// B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j.
+    pub fn product(&self, other: &Column, pencil: &Pencil<Precise>) -> Near {
+        let gamma = (4 * (pencil.m.len() + pencil.c.len()) + 16) as f64 * U;
+        let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
+        let mut add = |w: &Precise, a: &Near, b: &Near| {
+            let weight = w.to_f64();
+            sum = sum + (a.value * b.value).scale(weight);
+            let relative = a.size * b.error + a.error * b.size + gamma * a.size * b.size + f64::MIN_POSITIVE;
+            error += weight.abs() * relative + w.radius * a.size * b.size;
+        };
+        for (t, w) in pencil.m.weights.iter().enumerate() {
+            add(w, &self.mx[t], &other.mv[t]);
+            add(w, &self.mv[t], &other.mx[t]);
+        }
+        for (t, w) in pencil.c.weights.iter().enumerate() {
+            add(w, &self.cx[t], &other.cx[t]);
+        }
+        let error = error * UP;
+        Near { value: sum, error, size: (sum.abs() + error) * UP }
+    }
+}
+
+impl Motion {
+    fn of(pencil: &Pencil<Precise>, motion: &[Precise], factor: Complex<f64>, rate: f64) -> Motion {
+        let forces = |squares: &Squares<Precise>| -> Vec<Precise> {
+            (0..squares.len()).map(|t| squares.weights[t] * squares.stretch(t, motion)).collect()
+        };
+        // A free motion stretches no damper, exactly.
+        let drag = if rate == 0.0 { forces(&pencil.c) } else { Vec::new() };
+        Motion { inertia: forces(&pencil.m), drag, factor, rate }
+    }
+
+    /// A bound of |N^T Q(s) x|, scaled: N^T K = 0, so this is s^2 N^T M x + s N^T C x without the forces of springs.
+    pub fn residual(&self, s: Complex<Dd>, applied: &Application<Precise>, factor: Complex<f64>) -> f64 {
+        let s = Complex::new(Precise::of_dd(s.re), Precise::of_dd(s.im));
+        let sum = |forces: &[Precise], stretches: &[Complex<Precise>]| {
+            forces.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.scale(f))
+        };
+        let force = (s * sum(&self.inertia, &applied.m_stretch) + sum(&self.drag, &applied.c_stretch)) * s;
+        // The product of the factors is rounded once more.
+        Near::of(force, factor * self.factor).size * (1.0 + 8.0 * U)
+    }
+}
+
+impl Columns {
+    pub fn of(
+        pencil: &Pencil<Precise>,
+        rigid: &RigidMotions,
+        pairs: &[Pair],
+        applied: &[Application<Precise>],
+    ) -> Columns {
+        let (list, motions) = rigid_columns(pencil, rigid, pairs);
+        let mut columns = Columns {
+            mirror: (0..list.len()).collect(),
+            centres: vec![Complex::ZERO; list.len()],
+            list,
+            rigid: motions,
+            of_pair: Vec::with_capacity(pairs.len()),
+            factors: Vec::with_capacity(pairs.len()),
+        };
+        for (pair, applied) in pairs.iter().zip(applied) {
+            let factor = normaliser(pencil.slope(pair.s.to_f64(), applied));
+            columns.factors.push(factor);
+            columns.push(pair, Column::of_pair(pair, applied, factor));
+        }
+        columns
+    }
+
+    fn push(&mut self, pair: &Pair, column: Column) {
+        let at = self.list.len();
+        let conj = if pair.is_real() { at } else { at + 1 };
+        self.of_pair.push((at, conj));
+        self.mirror.push(conj);
+        self.centres.push(pair.s.to_ball());
+        if !pair.is_real() {
+            self.mirror.push(at);
+            self.centres.push(pair.s.conj().to_ball());
+            let mirrored = column.conj();
+            self.list.extend([column, mirrored]);
+        } else {
+            self.list.push(column);
+        }
+    }
+
+    /// A lower bound of the distance of two centres.
+    pub fn gap(&self, i: usize, k: usize) -> f64 {
+        let d = self.centres[i] - self.centres[k];
+        Complex::new(d.re.mignitude(), d.im.mignitude()).abs() * (2.0 - UP)
+    }
+
+    /// A lower bound of |s_k|.
+    pub fn size(&self, k: usize) -> f64 {
+        let s = self.centres[k];
+        Complex::new(s.re.mignitude(), s.im.mignitude()).abs() * (2.0 - UP)
+    }
+}
+
+/// 1 / sqrt(b) for b = x^T (2 s M + C) x, so that B_jj is about one. Any factor is right; this one makes the bounds small.
+fn normaliser(b: Complex<f64>) -> Complex<f64> {
+    let root = b.sqrt();
+    if root == Complex::ZERO || !root.is_finite() { Complex::real(1.0) } else { root.recip() }
+}
+
+/// A free motion N spans (N, 0) and (0, N), here as (N, tN) and i (N, -tN): B is the identity on them with a proper factor.
+/// A dragged motion spans (N, 0). Beside each column its t.
+fn rigid_columns(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair]) -> (Vec<Column>, Vec<Motion>) {
+    let typical = typical_rate(pairs);
+    let (mut list, mut motions) = (Vec::new(), Vec::new());
+    let mut push = |motion: &[Precise], factor: Complex<f64>, rate: f64| {
+        list.push(Column::of_motion(pencil, motion, factor, rate));
+        motions.push(Motion::of(pencil, motion, factor, rate));
+    };
+    for motion in &rigid.free {
+        let motion: Vec<Precise> = motion.iter().map(Precise::of).collect();
+        let a = (0.5 / square(&pencil.m, &motion).abs() / typical).sqrt();
+        push(&motion, Complex::real(a), typical);
+        push(&motion, Complex::new(0.0, a), -typical);
+    }
+    for motion in &rigid.dragged {
+        let motion: Vec<Precise> = motion.iter().map(Precise::of).collect();
+        push(&motion, normaliser(Complex::real(square(&pencil.c, &motion))), 0.0);
+    }
+    (list, motions)
+}
+
+/// sum w (a . x)^2 in binary64.
+fn square(squares: &Squares<Precise>, x: &[Precise]) -> f64 {
+    (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch(t, x).to_f64().powi(2)).sum()
+}
+
+/// The geometric middle of the slowest and the fastest rate.
+fn typical_rate(pairs: &[Pair]) -> f64 {
+    let sizes = pairs.iter().map(|pair| pair.s.to_f64().abs());
+    let (low, high) = sizes.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
+    let middle = low.sqrt() * high.sqrt();
+    if middle.is_finite() && middle > 0.0 { middle } else { 1.0 }
+}

@@ -1,0 +1,266 @@
+//! Discs that certainly hold the poles. In: the terms, approximate pairs (s_j, x_j) as exact numbers, the exact rigid
+//! motions. Out: an enclosure for each pair, and which are certified only together. Clause: spec.md 11.6 derives it:
+//!
+//! With z = (x, v), v = s x, the symmetric linearisation L(s) = s [C M; M 0] + [K 0; 0 -M] has L(s) z_j =
+//! (Q(s_j) x_j, 0) + (s - s_j) [C M; M 0] z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and
+//!   B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j,   R_ij = x_i^T r_j,   r_j = Q(s_j) x_j,
+//! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. Symmetry makes
+//! (s_j - s_i) B_ij = R_ij - R_ji, so off its diagonal B is as small as the residuals are, T too, and Gershgorin's discs
+//! of D - T are small. Residuals are evaluated in triple words with their radius; sums of binary64 carry an explicit
+//! bound of their rounding.
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::analysis::poles::disc_columns::{Columns, Near, U, UP};
+use crate::analysis::poles::pencil::{Application, Pencil};
+use crate::analysis::poles::refinement::Pair;
+use crate::analysis::poles::rigid::RigidMotions;
+use crate::base::{Ball, Dd};
+
+/// What holds for one pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// The pole is in this rectangle; of infinite size where nothing is certified.
+    pub s: Complex<Ball>,
+    /// Discs with the same number overlap: as many poles as discs lie in their union. For the pair and for its conjugate.
+    pub clusters: [Option<u32>; 2],
+}
+
+/// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
+/// `count` is the number of poles; with fewer or more columns than poles nothing is certified.
+pub fn discs(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair], count: usize) -> Vec<Disc> {
+    let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
+    let columns = Columns::of(pencil, rigid, pairs, &applied);
+    let certified = (columns.list.len() == count).then(|| {
+        let r = residual_products(&columns, pairs, &applied);
+        let b = deviation(pencil, &columns, &r)?;
+        let t = perturbation(&columns, &b, &r)?;
+        Some(gershgorin(&Certificate { columns, b, t }, pairs, &applied))
+    });
+    certified.flatten().unwrap_or_else(|| pairs.iter().map(|pair| around(pair, f64::INFINITY, [Some(0); 2])).collect())
+}
+
+impl Disc {
+    pub fn is_certified(&self) -> bool {
+        self.s.re.rad.is_finite()
+    }
+}
+
+fn around(pair: &Pair, radius: f64, clusters: [Option<u32>; 2]) -> Disc {
+    Disc { s: Complex::new(Ball::new(pair.s.re, radius), Ball::new(pair.s.im, radius)), clusters }
+}
+
+/// A square table of bounds.
+struct Table {
+    n: usize,
+    data: Vec<f64>,
+}
+
+impl Table {
+    fn new(n: usize) -> Table {
+        Table { n, data: vec![0.0; n * n] }
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.data[j * self.n + i]
+    }
+
+    fn set(&mut self, i: usize, j: usize, value: f64) {
+        self.data[j * self.n + i] = value;
+    }
+
+    fn is_finite(&self) -> bool {
+        self.data.iter().all(|x| x.is_finite())
+    }
+
+    fn column(&self, j: usize) -> &[f64] {
+        &self.data[j * self.n..(j + 1) * self.n]
+    }
+}
+
+/// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
+fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<Precise>]) -> Table {
+    let mut table = Table::new(columns.list.len());
+    for (p, applied) in applied.iter().enumerate() {
+        let (at, conj) = columns.of_pair[p];
+        let factor = columns.factors[p];
+        let force: Vec<Near> = applied.force.iter().map(|&f| Near::of(f, factor)).collect();
+        for (i, column) in columns.list.iter().enumerate() {
+            let bound = match columns.rigid.get(i) {
+                Some(motion) => motion.residual(pairs[p].s, applied, factor),
+                None => column.dot(&force),
+            };
+            table.set(i, at, bound);
+            table.set(columns.mirror[i], conj, bound);
+        }
+        // x_k^T Q(s_k) x_k as a sum of energies is the sharper bound of the diagonal.
+        let energy = Near::of(applied.energy, factor * factor);
+        let bound = table.at(at, at).min(energy.size * (1.0 + 8.0 * U));
+        table.set(at, at, bound);
+        table.set(conj, conj, bound);
+    }
+    table
+}
+
+/// What is known of B.
+struct Deviation {
+    diagonal: Vec<Near>,
+    /// Bounds G_ij of |B_ij| / |B_ii| off the diagonal.
+    off: Table,
+    /// The largest row sum of G.
+    theta: f64,
+}
+
+/// `None` if B may be singular.
+fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<Deviation> {
+    let n = columns.list.len();
+    let diagonal: Vec<Near> = columns.list.iter().map(|column| column.product(column, pencil)).collect();
+    let mut off = Table::new(n);
+    for j in 0..n {
+        for i in 0..j {
+            let bound = coupling(pencil, columns, r, i, j);
+            off.set(i, j, bound / diagonal[i].least() * UP);
+            off.set(j, i, bound / diagonal[j].least() * UP);
+        }
+    }
+    let theta = (0..n).map(|i| (0..n).map(|j| off.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
+    // What is not a number proves nothing, and the maximum passes over it.
+    let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|b| b.least() > 0.0);
+    regular.then_some(Deviation { diagonal, off, theta })
+}
+
+/// A bound of |B_ij|, i < j: from the residuals where the poles are apart, from the terms where they are not.
+fn coupling(pencil: &Pencil<Precise>, columns: &Columns, r: &Table, i: usize, j: usize) -> f64 {
+    let rigid = &columns.rigid;
+    if i >= rigid.len() {
+        let gap = columns.gap(i, j);
+        if gap > 1e-6 * columns.size(j) {
+            return (r.at(i, j) + r.at(j, i)) / gap * UP;
+        }
+    } else if j >= rigid.len() {
+        // With K N = 0, and C N = 0 or t = 0: N^T r_j = s_j^2 N^T M x_j + s_j N^T C x_j, and R_ij = a N^T r_j.
+        let size = columns.size(j);
+        return r.at(i, j) * (1.0 + rigid[i].rate.abs() / size) / size * UP * UP;
+    }
+    columns.list[i].product(&columns.list[j], pencil).size
+}
+
+/// Bounds of T.
+struct Perturbation {
+    /// |T_ij|
+    t: Table,
+    /// |T_kk - R_kk / B_kk|
+    own: Vec<f64>,
+}
+
+/// T = B^-1 R: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
+fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbation> {
+    let n = r.n;
+    let (mut t, mut own) = (Table::new(n), vec![0.0; n]);
+    for &(at, conj) in &columns.of_pair {
+        let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, b)| r / b.least() * UP).collect();
+        let mut rest = vec![0.0; n];
+        for (j, scaled) in scaled.iter().enumerate() {
+            rest.iter_mut().zip(b.off.column(j)).for_each(|(sum, g)| *sum += g * scaled * UP);
+        }
+        // G^2 (1 - G)^-1 R is at most theta / (1 - theta) times the largest entry of G R.
+        let tail = rest.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
+        for i in 0..n {
+            let bound = (scaled[i] + rest[i] + tail) * UP;
+            t.set(i, at, bound);
+            t.set(columns.mirror[i], conj, bound);
+        }
+        own[at] = (rest[at] + tail) * UP;
+        own[conj] = own[at];
+    }
+    t.is_finite().then_some(Perturbation { t, own })
+}
+
+/// All that is known when discs are drawn.
+struct Certificate {
+    columns: Columns,
+    b: Deviation,
+    t: Perturbation,
+}
+
+/// Radii from the columns of D - T. Disjoint discs hold one pole each, and may then be shrunk.
+fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precise>]) -> Vec<Disc> {
+    let (columns, t) = (&known.columns, &known.t.t);
+    let (first, n) = (columns.rigid.len(), columns.list.len());
+    let radii: Vec<f64> = (0..n).map(|k| t.column(k)[first..].iter().sum::<f64>() * UP).collect();
+    let clusters = clusters(first, n, |i, k| columns.gap(i, k) <= (radii[i] + radii[k]) * UP);
+    let disc = |(p, &(k, conj)): (usize, &(usize, usize))| match clusters[k] {
+        None => known.alone(&radii, k, &pairs[p], known.rayleigh_step(k, columns.factors[p], applied[p].energy)),
+        cluster => {
+            let radius = union_radius(&clusters, cluster, &radii, &columns.centres, k);
+            around(&pairs[p], radius, [cluster, clusters[conj]])
+        }
+    };
+    columns.of_pair.iter().enumerate().map(disc).collect()
+}
+
+impl Certificate {
+    /// A disc that is alone, around s_k - R_kk / B_kk; what double-double cannot hold of that centre goes to the radius.
+    fn alone(&self, radii: &[f64], k: usize, pair: &Pair, step: Near) -> Disc {
+        let radius = (self.shrunk(radii, k) + self.t.own[k] + step.error) * UP;
+        let enclose = |s: Dd, step: f64| {
+            let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
+            Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
+        };
+        let s = Complex::new(enclose(pair.s.re, step.value.re), enclose(pair.s.im, step.value.im));
+        Disc { s, clusters: [None; 2] }
+    }
+
+    /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays clear of
+    /// the others it holds exactly its own. With tau = 2 max T_ki / (gap - radii) each other disc grows by less than its gap.
+    fn shrunk(&self, radii: &[f64], k: usize) -> f64 {
+        let (t, first) = (&self.t.t, self.columns.rigid.len());
+        let mut tau = 1e-290f64;
+        let mut others = 0.0;
+        for i in (first..t.n).filter(|&i| i != k) {
+            let room = self.columns.gap(i, k) - (radii[i] + radii[k]) * UP;
+            tau = tau.max(2.0 * t.at(k, i) / room);
+            others += t.at(i, k);
+        }
+        others * tau.min(1.0) * UP
+    }
+
+    /// -R_kk / B_kk, Rayleigh's quotient, with its error; `energy` is x^T Q(s) x.
+    fn rayleigh_step(&self, k: usize, factor: Complex<f64>, energy: Complex<Precise>) -> Near {
+        let (b, r) = (self.b.diagonal[k], Near::of(energy, factor * factor));
+        let value = -(r.value * b.value.recip());
+        // |factor^2| and the quotient carry a few roundings.
+        let rounding = 32.0 * U * r.size;
+        let error = (r.error + rounding + value.abs() * b.error * UP) / b.least() * UP;
+        Near { value, error, size: (value.abs() + error) * UP }
+    }
+}
+
+/// Connected discs share a number; a disc alone has none.
+fn clusters(first: usize, n: usize, touch: impl Fn(usize, usize) -> bool) -> Vec<Option<u32>> {
+    let mut number: Vec<usize> = (0..n).collect();
+    for k in first..n {
+        for i in first..k {
+            if number[i] != number[k] && touch(i, k) {
+                let (from, to) = (number[i].max(number[k]), number[i].min(number[k]));
+                number.iter_mut().filter(|x| **x == from).for_each(|x| *x = to);
+            }
+        }
+    }
+    let members = |k: usize| number.iter().filter(|&&x| x == number[k]).count();
+    (0..n).map(|k| (members(k) > 1).then_some(number[k] as u32)).collect()
+}
+
+/// Every pole of the union is within this of centre k.
+fn union_radius(
+    clusters: &[Option<u32>],
+    cluster: Option<u32>,
+    radii: &[f64],
+    centres: &[Complex<Ball>],
+    k: usize,
+) -> f64 {
+    (0..radii.len())
+        .filter(|&i| clusters[i] == cluster)
+        .map(|i| ((centres[i] - centres[k]).magnitude() + radii[i]) * UP)
+        .fold(0.0, f64::max)
+}

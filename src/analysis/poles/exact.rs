@@ -1,0 +1,341 @@
+//! Poles by exact arithmetic: the roots of the polynomial det(M s^2 + C s + K) with integer coefficients. In: the terms of
+//! a small independent part, all rational. Out: every root with its multiplicity, however close to others, whether it is
+//! real, and whether it has fewer vectors than its multiplicity. For parts whose discs overlap, and for those with motions
+//! without inertia. Clause: spec.md 11.9.
+
+use crate::analysis::modes::parts::Part;
+use crate::analysis::numeric::big_float::{ComplexFloat, Float};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::polynomial::{Polynomial, determinant};
+use crate::analysis::numeric::residues::scramble;
+use crate::base::{Ball, Rational};
+use crate::system::{Form, LinearSystem};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_traits::One;
+
+/// Beyond this the polynomial's exact arithmetic takes longer than a user would wait for.
+pub const MOST_COORDINATES: usize = 12;
+/// Bits that roots are sought with at first; doubled until their discs are apart.
+const FIRST_BITS: u64 = 160;
+/// 2^-1000 is the distance of roots that are told apart at last; the polynomials here have none closer.
+const MOST_BITS: u64 = 2560;
+
+/// The poles of a part.
+#[derive(Clone, Debug)]
+pub struct ExactPoles {
+    /// How many are exactly zero.
+    pub zeros: usize,
+    /// The others, one of each conjugate pair (im > 0), ascending in size.
+    pub roots: Vec<ExactRoot>,
+}
+
+/// A root with its multiplicity.
+#[derive(Clone, Debug)]
+pub struct ExactRoot {
+    pub s: Complex<Ball>,
+    pub multiplicity: usize,
+    pub real: bool,
+    /// There are fewer independent vectors x with Q(s) x = 0 than the multiplicity.
+    pub defective: bool,
+}
+
+/// What exact arithmetic says.
+pub enum Exact {
+    Poles(ExactPoles),
+    /// det Q vanishes for every s.
+    Singular,
+}
+
+/// The poles of a part; `None` where it is too large, a term is not rational, or the roots are not told apart.
+pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<Exact> {
+    if part.coordinates.len() > MOST_COORDINATES {
+        return None;
+    }
+    let matrices = Matrices::of(system, part, local)?;
+    let polynomial = matrices.characteristic(false);
+    if polynomial.is_zero() {
+        return Some(Exact::Singular);
+    }
+    let (zeros, rest) = polynomial.without_zero_roots();
+    let mut roots = Vec::new();
+    for (index, factor) in rest.by_multiplicity()?.iter().enumerate() {
+        if factor.degree() > 0 {
+            roots.extend(with_multiplicity(factor, index + 1, &matrices)?);
+        }
+    }
+    Some(Exact::Poles(ExactPoles { zeros, roots }))
+}
+
+/// Roots of multiplicity i. With Q(s) bordered by any vector u, det [Q, u; u^T, 0] vanishes at s if two independent vectors
+/// are annihilated: where it does not, there is only one.
+fn with_multiplicity(factor: &Polynomial, multiplicity: usize, matrices: &Matrices) -> Option<Vec<ExactRoot>> {
+    if multiplicity == 1 {
+        return found(factor, 1, false);
+    }
+    let several = factor.gcd(&matrices.characteristic(true))?;
+    let mut roots = found(&factor.divided_by(&several)?, multiplicity, true)?;
+    roots.extend(found(&several, multiplicity, false)?);
+    Some(roots)
+}
+
+fn found(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Vec<ExactRoot>> {
+    let root = |(s, real)| ExactRoot { s, multiplicity, real, defective };
+    Some(roots(factor)?.into_iter().map(root).collect())
+}
+
+/// M, C and K times one integer that clears all denominators.
+struct Matrices {
+    m: Vec<Vec<BigInt>>,
+    c: Vec<Vec<BigInt>>,
+    k: Vec<Vec<BigInt>>,
+}
+
+impl Matrices {
+    fn of(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<Matrices> {
+        let n = part.coordinates.len();
+        let m = assembled(&system.m, &part.m, local, n)?;
+        let c = assembled(&system.c, &part.c, local, n)?;
+        let k = assembled(&system.k, &part.k, local, n)?;
+        let denominators = [&m, &c, &k].into_iter().flatten().flatten().map(|x| x.to_big().denom().clone());
+        let common = denominators.fold(BigInt::one(), |lcm, d| lcm.lcm(&d));
+        let cleared = |matrix: &[Vec<Rational>]| {
+            let entry = |x: &Rational| x.to_big().numer() * (&common / x.to_big().denom());
+            matrix.iter().map(|row| row.iter().map(entry).collect()).collect()
+        };
+        Some(Matrices { m: cleared(&m), c: cleared(&c), k: cleared(&k) })
+    }
+
+    /// det Q(s), or det [Q(s), u; u^T, 0] for a scattered vector u, from its values at small integers.
+    fn characteristic(&self, bordered: bool) -> Polynomial {
+        let n = self.m.len();
+        let values: Vec<BigInt> = (0..=2 * n as i64).map(|s| determinant(self.at(s, bordered))).collect();
+        Polynomial::through(&values)
+    }
+
+    fn at(&self, s: i64, bordered: bool) -> Vec<Vec<BigInt>> {
+        let n = self.m.len();
+        let border = |i: usize| BigInt::from(scramble(i as u64) % 1000 + 1);
+        let mut rows: Vec<Vec<BigInt>> =
+            (0..n).map(|i| (0..n).map(|j| (&self.m[i][j] * s + &self.c[i][j]) * s + &self.k[i][j]).collect()).collect();
+        if bordered {
+            rows.iter_mut().enumerate().for_each(|(i, row)| row.push(border(i)));
+            rows.push((0..n).map(border).chain([BigInt::default()]).collect());
+        }
+        rows
+    }
+}
+
+/// sum w a a^T of the chosen terms.
+fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
+    let mut matrix = vec![vec![Rational::ZERO; n]; n];
+    for &index in terms {
+        let term = &form.terms()[index as usize];
+        let weight = term.weight.exact()?;
+        for (i, a) in form.row(term) {
+            let weighted = weight * a.exact()?;
+            for (j, b) in form.row(term) {
+                let entry = &mut matrix[local[i.index()] as usize][local[j.index()] as usize];
+                *entry = &*entry + &(&weighted * b.exact()?);
+            }
+        }
+    }
+    Some(matrix)
+}
+
+/// The roots of a polynomial without repeated or zero ones: one of each conjugate pair and the real ones (marked),
+/// ascending in size, each in a disc of its own.
+fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
+    if f.degree() == 0 {
+        return Some(Vec::new());
+    }
+    let slope = f.derivative();
+    let mut values = circles(f);
+    let mut bits = FIRST_BITS;
+    while bits <= MOST_BITS {
+        iterate(f, &slope, &mut values, bits);
+        if let Some(roots) = separated(f, &slope, &values) {
+            return Some(roots);
+        }
+        bits *= 2;
+    }
+    None
+}
+
+/// First values on circles whose radii are those of the Newton polygon (Bini, Numer. Algorithms 13 (1996) 179): between
+/// corners i and j of the upper hull of log2 |a_i| there are j - i roots of about 2^((l_i - l_j) / (j - i)).
+fn circles(f: &Polynomial) -> Vec<ComplexFloat> {
+    let corners = upper_hull(f);
+    let (mut values, mut turn) = (Vec::new(), Complex::new(0.96, 0.28));
+    for pair in corners.windows(2) {
+        let ((i, low), (j, high)) = (pair[0], pair[1]);
+        let exponent = (low - high) as f64 / (j - i) as f64;
+        let whole = exponent.floor();
+        for _ in i..j {
+            // An angle that no number of turns brings back.
+            turn = turn * Complex::new(0.28, 0.96);
+            let scale = Float::from(1.0 + (exponent - whole)).times_power_of_two(whole as i64);
+            values.push(ComplexFloat::new(&Float::from(turn.re) * &scale, &Float::from(turn.im) * &scale));
+        }
+    }
+    values
+}
+
+/// Corners of the least concave majorant of (i, bits of a_i).
+fn upper_hull(f: &Polynomial) -> Vec<(usize, i64)> {
+    let mut hull: Vec<(usize, i64)> = Vec::new();
+    for (i, a) in f.coefficients().iter().enumerate().filter(|(_, a)| a.bits() > 0) {
+        let point = (i, a.bits() as i64);
+        while let [.., a, b] = hull[..] {
+            let rise = |p: (usize, i64), q: (usize, i64)| (i128::from(q.1 - p.1), (q.0 - p.0) as i128);
+            let ((dy, dx), (ey, ex)) = (rise(a, b), rise(a, point));
+            if dy * ex > ey * dx {
+                break;
+            }
+            hull.pop();
+        }
+        hull.push(point);
+    }
+    hull
+}
+
+/// The iteration of Ehrlich and Aberth until no value moves by more than half of its bits, at most so many sweeps.
+fn iterate(f: &Polynomial, slope: &Polynomial, values: &mut [ComplexFloat], bits: u64) {
+    for _ in 0..100 {
+        let mut settled = true;
+        for i in 0..values.len() {
+            let Some(step) = correction(f, slope, values, i, bits) else { continue };
+            settled &= is_small(&step, &values[i], bits as i64 / 2);
+            values[i] = (&values[i] - &step).cut(bits);
+        }
+        if settled {
+            break;
+        }
+    }
+}
+
+/// |step| < 2^-places |z|
+fn is_small(step: &ComplexFloat, z: &ComplexFloat, places: i64) -> bool {
+    match (step.norm().ceiling_log2(), z.norm().ceiling_log2()) {
+        (Some(step), Some(z)) => step < z - 2 * places,
+        (None, _) => true,
+        (_, None) => false,
+    }
+}
+
+/// f / (f' - f sum 1 / (z_i - z_j)), nothing where f vanishes or the divisor does.
+fn correction(
+    f: &Polynomial,
+    slope: &Polynomial,
+    values: &[ComplexFloat],
+    i: usize,
+    bits: u64,
+) -> Option<ComplexFloat> {
+    let z = &values[i];
+    let (p, q) = (value(f, z, Some(bits)), value(slope, z, Some(bits)));
+    let mut others = ComplexFloat::zero();
+    for (_, other) in values.iter().enumerate().filter(|(j, _)| *j != i) {
+        let difference = z - other;
+        if !difference.is_zero() {
+            others = (&others + &difference.recip(bits)).cut(bits);
+        }
+    }
+    let divisor = (&q - &(&p * &others)).cut(bits);
+    (!p.is_zero() && !divisor.is_zero()).then(|| (&p * &divisor.recip(bits)).cut(bits))
+}
+
+/// f(z) by Horner's scheme, exact without `bits`.
+fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
+    f.coefficients().iter().rev().fold(ComplexFloat::zero(), |sum, a| {
+        let next = &(&sum * z) + &ComplexFloat::new(Float::from(a.clone()), Float::zero());
+        match bits {
+            Some(bits) => next.cut(bits),
+            None => next,
+        }
+    })
+}
+
+/// A root's disc.
+struct Rounded {
+    z: ComplexFloat,
+    radius: f64,
+}
+
+/// The disc |s - z| <= d |f / f'| holds a root (Laguerre; Henrici, Applied and Computational Complex Analysis I, 6.4), d
+/// disjoint ones hold all. `None` where they touch, or hide digits that double-double can show.
+fn separated(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
+    let discs: Vec<Rounded> = values.iter().map(|z| disc(f, slope, z)).collect::<Option<_>>()?;
+    for (i, a) in discs.iter().enumerate() {
+        let apart = |b: &Rounded| distance_below(&a.z, &b.z) > (a.radius + b.radius) * (1.0 + 1e-14);
+        if !discs[..i].iter().all(apart) || a.radius > 1e-33 * distance_below(&a.z, &ComplexFloat::zero()) {
+            return None;
+        }
+    }
+    let mut roots: Vec<(Complex<Ball>, bool)> = Vec::new();
+    let mut order: Vec<&Rounded> = discs.iter().filter(|disc| !disc.z.im.is_negative()).collect();
+    order.sort_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
+    for disc in order {
+        let real = disc.z.im.is_zero();
+        let im = if real { Ball::ZERO } else { disc.z.im.to_ball(disc.radius) };
+        roots.push((Complex::new(disc.z.re.to_ball(disc.radius), im), real));
+    }
+    Some(roots)
+}
+
+/// The disc around z, or around its real part where that is no farther off than the disc is wide: a disc around a real
+/// centre that holds one root holds a real one.
+fn disc(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rounded> {
+    let radius = radius(f, slope, z)?;
+    if z.im.to_f64().abs() > 2.0 * radius {
+        return Some(Rounded { z: z.clone(), radius });
+    }
+    let z = ComplexFloat::new(z.re.clone(), Float::zero());
+    let radius = self::radius(f, slope, &z)?;
+    Some(Rounded { z, radius })
+}
+
+/// d |f(z) / f'(z)|, exactly but for one rounding upwards.
+fn radius(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<f64> {
+    let (p, q) = (value(f, z, None).norm(), value(slope, z, None).norm());
+    (!q.is_zero()).then(|| p.root_of_quotient_above(&q) * f.degree() as f64 * (1.0 + f64::EPSILON))
+}
+
+/// A lower bound of |a - b| in binary64.
+fn distance_below(a: &ComplexFloat, b: &ComplexFloat) -> f64 {
+    (a - b).norm().to_f64().sqrt() * (1.0 - 1e-14)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polynomial(coefficients: &[i64]) -> Polynomial {
+        Polynomial::new(coefficients.iter().map(|&a| a.into()).collect())
+    }
+
+    #[test]
+    fn the_hull_tells_the_sizes_of_roots() {
+        // (s + 1)(s + 2^20)
+        let f = polynomial(&[1 << 20, 1 + (1 << 20), 1]);
+        assert_eq!(upper_hull(&f), [(0, 21), (1, 21), (2, 1)]);
+    }
+
+    #[test]
+    fn roots_closer_than_double_double_are_told_apart() {
+        // (10^20 s - 10^20 - 1)(s - 1) and a pair.
+        let big = BigInt::from(10).pow(40u32);
+        let near = Polynomial::new(vec![&big + 1, -(&big * BigInt::from(2) + BigInt::one()), big]);
+        let roots = roots(&near).expect("they are simple");
+        assert_eq!(roots.len(), 2);
+        assert!(roots.iter().all(|(s, real)| *real && (s.re.to_f64() - 1.0).abs() < 1e-15));
+    }
+
+    #[test]
+    fn roots_on_and_off_the_axis() {
+        // (s^2 + 2 s + 5)(s + 3)
+        let roots = roots(&polynomial(&[15, 11, 5, 1])).expect("they are simple");
+        let near = |s: &Complex<Ball>, re: f64, im: f64| (s.re.to_f64(), s.im.to_f64()) == (re, im);
+        assert!(near(&roots[0].0, -1.0, 2.0) && !roots[0].1);
+        assert!(near(&roots[1].0, -3.0, 0.0) && roots[1].1);
+    }
+}

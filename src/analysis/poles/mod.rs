@@ -1,0 +1,184 @@
+//! The poles of M s^2 + C s + K: every one of the 2n, each with a bound that holds. In: the linear system and its undamped
+//! modes. Out: poles, ascending in |s|. Clause: spec.md 11.
+//!
+//! Independent parts are taken one by one. Without damping the poles are +-i omega; one coordinate is a quadratic; damping
+//! C = alpha M + beta K makes a quadratic of each mode; what is left is refined from the companion matrix. Where poles are
+//! not told apart, and where motions have no inertia, the polynomial det Q decides exactly.
+
+pub(in crate::analysis) mod aberth;
+pub(in crate::analysis) mod companion;
+pub(in crate::analysis) mod disc_columns;
+pub(in crate::analysis) mod discs;
+pub(in crate::analysis) mod exact;
+pub(in crate::analysis) mod list;
+pub(in crate::analysis) mod pencil;
+pub(in crate::analysis) mod proportional;
+pub(in crate::analysis) mod quadratic;
+pub(in crate::analysis) mod refinement;
+pub(in crate::analysis) mod rigid;
+
+use crate::analysis::answer::{ModeKind, Modes, Poles};
+use crate::analysis::error::{AnalysisError, place};
+use crate::analysis::modes::parts::{Part, as_system, independent};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::poles::aberth::aberth;
+use crate::analysis::poles::companion::Basis;
+use crate::analysis::poles::discs::{Disc, discs};
+use crate::analysis::poles::exact::{Exact, exact_poles};
+use crate::analysis::poles::list::PoleList;
+use crate::analysis::poles::pencil::Pencil;
+use crate::analysis::poles::proportional::{Proportional, proportional};
+use crate::analysis::poles::quadratic::{Roots, real_root, roots};
+use crate::analysis::poles::refinement::{Pair, refine};
+use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
+use crate::base::Number;
+use crate::system::{Form, LinearSystem};
+
+/// All poles.
+pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+    let mut found = PoleList::default();
+    if system.c.is_empty() {
+        found.undamped(modes);
+        return Ok(found.sorted(system.n()));
+    }
+    let parts = independent(system);
+    let mut local = vec![0u32; system.n()];
+    for part in &parts {
+        part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+    }
+    for coordinates in &parts {
+        let part = Portion { system, part: coordinates, local: &local };
+        if coordinates.coordinates.len() == 1 {
+            part.single(&mut found)?;
+        } else if parts.len() == 1 {
+            part.solve(modes, &mut found)?;
+        } else {
+            // Modes of the whole may mix equal frequencies of different parts.
+            part.solve(&crate::analysis::modes(&as_system(system, coordinates, &local))?, &mut found)?;
+        }
+    }
+    Ok(found.sorted(system.n()))
+}
+
+/// An independent part of a system; `local` numbers the coordinates within their parts.
+struct Portion<'a> {
+    system: &'a LinearSystem,
+    part: &'a Part,
+    local: &'a [u32],
+}
+
+impl Portion<'_> {
+    /// `modes` are those of the part.
+    fn solve(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
+        if self.part.c.is_empty() {
+            found.undamped(modes);
+        } else if modes.list.len() != self.part.coordinates.len() {
+            // Motions without inertia that dampers hold have poles all the same.
+            if !self.exact(found) {
+                return Err(self.massless());
+            }
+        } else if let Some(damping) = proportional(self.system, self.part) {
+            self.decoupled(modes, &damping, found);
+        } else {
+            self.general(modes, found)?;
+        }
+        Ok(())
+    }
+
+    /// Without inertia in some motion, and beyond the exact methods.
+    fn massless(&self) -> AnalysisError {
+        let coordinates: Vec<usize> = self.part.coordinates.iter().map(|&c| c as usize).collect();
+        AnalysisError::singular_mass(self.system, &coordinates)
+    }
+
+    /// One coordinate: the sums of its terms, exact where they are.
+    fn single(&self, found: &mut PoleList) -> Result<(), AnalysisError> {
+        let [m, c, k] =
+            [(&self.system.m, &self.part.m), (&self.system.c, &self.part.c), (&self.system.k, &self.part.k)]
+                .map(|(form, terms)| diagonal(form, terms));
+        if m.is_positive() {
+            found.quadratic(roots(&m, &c, &k));
+        } else if !m.is_zero() || c.may_be_zero() && !c.is_zero() || c.is_zero() && k.may_be_zero() {
+            return Err(self.massless());
+        } else if !c.is_zero() {
+            found.root(real_root((-&(&k / &c)).to_ball()), None, false);
+        }
+        Ok(())
+    }
+
+    /// s^2 + (alpha + beta omega^2) s + omega^2 for each mode.
+    fn decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
+        let quadratic = |omega_squared: Number| roots(&Number::ONE, &damping.of_mode(&omega_squared), &omega_squared);
+        let list: Vec<Roots> = modes.list.iter().map(|mode| quadratic(Number::Ball(mode.omega_squared))).collect();
+        // The ball of omega^2 cannot tell whether the damping is critical.
+        if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(found) {
+            return;
+        }
+        list.into_iter().for_each(|roots| found.quadratic(roots));
+    }
+
+    /// Companion, refinement, discs.
+    fn general(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
+        let pencil = Pencil::of(self.system, self.part, self.local);
+        let rigid = if modes.list.iter().any(|mode| mode.kind == ModeKind::Rigid) {
+            rigid_motions(&as_system(self.system, self.part, self.local))
+        } else {
+            RigidMotions::default()
+        };
+        let working = pencil.to_dd();
+        let basis = Basis::of(&working, modes, &rigid);
+        let certified = |starts: &[Complex<f64>]| {
+            let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed));
+            let pairs: Vec<Pair> = refined.collect();
+            let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
+            (pairs, discs)
+        };
+        let starts = basis.starts();
+        let (mut pairs, mut discs) = certified(&starts);
+        if !all_apart(&discs) {
+            (pairs, discs) = certified(&aberth(&basis, &starts));
+        }
+        if !all_apart(&discs) && self.exact(found) {
+            return Ok(());
+        }
+        let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
+        if basis.zeros() + count != 2 * pencil.n {
+            // Better no poles than a list that lacks some without a word.
+            return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
+        }
+        found.zeros(basis.zeros());
+        found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.is_dissipative());
+        Ok(())
+    }
+
+    /// The roots of det Q; false where that is beyond exact arithmetic.
+    fn exact(&self, found: &mut PoleList) -> bool {
+        let Some(poles) = exact_poles(self.system, self.part, self.local) else { return false };
+        match poles {
+            Exact::Poles(poles) => found.exact(&poles, self.is_dissipative()),
+            Exact::Singular => return false,
+        }
+        true
+    }
+
+    /// No term of M or C is negative.
+    fn is_dissipative(&self) -> bool {
+        let positive =
+            |form: &Form, terms: &[u32]| terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive());
+        positive(&self.system.m, &self.part.m) && positive(&self.system.c, &self.part.c)
+    }
+}
+
+/// Every disc is certified and alone.
+fn all_apart(discs: &[Disc]) -> bool {
+    !discs.is_empty() && discs.iter().all(|disc| disc.is_certified() && disc.clusters == [None; 2])
+}
+
+/// sum w a^2 of terms on one coordinate.
+fn diagonal(form: &Form, terms: &[u32]) -> Number {
+    terms.iter().fold(Number::ZERO, |sum, &index| {
+        let term = &form.terms()[index as usize];
+        let square = form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + &a.square());
+        &sum + &(&term.weight * &square)
+    })
+}

@@ -1,0 +1,208 @@
+//! Q(s) = M s^2 + C s + K of an independent part, applied to a vector from its terms: each term stretches x first
+//! (t = a . x) and pushes back along its row (r += w z t a, z = s^2, s or 1), so a stiff spring that is hardly stretched
+//! adds hardly anything, and no rounding of an assembled matrix. In double-double it refines, in triple words with their
+//! radius it proves. Clause: spec.md 11.5.
+
+use crate::analysis::modes::parts::Part;
+use crate::analysis::numeric::complex::{Complex, Real};
+use crate::analysis::numeric::triple::Precise;
+use crate::base::Dd;
+use crate::system::{Form, LinearSystem};
+
+/// The three forms of a part, in the part's own numbering.
+#[derive(Clone, Debug)]
+pub struct Pencil<T> {
+    pub n: usize,
+    pub m: Squares<T>,
+    pub c: Squares<T>,
+    pub k: Squares<T>,
+}
+
+/// sum w a a^T with flat sparse rows.
+#[derive(Clone, Debug)]
+pub struct Squares<T> {
+    pub weights: Vec<T>,
+    starts: Vec<u32>,
+    indices: Vec<u32>,
+    values: Vec<T>,
+}
+
+/// A complex vector, exactly known; a real one has no imaginary part stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vector {
+    pub re: Vec<Dd>,
+    pub im: Vec<Dd>,
+}
+
+/// Q(s) x with what was met on the way.
+#[derive(Clone, Debug)]
+pub struct Application<T> {
+    /// Q(s) x
+    pub force: Vec<Complex<T>>,
+    /// x^T Q(s) x, term by term
+    pub energy: Complex<T>,
+    /// a . x of the terms of M and of C
+    pub m_stretch: Vec<Complex<T>>,
+    pub c_stretch: Vec<Complex<T>>,
+}
+
+impl Pencil<Precise> {
+    /// The part's forms.
+    pub fn of(system: &LinearSystem, part: &Part, local: &[u32]) -> Pencil<Precise> {
+        Pencil {
+            n: part.coordinates.len(),
+            m: Squares::of(&system.m, &part.m, local),
+            c: Squares::of(&system.c, &part.c, local),
+            k: Squares::of(&system.k, &part.k, local),
+        }
+    }
+
+    /// The same in double-double.
+    pub fn to_dd(&self) -> Pencil<Dd> {
+        Pencil { n: self.n, m: self.m.to_dd(), c: self.c.to_dd(), k: self.k.to_dd() }
+    }
+}
+
+impl Squares<Precise> {
+    /// Some terms of a form, by index, with its coordinates renumbered by `local`.
+    fn of(form: &Form, terms: &[u32], local: &[u32]) -> Squares<Precise> {
+        let mut squares = Squares {
+            weights: Vec::with_capacity(terms.len()),
+            starts: Vec::with_capacity(terms.len() + 1),
+            indices: Vec::with_capacity(2 * terms.len()),
+            values: Vec::with_capacity(2 * terms.len()),
+        };
+        squares.starts.push(0);
+        for &index in terms {
+            let term = &form.terms()[index as usize];
+            squares.weights.push(Precise::of(&term.weight));
+            for (coordinate, value) in form.row(term) {
+                squares.indices.push(local[coordinate.index()]);
+                squares.values.push(Precise::of(value));
+            }
+            squares.starts.push(squares.indices.len() as u32);
+        }
+        squares
+    }
+
+    fn to_dd(&self) -> Squares<Dd> {
+        let dd = |list: &[Precise]| list.iter().map(|x| x.value.dd()).collect();
+        Squares {
+            weights: dd(&self.weights),
+            starts: self.starts.clone(),
+            indices: self.indices.clone(),
+            values: dd(&self.values),
+        }
+    }
+}
+
+impl<T: Real> Squares<T> {
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The row of term `t`: its coordinates and their factors.
+    #[inline]
+    pub fn row(&self, t: usize) -> (&[u32], &[T]) {
+        let range = self.starts[t] as usize..self.starts[t + 1] as usize;
+        (&self.indices[range.clone()], &self.values[range])
+    }
+
+    /// a . x of term t.
+    #[inline]
+    pub fn stretch(&self, t: usize, x: &[T]) -> T {
+        let (indices, values) = self.row(t);
+        indices.iter().zip(values).fold(T::ZERO, |sum, (&i, &a)| sum + by_factor(x[i as usize], a))
+    }
+
+    /// sum w t^2 in binary64.
+    fn square(&self, stretches: &[Complex<T>]) -> Complex<f64> {
+        self.weights.iter().zip(stretches).fold(Complex::ZERO, |sum, (w, t)| {
+            let t = t.to_f64();
+            sum + (t * t).scale(w.to_f64())
+        })
+    }
+}
+
+impl<T: Real> Pencil<T> {
+    /// Q(s) x.
+    pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<T> {
+        let s = Complex::new(T::of_dd(s.re), T::of_dd(s.im));
+        let words = |list: &[Dd]| -> Vec<T> { list.iter().map(|&x| T::of_dd(x)).collect() };
+        let (re, im) = (words(&x.re), words(&x.im));
+        let mut result = Application {
+            force: vec![Complex::ZERO; self.n],
+            energy: Complex::ZERO,
+            m_stretch: stretches(&self.m, &re, &im),
+            c_stretch: stretches(&self.c, &re, &im),
+        };
+        let (force, energy) = (&mut result.force, &mut result.energy);
+        push(&self.m, s * s, &result.m_stretch, force, energy);
+        push(&self.c, s, &result.c_stretch, force, energy);
+        push(&self.k, Complex::real(T::ONE), &stretches(&self.k, &re, &im), force, energy);
+        result
+    }
+
+    /// x^T (2 s M + C) x in binary64, from the stretches.
+    pub fn slope(&self, s: Complex<f64>, applied: &Application<T>) -> Complex<f64> {
+        s.scale(2.0) * self.m.square(&applied.m_stretch) + self.c.square(&applied.c_stretch)
+    }
+}
+
+fn stretches<T: Real>(squares: &Squares<T>, re: &[T], im: &[T]) -> Vec<Complex<T>> {
+    let part = |t: usize, x: &[T]| if x.is_empty() { T::ZERO } else { squares.stretch(t, x) };
+    (0..squares.len()).map(|t| Complex::new(part(t, re), part(t, im))).collect()
+}
+
+/// Adds z (sum w a a^T) x to the force and z sum w (a . x)^2 to the energy.
+fn push<T: Real>(
+    squares: &Squares<T>,
+    z: Complex<T>,
+    stretches: &[Complex<T>],
+    force: &mut [Complex<T>],
+    energy: &mut Complex<T>,
+) {
+    for (t, &stretch) in stretches.iter().enumerate() {
+        let tension = z * stretch.scale(squares.weights[t]);
+        *energy = *energy + tension * stretch;
+        let (indices, values) = squares.row(t);
+        for (&i, &a) in indices.iter().zip(values) {
+            let entry = &mut force[i as usize];
+            *entry = *entry + Complex::new(by_factor(tension.re, a), by_factor(tension.im, a));
+        }
+    }
+}
+
+/// Most factors are 1 or -1: those round nothing.
+#[inline]
+fn by_factor<T: Real>(x: T, a: T) -> T {
+    if a == T::ONE {
+        x
+    } else if a == -T::ONE {
+        -x
+    } else {
+        x * a
+    }
+}
+
+impl Vector {
+    pub fn zeros(n: usize, real: bool) -> Vector {
+        Vector { re: vec![Dd::ZERO; n], im: if real { Vec::new() } else { vec![Dd::ZERO; n] } }
+    }
+
+    pub fn is_real(&self) -> bool {
+        self.im.is_empty()
+    }
+
+    pub fn entry(&self, i: usize) -> Complex<Dd> {
+        Complex::new(self.re[i], self.im.get(i).copied().unwrap_or(Dd::ZERO))
+    }
+
+    /// x_i <- x_i + z
+    pub fn add(&mut self, i: usize, z: Complex<f64>) {
+        self.re[i] += Dd::from(z.re);
+        if let Some(im) = self.im.get_mut(i) {
+            *im += Dd::from(z.im);
+        }
+    }
+}

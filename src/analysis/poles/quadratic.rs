@@ -1,0 +1,160 @@
+//! The two roots of m s^2 + c s + k, m > 0: closed forms without cancellation. In: three numbers, exact or enclosed. Out: the
+//! poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact where the numbers are. Clause: spec.md 11.4.
+
+use crate::analysis::answer::PoleKind;
+use crate::base::{Ball, Dd, Number};
+
+/// A root, and whether it is known only together with the other one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    pub re: Ball,
+    pub im: Ball,
+    pub kind: PoleKind,
+}
+
+/// Both roots of m s^2 + c s + k.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Roots {
+    /// Distinct, each certain by itself.
+    Apart([Root; 2]),
+    /// A double root, exactly.
+    Double(Root),
+    /// Two that the digits of m, c and k do not tell apart.
+    Together([Root; 2]),
+}
+
+/// The roots; m is certainly positive.
+pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
+    let discriminant = &c.square() - &(&Number::from(4) * &(m * k));
+    if discriminant.is_zero() {
+        return double(m, c);
+    }
+    if discriminant.is_negative() {
+        return complex_pair(m, c, &discriminant);
+    }
+    if discriminant.is_positive() {
+        return real_pair(m, c, k, &discriminant);
+    }
+    undecided(m, c, &discriminant)
+}
+
+/// -c/2m twice.
+fn double(m: &Number, c: &Number) -> Roots {
+    Roots::Double(real_root((-&(c / &(m + m))).to_ball()))
+}
+
+/// -c/2m -+ i sqrt(-d)/2m.
+fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> Roots {
+    let twice = m + m;
+    let re = (-&(c / &twice)).to_ball();
+    let im = (&root_of(&-discriminant) / &twice).to_ball();
+    // A ball around zero that no sign can be read from belongs to a sum of dampers that may cancel.
+    let kind = if re.is_positive() { PoleKind::Flutter } else { PoleKind::Oscillation };
+    Roots::Apart([Root { re, im: -im, kind }, Root { re, im, kind }])
+}
+
+/// With q = -(c + sgn(c) sqrt(d)) / 2, which adds what has one sign, the roots are q/m and k/q (Press et al., 5.6).
+fn real_pair(m: &Number, c: &Number, k: &Number, discriminant: &Number) -> Roots {
+    let root = root_of(discriminant);
+    if c.is_zero() {
+        let rate = (&root / &(m + m)).to_ball();
+        return Roots::Apart([real_root(-rate), real_root(rate)]);
+    }
+    let negative = c.is_negative();
+    let sum = if negative { c - &root } else { c + &root };
+    let q = -&(&sum / &Number::from(2));
+    Roots::Apart([real_root((&q / m).to_ball()), real_root((k / &q).to_ball())])
+}
+
+/// |s + c/2m| <= sqrt|d| / 2m for both, whatever the sign of d.
+fn undecided(m: &Number, c: &Number, discriminant: &Number) -> Roots {
+    let twice = m + m;
+    let re = (-&(c / &twice)).to_ball();
+    let spread = Ball::new(Dd::from(discriminant.to_ball().magnitude()), 0.0).sqrt() / twice.to_ball();
+    let radius = spread.magnitude();
+    let kind = if re.is_positive() { PoleKind::Divergence } else { PoleKind::Overdamped };
+    let root = Root { re: re.widen(radius), im: Ball::new(Dd::ZERO, radius), kind };
+    Roots::Together([root, root])
+}
+
+/// The root of a number that is certainly positive.
+fn root_of(number: &Number) -> Number {
+    number.sqrt().unwrap_or_else(|| Number::Ball(number.to_ball().sqrt()))
+}
+
+/// A real pole: its sign is its kind; a sign that cannot be told counts as decay, and the ball says that it is not certain.
+pub fn real_root(re: Ball) -> Root {
+    let kind = if re.is_zero() {
+        PoleKind::Rigid
+    } else if re.is_positive() {
+        PoleKind::Divergence
+    } else {
+        PoleKind::Overdamped
+    };
+    Root { re, im: Ball::ZERO, kind }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rational;
+
+    fn number(text: &str) -> Number {
+        let (sign, digits) = text.strip_prefix('-').map_or((1, text), |rest| (-1, rest));
+        let value = Number::from(Rational::from_decimal(digits).expect("a decimal literal"));
+        &Number::from(sign) * &value
+    }
+
+    fn of(m: &str, c: &str, k: &str) -> Roots {
+        roots(&number(m), &number(c), &number(k))
+    }
+
+    fn near(ball: Ball, value: f64) -> bool {
+        (ball.to_f64() - value).abs() <= 1e-15 * value.abs()
+    }
+
+    #[test]
+    fn critical_damping_is_recognised_exactly() {
+        let Roots::Double(a) = of("0.3", "1.2", "1.2") else { panic!("0.3 s^2 + 1.2 s + 1.2 is 0.3 (s + 2)^2") };
+        assert_eq!((a.im, a.kind), (Ball::ZERO, PoleKind::Overdamped));
+        assert!(near(a.re, -2.0));
+        assert!(matches!(
+            of("1", "3.999999999999999999999999999999", "4"),
+            Roots::Apart([Root { kind: PoleKind::Oscillation, .. }, _])
+        ));
+        assert!(matches!(
+            of("1", "4.000000000000000000000000000001", "4"),
+            Roots::Apart([Root { kind: PoleKind::Overdamped, .. }, _])
+        ));
+    }
+
+    #[test]
+    fn a_slow_root_beside_a_fast_one_keeps_its_digits() {
+        let Roots::Apart([fast, slow]) = of("1", "1e8", "1") else { panic!("two real roots") };
+        assert!(near(fast.re, -1e8) && near(slow.re, -1e-8));
+        assert!(slow.re.relative_error() < 1e-28);
+    }
+
+    #[test]
+    fn negative_stiffness_diverges_and_negative_damping_flutters() {
+        let Roots::Apart([decay, growth]) = of("1", "0", "-4") else { panic!("two real roots") };
+        assert_eq!((decay.kind, growth.kind), (PoleKind::Overdamped, PoleKind::Divergence));
+        assert!(near(growth.re, 2.0));
+        let Roots::Apart([a, _]) = of("1", "-0.1", "4") else { panic!("a pair") };
+        assert_eq!(a.kind, PoleKind::Flutter);
+    }
+
+    #[test]
+    fn a_free_mass_behind_a_damper_has_one_pole_at_zero() {
+        let Roots::Apart([decay, rigid]) = of("2", "3", "0") else { panic!("two real roots") };
+        assert!(near(decay.re, -1.5));
+        assert_eq!((rigid.kind, rigid.re), (PoleKind::Rigid, Ball::ZERO));
+    }
+
+    #[test]
+    fn a_discriminant_of_unknown_sign_leaves_the_pair_together() {
+        let c = Number::Ball(Ball::new(Dd::from(4.0), 1e-20));
+        let Roots::Together([a, _]) = roots(&Number::ONE, &c, &number("4")) else { panic!("not to be told apart") };
+        assert!(a.re.rad > 1e-11 && a.re.rad < 1e-9);
+    }
+}

@@ -1,0 +1,487 @@
+//! The motion in time under initial states and signals, exact at the times asked for: z(t + h) = exp(A h) z(t) with the
+//! states of the sources set anew at every stop, so that there is nothing to integrate numerically. In: a system, a signal
+//! for each input, times. Out: every output at every time as a ball. Clause: spec.md, "Response".
+//!
+//! Signals are zero before t = 0, where the initial state holds; what jumps at a time has jumped at that time.
+
+pub(in crate::analysis) mod exponential;
+pub(in crate::analysis) mod propagator;
+pub mod signal;
+
+use crate::analysis::error::AnalysisError;
+use crate::analysis::numeric::dense::{Matrix, add_scaled};
+use crate::analysis::numeric::enclosure::norm_bound;
+use crate::analysis::response::exponential::growth;
+use crate::analysis::response::propagator::{Exogenous, StateSpace, dense};
+use crate::analysis::response::signal::{Source, order};
+use crate::base::{Ball, Dd, Number};
+use crate::system::{LinearSystem, Signal};
+use std::cmp::Ordering;
+use std::rc::Rc;
+
+/// The outputs at the times asked for.
+#[derive(Clone, Debug)]
+pub struct History {
+    pub times: Vec<Number>,
+    /// One row a time, one ball an output.
+    pub values: Vec<Vec<Ball>>,
+}
+
+/// exp(A h) for one h, its mechanical rows.
+struct Step {
+    h: Number,
+    /// States that are on: mechanical ones, then those of the sources.
+    states: Vec<usize>,
+    /// One column for each of these.
+    f: Matrix<Dd>,
+    /// Bounds of the blocks' norms, and of the error of the whole.
+    own: f64,
+    from_sources: f64,
+    error: f64,
+    rounding: f64,
+}
+
+/// Where a source of an input stands.
+struct Channel {
+    input: usize,
+    source: Source,
+    /// Its first state.
+    first: usize,
+    /// The piece that is on.
+    active: Option<usize>,
+}
+
+/// A time at which the motion is stopped: something happens there, or it is asked for.
+enum Stop {
+    Event { channel: usize, piece: usize },
+    Sample,
+}
+
+struct Run<'a> {
+    system: &'a LinearSystem,
+    space: StateSpace,
+    channels: Vec<Channel>,
+    outputs: Matrix<Ball>,
+    steps: Vec<Rc<Step>>,
+    /// The state: mechanical, then sources, as exactly these numbers.
+    z: Vec<Dd>,
+    error: f64,
+    source_error: f64,
+    now: Number,
+}
+
+/// Different steps that are kept ready.
+const STEPS_KEPT: usize = 8;
+const UNIT: f64 = 2.0 * Dd::EPSILON;
+const UP: f64 = 1.0 + 1e-12;
+
+/// The outputs at ascending times, under a sum of signals for each input.
+pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
+    let mut run = Run::of(system, drives, times)?;
+    let mut values = Vec::with_capacity(times.len());
+    for (time, stop) in run.stops(times) {
+        run.advance(&time)?;
+        match stop {
+            Stop::Event { channel, piece } => run.event(channel, piece)?,
+            Stop::Sample => {
+                run.set_sources();
+                values.push(run.read());
+            }
+        }
+    }
+    Ok(History { times: times.to_vec(), values })
+}
+
+/// The times 0, step, 2 step, ... up to `until`.
+pub fn grid(until: &Number, step: &Number) -> Vec<Number> {
+    let count = (until / step).to_f64();
+    // A last sample that falls short of `until` only by rounding counts.
+    let whole = (count * (1.0 + 1e-12)).floor() as i64;
+    (0..=whole).map(|i| step * &Number::from(i)).collect()
+}
+
+impl<'a> Run<'a> {
+    fn of(system: &'a LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<Run<'a>, AnalysisError> {
+        let step = match times {
+            [first, second, ..] => Some(second - first).filter(Number::is_positive),
+            _ => None,
+        };
+        let channels = channels(system, drives, step.as_ref())?;
+        let sources = exogenous(system, &channels, times);
+        let horizon = times.iter().map(Number::to_f64).fold(0.0, f64::max);
+        let space = StateSpace::of(system, &sources, if horizon > 0.0 { horizon } else { 1.0 })?;
+        let outputs = output_rows(system, &channels, &space);
+        let z = vec![Dd::ZERO; space.size()];
+        let mut run = Run {
+            system,
+            space,
+            channels,
+            outputs,
+            steps: Vec::new(),
+            z,
+            error: 0.0,
+            source_error: 0.0,
+            now: Number::ZERO,
+        };
+        run.start();
+        Ok(run)
+    }
+
+    /// The initial state.
+    fn start(&mut self) {
+        let n = self.system.n();
+        let (mut q, mut v) = (vec![Ball::ZERO; n], vec![Ball::ZERO; n]);
+        for (i, displacement, velocity) in &self.system.initial {
+            q[i.index()] = displacement.to_ball();
+            v[i.index()] = velocity.to_ball();
+        }
+        let state = self.space.state(&q, &v);
+        self.add(&state);
+    }
+
+    /// Adds to the mechanical state.
+    fn add(&mut self, change: &[Ball]) {
+        let mut radii = 0.0;
+        for (z, change) in self.z.iter_mut().zip(change) {
+            let sum = Ball::exact(*z) + *change;
+            *z = sum.mid;
+            radii += sum.rad * sum.rad;
+        }
+        self.error = (self.error + radii.sqrt()) * UP;
+    }
+
+    /// Events and samples in order; an event at a sample's time comes first.
+    fn stops(&self, times: &[Number]) -> Vec<(Number, Stop)> {
+        let mut stops: Vec<(Number, Stop)> = Vec::new();
+        for (channel, c) in self.channels.iter().enumerate() {
+            let events = c.source.events().into_iter().enumerate();
+            stops.extend(events.map(|(piece, at)| (at, Stop::Event { channel, piece })));
+        }
+        stops.extend(times.iter().map(|time| (time.clone(), Stop::Sample)));
+        let is_sample = |stop: &Stop| matches!(stop, Stop::Sample);
+        stops.sort_by(|a, b| a.0.to_f64().total_cmp(&b.0.to_f64()).then(is_sample(&a.1).cmp(&is_sample(&b.1))));
+        let last = stops.iter().rposition(|(_, stop)| is_sample(stop)).map_or(0, |at| at + 1);
+        stops.truncate(last);
+        stops
+    }
+
+    /// Moves on to a time.
+    fn advance(&mut self, time: &Number) -> Result<(), AnalysisError> {
+        let h = time - &self.now;
+        if h.is_zero() {
+            return Ok(());
+        }
+        self.set_sources();
+        let step = self.step(&h)?;
+        let mechanical = self.space.mechanical;
+        let (own, sources) = (length(&self.z[..mechanical]), length(&self.z[mechanical..]));
+        let mut next = vec![Dd::ZERO; mechanical];
+        for (column, &state) in step.states.iter().enumerate() {
+            add_scaled(&mut next, self.z[state], step.f.column(column));
+        }
+        self.z[..mechanical].copy_from_slice(&next);
+        let size = own + sources + self.error + self.source_error;
+        let approximations =
+            self.approximation_errors() * h.abs().to_f64() * growth(self.space.own_rate * h.abs().to_f64());
+        self.error = (step.own * self.error
+            + step.from_sources * self.source_error
+            + (step.error + step.rounding) * size
+            + approximations)
+            * UP;
+        self.now = time.clone();
+        Ok(())
+    }
+
+    fn step(&mut self, h: &Number) -> Result<Rc<Step>, AnalysisError> {
+        let states = self.states_on();
+        if let Some(step) = self.steps.iter().find(|step| step.h == *h && step.states == states) {
+            return Ok(step.clone());
+        }
+        let step = self.new_step(h, states).ok_or_else(|| AnalysisError::out_of_range(self.system))?;
+        if self.steps.len() == STEPS_KEPT {
+            self.steps.remove(0);
+        }
+        let step = Rc::new(step);
+        self.steps.push(step.clone());
+        Ok(step)
+    }
+
+    fn states_on(&self) -> Vec<usize> {
+        let mechanical = self.space.mechanical;
+        let of = |channel: &Channel| {
+            let first = mechanical + channel.first;
+            first..first + channel.states_on()
+        };
+        (0..mechanical).chain(self.channels.iter().flat_map(of)).collect()
+    }
+
+    fn new_step(&self, h: &Number, states: Vec<usize>) -> Option<Step> {
+        let t = h.to_ball();
+        let e = self.space.generator(&states).exponential(t)?;
+        let (mechanical, size) = (self.space.mechanical, states.len());
+        let f = Matrix::from_fn(mechanical, size, |i, j| e.f[(i, j)]);
+        let block = norm_bound(mechanical, mechanical, |i, j| f[(i, j)].hi.abs() * UP) + e.error;
+        let own = block.min(growth(self.space.own_rate * t.magnitude()));
+        let sources = size - mechanical;
+        let from_sources = norm_bound(mechanical, sources, |i, j| f[(i, mechanical + j)].hi.abs() * UP) + e.error;
+        let rounding = (size as f64 + 4.0) * UNIT * e.absolute_norm;
+        Some(Step { h: h.clone(), states, f, own, from_sources, error: e.error, rounding })
+    }
+
+    /// The sources' states at the present time, from their formulas.
+    fn set_sources(&mut self) {
+        let mechanical = self.space.mechanical;
+        let mut radii = 0.0;
+        for channel in &self.channels {
+            for (k, value) in channel.state(&self.now).into_iter().enumerate() {
+                let index = channel.first + k;
+                let scaled = 1.0 / self.space.scale[index];
+                self.z[mechanical + index] = value.mid.scale(scaled);
+                radii += (value.rad * scaled).powi(2);
+            }
+        }
+        self.source_error = radii.sqrt() * UP;
+    }
+
+    /// What happens at an event: the next piece is on; a jump of a base's motion, or a blow, changes the state at once.
+    fn event(&mut self, channel: usize, piece: usize) -> Result<(), AnalysisError> {
+        let input = &self.system.inputs[self.channels[channel].input];
+        let n = self.system.n();
+        let (g0, g1) = match self.channels[channel].turn_on(piece) {
+            Blow::None => return Ok(()),
+            Blow::Impulse(value) => {
+                if !(input.b[1].is_empty() && input.b[2].is_empty()) {
+                    return Err(AnalysisError::blow_on_base(self.system, self.channels[channel].input));
+                }
+                let g0: Vec<Ball> = dense(&input.b[0], n).into_iter().map(|b| b * value).collect();
+                (g0, vec![Ball::ZERO; n])
+            }
+            Blow::Jump([u, rate]) => {
+                let (b1, b2) = (dense(&input.b[1], n), dense(&input.b[2], n));
+                let g0 = b1.iter().zip(&b2).map(|(&b1, &b2)| b1 * u + b2 * rate).collect();
+                (g0, b2.iter().map(|&b| b * u).collect())
+            }
+        };
+        if g0.iter().chain(&g1).all(Ball::is_zero) {
+            return Ok(());
+        }
+        let change = self.space.blow(&g0, &g1).ok_or_else(|| AnalysisError::out_of_range(self.system))?;
+        self.add(&change);
+        Ok(())
+    }
+
+    /// Errors of the sources themselves, as speeds of the state.
+    fn approximation_errors(&self) -> f64 {
+        let of = |channel: &Channel| -> f64 {
+            let Source::Pieces { error, .. } = &channel.source else { return 0.0 };
+            if *error == [0.0; 3] || channel.active.is_none() {
+                return 0.0;
+            }
+            let b = &self.system.inputs[channel.input].b;
+            let zeros = vec![Ball::ZERO; self.system.n()];
+            let size = |k: usize| {
+                let blow = self.space.blow(&dense(&b[k], self.system.n()), &zeros);
+                blow.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt())
+            };
+            (0..3).filter(|&k| !b[k].is_empty()).map(|k| size(k) * error[k]).sum()
+        };
+        self.channels.iter().map(of).sum()
+    }
+
+    fn read(&self) -> Vec<Ball> {
+        let (mechanical, size) = (self.space.mechanical, self.space.size());
+        let of = |row: usize| {
+            let mut y = Ball::ZERO;
+            let (mut own, mut sources) = (0.0, 0.0);
+            for j in 0..size {
+                let factor = self.outputs[(row, j)];
+                y = y + factor * Ball::exact(self.z[j]);
+                let square = factor.magnitude().powi(2);
+                if j < mechanical { own += square } else { sources += square }
+            }
+            y.widen((own.sqrt() * self.error + sources.sqrt() * self.source_error) * UP)
+        };
+        (0..self.outputs.rows()).map(of).collect()
+    }
+}
+
+/// What a source does at once.
+enum Blow {
+    None,
+    Impulse(Ball),
+    /// Jumps of u and u'.
+    Jump([Ball; 2]),
+}
+
+impl Channel {
+    fn states_on(&self) -> usize {
+        match (&self.source, self.active) {
+            (_, None) => 0,
+            (Source::Pieces { pieces, .. }, Some(piece)) => pieces[piece].derivatives.len(),
+            (source, Some(_)) => source.order(),
+        }
+    }
+
+    fn turn_on(&mut self, piece: usize) -> Blow {
+        let before = self.active.replace(piece);
+        match &self.source {
+            Source::Impulse { value, .. } => Blow::Impulse(*value),
+            Source::Harmonic { amplitude, omega, sine, cosine } => {
+                Blow::Jump([*amplitude * *sine, *amplitude * *omega * *cosine])
+            }
+            Source::Pieces { pieces, .. } if pieces[piece].jump => {
+                let new = &pieces[piece];
+                let old = before.map(|i| pieces[i].after(&new.at));
+                let difference = |k: usize| {
+                    let now = new.derivatives.get(k).cloned().unwrap_or(Number::ZERO);
+                    let then = old.as_ref().map_or(Number::ZERO, |old| old[k].clone());
+                    (&now - &then).to_ball()
+                };
+                Blow::Jump([difference(0), difference(1)])
+            }
+            Source::Pieces { .. } => Blow::None,
+        }
+    }
+
+    /// The states at a time, by the source's formula.
+    fn state(&self, time: &Number) -> Vec<Ball> {
+        match &self.source {
+            Source::Impulse { .. } => Vec::new(),
+            _ if self.active.is_none() => vec![Ball::ZERO; self.source.order()],
+            Source::Harmonic { omega, sine, cosine, .. } => {
+                let angle = Number::Ball(*omega * time.to_ball());
+                let unknown = (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
+                let (s, c) = angle.sin_cos().unwrap_or(unknown);
+                let (s, c) = (s.to_ball(), c.to_ball());
+                vec![s * *cosine + c * *sine, c * *cosine - s * *sine]
+            }
+            Source::Pieces { order, pieces, .. } => {
+                let mut state = self.active.map_or(Vec::new(), |i| pieces[i].at_time(time));
+                state.resize(*order, Ball::ZERO);
+                state
+            }
+        }
+    }
+}
+
+fn channels(
+    system: &LinearSystem,
+    drives: &[Vec<Signal>],
+    step: Option<&Number>,
+) -> Result<Vec<Channel>, AnalysisError> {
+    let mut channels = Vec::new();
+    let mut first = 0;
+    for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
+        for signal in signals {
+            let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
+            let states = source.order();
+            channels.push(Channel { input, source, first, active: None });
+            first += states;
+        }
+    }
+    Ok(channels)
+}
+
+/// The longest way between stops while a channel has more than one state on (a single one stands still).
+fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
+    let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
+    stops.extend(times.iter().map(Number::to_f64));
+    stops.push(0.0);
+    stops.sort_by(f64::total_cmp);
+    let last = times.iter().map(Number::to_f64).fold(0.0, f64::max);
+    let of = |channel: &Channel| {
+        let end = match &channel.source {
+            Source::Pieces { pieces, order, .. } if *order > 1 => pieces
+                .last()
+                .filter(|piece| piece.derivatives.len() == 1)
+                .map_or(last, |piece| piece.at.to_f64().min(last)),
+            _ => last,
+        };
+        stops.windows(2).filter(|w| w[0] < end).map(|w| w[1].min(last) - w[0]).fold(0.0, f64::max)
+    };
+    channels.iter().map(of).map(|longest| if longest > 0.0 { longest } else { 1.0 }).collect()
+}
+
+/// u, u' and u'' of a source as rows over its states.
+fn derivatives(source: &Source) -> [Vec<(usize, Ball)>; 3] {
+    match source {
+        Source::Harmonic { amplitude, omega, .. } => {
+            let speed = *amplitude * *omega;
+            [vec![(0, *amplitude)], vec![(1, speed)], vec![(0, -(speed * *omega))]]
+        }
+        Source::Pieces { order, .. } => [0, 1, 2].map(|k| if k < *order { vec![(k, Ball::ONE)] } else { Vec::new() }),
+        Source::Impulse { .. } => Default::default(),
+    }
+}
+
+fn exogenous(system: &LinearSystem, channels: &[Channel], times: &[Number]) -> Exogenous {
+    let count = channels.iter().map(|channel| channel.source.order()).sum();
+    let mut sources = Exogenous {
+        count,
+        generator: Vec::new(),
+        force: Vec::new(),
+        longest: Vec::with_capacity(count),
+        chained: vec![false; count],
+        paired: vec![false; count],
+    };
+    for (channel, longest) in channels.iter().zip(longest_steps(channels, times)) {
+        let first = channel.first;
+        sources.longest.extend(std::iter::repeat_n(longest, channel.source.order()));
+        match &channel.source {
+            Source::Harmonic { omega, .. } => {
+                sources.generator.extend([(first, first + 1, *omega), (first + 1, first, -*omega)]);
+                sources.paired[first + 1] = true;
+            }
+            Source::Pieces { order, .. } => {
+                for k in 1..*order {
+                    sources.generator.push((first + k - 1, first + k, Ball::ONE));
+                    sources.chained[first + k] = true;
+                }
+            }
+            Source::Impulse { .. } => {}
+        }
+        for (b, row) in system.inputs[channel.input].b.iter().zip(derivatives(&channel.source)) {
+            for (i, value) in b {
+                let forces = row.iter().map(|&(k, factor)| (i.index(), first + k, value.to_ball() * factor));
+                sources.force.extend(forces);
+            }
+        }
+    }
+    sources
+}
+
+/// Every output as a row over z.
+fn output_rows(system: &LinearSystem, channels: &[Channel], space: &StateSpace) -> Matrix<Ball> {
+    let size = space.size();
+    let mut rows = Matrix::none(system.outputs.len(), size);
+    for (row, output) in system.outputs.iter().enumerate() {
+        for (p, motion) in output.p.iter().zip(&space.rows) {
+            for (i, factor) in p {
+                for j in 0..size {
+                    rows[(row, j)] = rows[(row, j)] + factor.to_ball() * motion[(i.index(), j)];
+                }
+            }
+        }
+        for channel in channels {
+            for (d, derivative) in output.d.iter().zip(derivatives(&channel.source)) {
+                for (_, value) in d.iter().filter(|(input, _)| *input as usize == channel.input) {
+                    for (k, factor) in &derivative {
+                        let index = channel.first + k;
+                        let entry = &mut rows[(row, space.mechanical + index)];
+                        *entry = *entry + value.to_ball() * *factor * Ball::from(space.scale[index]);
+                    }
+                }
+            }
+        }
+    }
+    rows
+}
+
+fn length(z: &[Dd]) -> f64 {
+    z.iter().map(|x| x.hi * x.hi).sum::<f64>().sqrt() * UP
+}
+
+/// Whether times ascend strictly.
+pub fn ascending(times: &[Number]) -> bool {
+    times.windows(2).all(|w| order(&w[0], &w[1]) == Ordering::Less)
+}

@@ -1,0 +1,317 @@
+//! An approximate inverse R of a complex symmetric matrix Q, and the proof that it is near: with E = I - R Q, the solution
+//! of Q x = b satisfies x - y = R (b - Q y) + E (x - y) for every y. In: the entries of Q as enclosures. Out: R, a bound of
+//! |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*, Acta Numerica 19
+//! (2010), section 10). Clause: spec.md, "Transfer".
+
+use crate::analysis::numeric::complex::Complex;
+use crate::base::{Ball, Dd};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// What the elimination needs of its numbers; `Complex<f64>` first, `Complex<Dd>` where that is not enough.
+pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
+    /// Relative error of one real operation, doubled.
+    const UNIT: f64;
+    const ZERO: Self;
+    const ONE: Self;
+    fn from_dd(z: Complex<Dd>) -> Self;
+    fn to_dd(self) -> Complex<Dd>;
+    fn recip(self) -> Self;
+    /// |re| + |im|, not less than the modulus.
+    fn size(self) -> f64;
+}
+
+impl Scalar for Complex<f64> {
+    const UNIT: f64 = f64::EPSILON;
+    const ZERO: Self = Complex { re: 0.0, im: 0.0 };
+    const ONE: Self = Complex { re: 1.0, im: 0.0 };
+    fn from_dd(z: Complex<Dd>) -> Self {
+        z.to_f64()
+    }
+    fn to_dd(self) -> Complex<Dd> {
+        self.into()
+    }
+    fn recip(self) -> Self {
+        Complex::recip(self)
+    }
+    #[inline]
+    fn size(self) -> f64 {
+        self.one_norm()
+    }
+}
+
+impl Scalar for Complex<Dd> {
+    const UNIT: f64 = 2.0 * Dd::EPSILON;
+    const ZERO: Self = Complex { re: Dd::ZERO, im: Dd::ZERO };
+    const ONE: Self = Complex { re: Dd::ONE, im: Dd::ZERO };
+    fn from_dd(z: Complex<Dd>) -> Self {
+        z
+    }
+    fn to_dd(self) -> Complex<Dd> {
+        self
+    }
+    fn recip(self) -> Self {
+        let square = self.re * self.re + self.im * self.im;
+        Complex::new(self.re / square, -self.im / square)
+    }
+    #[inline]
+    fn size(self) -> f64 {
+        (self.re.hi.abs() + self.im.hi.abs()) * (1.0 + f64::EPSILON)
+    }
+}
+
+/// An entry of Q, both triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    pub i: u32,
+    pub j: u32,
+    pub value: Complex<Ball>,
+}
+
+/// R = D R' D, where D holds powers of two that bring the rows of Q' = D Q D near one.
+#[derive(Clone, Debug)]
+pub struct Inverse<T> {
+    n: usize,
+    scale: Vec<f64>,
+    /// R', row by row.
+    inverse: Vec<T>,
+    /// |R'|
+    sizes: Vec<f64>,
+    /// A bound of |I - R' Q'|, row by row.
+    error: Vec<f64>,
+    /// Positive weights w, and the contraction theta = max (|E| w)_i / w_i < 1/2.
+    weights: Vec<f64>,
+    contraction: f64,
+}
+
+/// Above this a certificate would still hold, but the refinement hardly converges.
+const CONTRACTION_LIMIT: f64 = 0.25;
+/// Covers what underflow takes from sums of scaled products.
+const TINY: f64 = 1e-290;
+/// Covers the roundings of a bound that is itself a sum of a few thousand numbers in binary64.
+const UP: f64 = 1.0 + 1e-12;
+
+impl<T: Scalar> Inverse<T> {
+    /// `None` where Q is singular to the precision of T, or its inverse cannot be proven.
+    pub fn of(n: usize, entries: &[Entry]) -> Option<Inverse<T>> {
+        let scale = equilibrate(n, entries)?;
+        let mut scaled = vec![T::ZERO; n * n];
+        for entry in entries {
+            let factor = scale[entry.i as usize] * scale[entry.j as usize];
+            let mid = entry.value.mid();
+            let mid = Complex::new(mid.re.scale(factor), mid.im.scale(factor));
+            scaled[entry.i as usize * n + entry.j as usize] = T::from_dd(mid);
+        }
+        let inverse = invert(n, scaled.clone())?;
+        let sizes: Vec<f64> = inverse.iter().map(|z| z.size()).collect();
+        let error = defect(n, entries, &scale, &scaled, &inverse, &sizes);
+        let (weights, contraction) = contraction(n, &sizes, &error)?;
+        Some(Inverse { n, scale, inverse, sizes, error, weights, contraction })
+    }
+
+    /// R r, as a correction.
+    pub fn apply(&self, residual: &[Complex<Ball>]) -> Vec<Complex<Dd>> {
+        let scaled: Vec<T> = (0..self.n)
+            .map(|j| {
+                let r = residual[j].mid();
+                T::from_dd(Complex::new(r.re.scale(self.scale[j]), r.im.scale(self.scale[j])))
+            })
+            .collect();
+        (0..self.n)
+            .map(|i| {
+                let row = &self.inverse[i * self.n..(i + 1) * self.n];
+                let x = row.iter().zip(&scaled).fold(T::ZERO, |sum, (&r, &b)| sum + r * b).to_dd();
+                Complex::new(x.re.scale(self.scale[i]), x.im.scale(self.scale[i]))
+            })
+            .collect()
+    }
+
+    /// A bound of |x - y| for each component, from the residual b - Q y: |x - y| <= t + |E| |x - y| with t = |R| |r|, so
+    /// |x - y| <= eta w with eta = max t_i / w_i / (1 - theta), and then |x - y| <= t + eta |E| w.
+    pub fn error(&self, residual: &[Complex<Ball>]) -> Vec<f64> {
+        let sizes: Vec<f64> = residual.iter().zip(&self.scale).map(|(r, d)| r.magnitude() * d).collect();
+        let t = multiply(self.n, &self.sizes, &sizes);
+        let eta = t.iter().zip(&self.weights).map(|(t, w)| t / w).fold(0.0, f64::max) / (1.0 - self.contraction);
+        let rest = multiply(self.n, &self.error, &self.weights);
+        (0..self.n).map(|i| (t[i] + eta * rest[i] + TINY) * self.scale[i] * UP).collect()
+    }
+}
+
+/// Powers of two d with the largest |d_i Q_ij d_j| of each row near one (Ruiz 2001, symmetric); `None` for a row of zeros
+/// or numbers that are not finite.
+fn equilibrate(n: usize, entries: &[Entry]) -> Option<Vec<f64>> {
+    let mut exponent = vec![0i32; n];
+    for _ in 0..4 {
+        let mut largest = vec![i32::MIN; n];
+        for entry in entries {
+            let size = entry.value.mid().to_f64().one_norm();
+            if !size.is_finite() {
+                return None;
+            }
+            if size > 0.0 {
+                let (i, j) = (entry.i as usize, entry.j as usize);
+                largest[i] = largest[i].max(binary_exponent(size) + exponent[i] + exponent[j]);
+            }
+        }
+        for (e, largest) in exponent.iter_mut().zip(&largest) {
+            if *largest == i32::MIN {
+                return None;
+            }
+            *e -= largest.div_euclid(2);
+        }
+    }
+    exponent.iter().all(|e| e.abs() < 500).then(|| exponent.iter().map(|&e| power_of_two(e)).collect())
+}
+
+/// The e of 2^e <= x < 2^(e+1), for normal numbers.
+fn binary_exponent(x: f64) -> i32 {
+    ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
+}
+
+fn power_of_two(e: i32) -> f64 {
+    f64::from_bits(((e + 1023) as u64) << 52)
+}
+
+/// The inverse by Gauss-Jordan elimination with partial pivoting.
+fn invert<T: Scalar>(n: usize, mut a: Vec<T>) -> Option<Vec<T>> {
+    let mut order: Vec<usize> = (0..n).collect();
+    for step in 0..n {
+        let pivot =
+            (step..n).fold(step, |best, i| if a[i * n + step].size() > a[best * n + step].size() { i } else { best });
+        let size = a[pivot * n + step].size();
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        if pivot != step {
+            order.swap(pivot, step);
+            for j in 0..n {
+                a.swap(pivot * n + j, step * n + j);
+            }
+        }
+        eliminate(n, step, &mut a);
+    }
+    // The columns of the inverse come out in the order of the pivots.
+    let mut inverse = vec![T::ZERO; n * n];
+    for i in 0..n {
+        for (j, &original) in order.iter().enumerate() {
+            inverse[i * n + original] = a[i * n + j];
+        }
+    }
+    Some(inverse)
+}
+
+/// One step of the elimination in place: the pivot's column becomes that of the inverse.
+fn eliminate<T: Scalar>(n: usize, step: usize, a: &mut [T]) {
+    let reciprocal = a[step * n + step].recip();
+    a[step * n + step] = T::ONE;
+    for j in 0..n {
+        a[step * n + j] = a[step * n + j] * reciprocal;
+    }
+    let row = a[step * n..(step + 1) * n].to_vec();
+    for i in (0..n).filter(|&i| i != step) {
+        let factor = a[i * n + step];
+        if factor.size() == 0.0 {
+            continue;
+        }
+        a[i * n + step] = T::ZERO;
+        for (x, &y) in a[i * n..(i + 1) * n].iter_mut().zip(&row) {
+            *x = *x - factor * y;
+        }
+    }
+}
+
+/// A bound of |I - R' Q'|: the computed difference, its rounding, and what Q is uncertain by or lost when it was rounded.
+fn defect<T: Scalar>(
+    n: usize,
+    entries: &[Entry],
+    scale: &[f64],
+    scaled: &[T],
+    inverse: &[T],
+    sizes: &[f64],
+) -> Vec<f64> {
+    let mut product = vec![T::ZERO; n * n];
+    let mut slack = vec![0.0f64; n * n];
+    let rounding = (2 * n + 8) as f64 * T::UNIT;
+    for entry in entries {
+        let (k, j) = (entry.i as usize, entry.j as usize);
+        let q = scaled[k * n + j];
+        let uncertain = entry.value.radius() * (scale[k] * scale[j]) + q.size() * (rounding + T::UNIT);
+        for i in 0..n {
+            product[i * n + j] = product[i * n + j] + inverse[i * n + k] * q;
+            slack[i * n + j] += sizes[i * n + k] * uncertain;
+        }
+    }
+    for i in 0..n {
+        product[i * n + i] = product[i * n + i] - T::ONE;
+    }
+    product.iter().zip(&slack).map(|(p, s)| (p.size() * UP + s + T::UNIT * p.size()) * UP + TINY).collect()
+}
+
+/// Weights that make the contraction small: the rows' sizes of R, then a few steps of the power method towards the Perron
+/// vector of |E|. `None` where E is not certainly small.
+fn contraction(n: usize, sizes: &[f64], error: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let ones = vec![1.0; n];
+    let mut weights = multiply(n, sizes, &ones);
+    let mut best: Option<(Vec<f64>, f64)> = None;
+    for _ in 0..4 {
+        if !weights.iter().all(|w| *w > 0.0 && w.is_finite()) {
+            break;
+        }
+        let image = multiply(n, error, &weights);
+        let theta = image.iter().zip(&weights).map(|(e, w)| e / w).fold(0.0, f64::max) * UP;
+        if theta.is_finite() && best.as_ref().is_none_or(|(_, known)| theta < *known) {
+            best = Some((weights.clone(), theta));
+        }
+        let largest = image.iter().copied().fold(0.0, f64::max);
+        weights = image.iter().map(|w| w / largest + 1e-12).collect();
+    }
+    best.filter(|(_, theta)| *theta <= CONTRACTION_LIMIT)
+}
+
+fn multiply(n: usize, matrix: &[f64], x: &[f64]) -> Vec<f64> {
+    (0..n).map(|i| matrix[i * n..(i + 1) * n].iter().zip(x).map(|(a, b)| a * b).sum::<f64>() * UP).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn symmetric(n: usize, value: impl Fn(usize, usize) -> f64) -> Vec<Entry> {
+        let entry = |i: usize, j: usize| Entry {
+            i: i as u32,
+            j: j as u32,
+            value: Complex::new(Ball::from(value(i.min(j), i.max(j))), Ball::ZERO),
+        };
+        (0..n * n).map(|at| entry(at / n, at % n)).collect()
+    }
+
+    /// The Hilbert matrix of order 6 times a vector of ones: the bound holds for the distance of any y from the solution.
+    #[test]
+    fn the_bound_holds_for_any_approximation() {
+        let n = 6;
+        let entries = symmetric(n, |i, j| 1.0 / (i + j + 1) as f64);
+        let inverse = Inverse::<Complex<f64>>::of(n, &entries).expect("a condition of 1.5e7 is no obstacle");
+        let y = [1.0, 1.0 + 1e-9, 1.0, 1.0 - 1e-7, 1.0, 1.0];
+        let mut residual = vec![Complex::<Ball>::ZERO; n];
+        for entry in &entries {
+            let difference = Complex::new(Ball::from(1.0) - Ball::from(y[entry.j as usize]), Ball::ZERO);
+            residual[entry.i as usize] = residual[entry.i as usize] + entry.value * difference;
+        }
+        let bound = inverse.error(&residual);
+        assert!(bound[1] >= 0.99e-9 && bound[3] >= 0.99e-7);
+        assert!(bound.iter().all(|b| *b < 1.0), "{bound:?}");
+    }
+
+    #[test]
+    fn a_singular_matrix_has_no_proven_inverse() {
+        let entries = symmetric(2, |_, _| 3.0);
+        assert!(Inverse::<Complex<f64>>::of(2, &entries).is_none());
+        assert!(Inverse::<Complex<Dd>>::of(2, &entries).is_none());
+    }
+
+    #[test]
+    fn what_double_precision_cannot_invert_double_double_can() {
+        let entries = symmetric(2, |i, j| if i == j { 1.0 } else { 1.0 - 1e-16 });
+        assert!(Inverse::<Complex<f64>>::of(2, &entries).is_none());
+        assert!(Inverse::<Complex<Dd>>::of(2, &entries).is_some());
+    }
+}

@@ -1,0 +1,415 @@
+//! The transfer function H(s) = P(s) Q(s)^-1 B(s) + D(s) at s = i omega, Q(s) = s^2 M + s C + K, from the terms of the system,
+//! each value with a bound that holds. In: a linear system and a frequency. Out: one value for each input and output:
+//! a complex number in a disc, or infinite where the system answers its own frequency without damping.
+//!
+//! Each frequency is solved by sparse elimination in double-double discs; where these get too wide, with an approximate
+//! inverse in binary64 and residuals of the terms in balls; where that inverse cannot be proven, with one in double-double;
+//! where that fails too, with exact rational numbers. Clause: spec.md, "Transfer".
+
+pub(in crate::analysis) mod exact;
+pub(in crate::analysis) mod inverse;
+pub mod modal;
+pub(in crate::analysis) mod sparse;
+pub mod table;
+
+use crate::analysis::modes::squares::Squares;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
+use crate::analysis::transfer::sparse::Pattern;
+use crate::base::{Ball, Dd, Number};
+use crate::system::{CoordinateId, Form, LinearSystem, Output};
+
+/// A value of H.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gain {
+    Finite(Disc),
+    /// A pole on the imaginary axis, at this very frequency.
+    Infinite,
+    /// Too near to a pole to be told with double-double numbers.
+    Unknown,
+}
+
+/// A complex number within `radius` of `value`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    pub value: Complex<Dd>,
+    /// A bound of |true - value|, absolute.
+    pub radius: f64,
+}
+
+/// A frequency: s = i omega.
+#[derive(Clone, Debug)]
+pub struct Frequency {
+    /// rad/s
+    pub omega: Ball,
+    omega_squared: Ball,
+    /// omega itself, where it is known exactly: what an undamped pole may coincide with.
+    exact: Option<Number>,
+}
+
+/// A system made ready for many frequencies.
+#[derive(Clone, Debug)]
+pub struct Transfer<'a> {
+    system: &'a LinearSystem,
+    m: Squares,
+    c: Squares,
+    k: Squares,
+    /// The assembled matrices, both triangles.
+    entries: Vec<MatrixEntry>,
+    /// How they are eliminated; `None` where that would fill them.
+    pattern: Option<Pattern>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct MatrixEntry {
+    i: u32,
+    j: u32,
+    m: Ball,
+    c: Ball,
+    k: Ball,
+}
+
+/// Q(s)^-1 b: a midpoint and a bound for each component.
+struct Solution {
+    re: Vec<Dd>,
+    im: Vec<Dd>,
+    error: Vec<f64>,
+}
+
+/// Refinement stops below this relative radius: the value is then right in binary64, and two digits more.
+const SETTLED: f64 = 1e-18;
+/// Inverses of more coordinates take too long at every frequency.
+const MOST_DENSE: usize = 300;
+/// From a certified inverse each step wins at least half a digit; this is for the worst.
+const MOST_STEPS: usize = 40;
+
+impl Frequency {
+    /// Cycles per second, exact or enclosed: omega = 2 pi f.
+    pub fn hertz(f: &Number) -> Frequency {
+        Frequency::radians(&(&(&Number::pi() * &Number::from(2)) * f))
+    }
+
+    /// Radians per second.
+    pub fn radians(omega: &Number) -> Frequency {
+        let exact = omega.exact().map(|_| omega.clone());
+        let omega = omega.to_ball();
+        Frequency { omega, omega_squared: omega * omega, exact }
+    }
+
+    pub fn exact(&self) -> Option<&Number> {
+        self.exact.as_ref()
+    }
+
+    /// b0 + i omega b1 - omega^2 b2
+    pub(in crate::analysis) fn polynomial(&self, b: [Ball; 3]) -> Complex<Ball> {
+        Complex::new(b[0] - self.omega_squared * b[2], self.omega * b[1])
+    }
+}
+
+impl Gain {
+    /// The disc, where there is one.
+    pub fn disc(&self) -> Option<Disc> {
+        match self {
+            Gain::Finite(disc) => Some(*disc),
+            _ => None,
+        }
+    }
+}
+
+impl Disc {
+    pub(in crate::analysis) fn of(value: Complex<Ball>) -> Disc {
+        Disc { value: value.mid(), radius: value.radius() }
+    }
+
+    /// |value|, a ball: |true| lies within the disc's radius of it.
+    pub fn gain(&self) -> Ball {
+        let (re, im) = (Ball::exact(self.value.re), Ball::exact(self.value.im));
+        (re * re + im * im).sqrt().widen(self.radius)
+    }
+
+    /// A bound of |true - value| / |true|; 0 for an exact zero, infinite where the disc contains zero.
+    pub fn relative_error(&self) -> f64 {
+        if self.radius == 0.0 {
+            return 0.0;
+        }
+        let size = self.value.to_f64().abs() * (1.0 - 1e-15);
+        if size > self.radius { self.radius / (size - self.radius) * (1.0 + 1e-12) } else { f64::INFINITY }
+    }
+}
+
+impl<'a> Transfer<'a> {
+    pub fn of(system: &'a LinearSystem) -> Transfer<'a> {
+        let entries = assemble(system);
+        Transfer {
+            system,
+            m: Squares::of(&system.m),
+            c: Squares::of(&system.c),
+            k: Squares::of(&system.k),
+            pattern: Pattern::of(system.n(), &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()),
+            entries,
+        }
+    }
+
+    /// H at a frequency from every input to every output: `[input][output]`.
+    pub fn at(&self, frequency: &Frequency) -> Vec<Vec<Gain>> {
+        let inputs: Vec<usize> = (0..self.system.inputs.len()).collect();
+        let outputs: Vec<usize> = (0..self.system.outputs.len()).collect();
+        self.between(frequency, &inputs, &outputs)
+    }
+
+    /// H at a frequency from some inputs to some outputs: `[input][output]`, in the order given.
+    pub fn between(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
+        let mut gains = vec![vec![Gain::Unknown; outputs.len()]; inputs.len()];
+        if self.system.n() == 0 {
+            let nothing = Solution { re: Vec::new(), im: Vec::new(), error: Vec::new() };
+            return (inputs.iter()).map(|&u| self.read(frequency, u, outputs, &nothing)).collect();
+        }
+        let entries = self.entries_at(frequency);
+        self.eliminate(&entries, frequency, inputs, outputs, &mut gains);
+        if settled(&gains) || self.system.n() > MOST_DENSE {
+            return gains;
+        }
+        self.solve_with(Inverse::<Complex<f64>>::of(self.system.n(), &entries), frequency, inputs, outputs, &mut gains);
+        if !settled(&gains) {
+            let inverse = Inverse::<Complex<Dd>>::of(self.system.n(), &entries);
+            self.solve_with(inverse, frequency, inputs, outputs, &mut gains);
+        }
+        if gains.iter().flatten().any(|gain| *gain == Gain::Unknown) {
+            exact::solve(self.system, frequency, inputs, outputs, &mut gains);
+        }
+        gains
+    }
+
+    /// Fills in what sparse elimination in discs gives.
+    fn eliminate(
+        &self,
+        entries: &[Entry],
+        frequency: &Frequency,
+        inputs: &[usize],
+        outputs: &[usize],
+        gains: &mut [Vec<Gain>],
+    ) {
+        let Some(factors) = self.pattern.as_ref().and_then(|pattern| pattern.factor(entries)) else { return };
+        for (&input, gains) in inputs.iter().zip(gains) {
+            let x = factors.solve(&self.load(frequency, input));
+            let part = |of: fn(&Disc) -> Dd| x.iter().map(of).collect();
+            let error = x.iter().map(|disc| disc.radius).collect();
+            let solution = Solution { re: part(|disc| disc.value.re), im: part(|disc| disc.value.im), error };
+            *gains = self.read(frequency, input, outputs, &solution);
+        }
+    }
+
+    /// Fills in what a proven inverse gives; leaves the gains as they are without one.
+    fn solve_with<T: Scalar>(
+        &self,
+        inverse: Option<Inverse<T>>,
+        frequency: &Frequency,
+        inputs: &[usize],
+        outputs: &[usize],
+        gains: &mut [Vec<Gain>],
+    ) {
+        let Some(inverse) = inverse else { return };
+        for (&input, gains) in inputs.iter().zip(gains) {
+            *gains = self.refine(&inverse, frequency, input, outputs);
+        }
+    }
+
+    /// Corrections until every output is settled, or the bounds shrink no more.
+    fn refine<T: Scalar>(
+        &self,
+        inverse: &Inverse<T>,
+        frequency: &Frequency,
+        input: usize,
+        outputs: &[usize],
+    ) -> Vec<Gain> {
+        let n = self.system.n();
+        let b = self.load(frequency, input);
+        let mut x = Solution { re: vec![Dd::ZERO; n], im: vec![Dd::ZERO; n], error: vec![f64::INFINITY; n] };
+        let mut residual = b.clone();
+        let mut gains = vec![Gain::Unknown; outputs.len()];
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            for (i, step) in inverse.apply(&residual).into_iter().enumerate() {
+                x.re[i] += step.re;
+                x.im[i] += step.im;
+            }
+            residual = self.residual(frequency, &b, &x);
+            x.error = inverse.error(&residual);
+            let next = self.read(frequency, input, outputs, &x);
+            let worst = worst_radius(&next);
+            if worst < last {
+                gains = next;
+            }
+            if settled(std::slice::from_ref(&gains)) || worst.is_nan() || worst > 0.5 * last {
+                break;
+            }
+            last = worst;
+        }
+        gains
+    }
+
+    /// b(s) of an input.
+    fn load(&self, frequency: &Frequency, input: usize) -> Vec<Complex<Ball>> {
+        let mut coefficients = vec![[Ball::ZERO; 3]; self.system.n()];
+        for (power, column) in self.system.inputs[input].b.iter().enumerate() {
+            for (i, value) in column {
+                coefficients[i.index()][power] = value.to_ball();
+            }
+        }
+        coefficients.into_iter().map(|b| frequency.polynomial(b)).collect()
+    }
+
+    /// b - Q(s) x, term by term.
+    fn residual(&self, frequency: &Frequency, b: &[Complex<Ball>], x: &Solution) -> Vec<Complex<Ball>> {
+        let mut r = b.to_vec();
+        subtract(&self.k, x, &mut r, |t| t);
+        subtract(&self.m, x, &mut r, |t| t.scale(-frequency.omega_squared));
+        subtract(&self.c, x, &mut r, |t| Complex::new(-(frequency.omega * t.im), frequency.omega * t.re));
+        r
+    }
+
+    /// y = P(s) x + D(s) u for u = 1.
+    fn read(&self, frequency: &Frequency, input: usize, outputs: &[usize], x: &Solution) -> Vec<Gain> {
+        let gain = |&output: &usize| {
+            let output = &self.system.outputs[output];
+            let mut y = frequency.polynomial(feed_through(output, input));
+            let mut radius = 0.0;
+            for (power, row) in output.p.iter().enumerate() {
+                for (i, p) in row {
+                    let (i, p) = (i.index(), p.to_ball());
+                    let product = Complex::new(Ball::exact(x.re[i]) * p, Ball::exact(x.im[i]) * p);
+                    y = y + times_power(frequency, power, product);
+                    radius += p.magnitude() * frequency.omega.magnitude().powi(power as i32) * x.error[i];
+                }
+            }
+            let radius = (y.radius() + radius) * (1.0 + 1e-12);
+            if radius.is_finite() { Gain::Finite(Disc { value: y.mid(), radius }) } else { Gain::Unknown }
+        };
+        outputs.iter().map(gain).collect()
+    }
+
+    fn entries_at(&self, frequency: &Frequency) -> Vec<Entry> {
+        let value = |e: &MatrixEntry| Complex::new(e.k - frequency.omega_squared * e.m, frequency.omega * e.c);
+        self.entries.iter().map(|e| Entry { i: e.i, j: e.j, value: value(e) }).collect()
+    }
+}
+
+/// (i omega)^power z
+fn times_power(frequency: &Frequency, power: usize, z: Complex<Ball>) -> Complex<Ball> {
+    match power {
+        0 => z,
+        1 => Complex::new(-(frequency.omega * z.im), frequency.omega * z.re),
+        _ => -z.scale(frequency.omega_squared),
+    }
+}
+
+pub(in crate::analysis) fn feed_through(output: &Output, input: usize) -> [Ball; 3] {
+    let of = |power: usize| {
+        let entries = output.d[power].iter().filter(|(u, _)| *u as usize == input);
+        entries.fold(Ball::ZERO, |sum, (_, value)| sum + value.to_ball())
+    };
+    [of(0), of(1), of(2)]
+}
+
+/// r <- r - a z(w a . x) for each term w a a^T.
+fn subtract(squares: &Squares, x: &Solution, r: &mut [Complex<Ball>], z: impl Fn(Complex<Ball>) -> Complex<Ball>) {
+    for t in 0..squares.len() {
+        let stretch = Complex::new(squares.stretch(t, &x.re), squares.stretch(t, &x.im));
+        let tension = z(stretch.scale(squares.weights[t]));
+        let (indices, values) = squares.row(t);
+        for (&i, &a) in indices.iter().zip(values) {
+            let entry = &mut r[i as usize];
+            *entry = *entry - by_factor(tension, a);
+        }
+    }
+}
+
+/// Most factors are 1 or -1: those round nothing.
+#[inline]
+fn by_factor(z: Complex<Ball>, a: Ball) -> Complex<Ball> {
+    if a == Ball::ONE {
+        z
+    } else if a == -Ball::ONE {
+        -z
+    } else {
+        z.scale(a)
+    }
+}
+
+/// Every value is right in binary64.
+fn settled(gains: &[Vec<Gain>]) -> bool {
+    gains.iter().all(|row| worst_radius(row) <= SETTLED)
+}
+
+/// The largest radius relative to the computed value (an absolute one where that is zero).
+fn worst_radius(gains: &[Gain]) -> f64 {
+    let radius = |gain: &Gain| match gain {
+        Gain::Finite(disc) => {
+            let size = disc.value.to_f64().abs();
+            if disc.radius == 0.0 || size == 0.0 { disc.radius } else { disc.radius / size }
+        }
+        _ => f64::INFINITY,
+    };
+    gains.iter().map(radius).fold(0.0, f64::max)
+}
+
+/// M, C and K as sums of their terms, exact until the sum is complete; the entries of any of them.
+fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
+    let mut parts: Vec<(u32, u32, usize, Number)> = Vec::new();
+    for (which, form) in [&system.m, &system.c, &system.k].into_iter().enumerate() {
+        collect(form, which, &mut parts);
+    }
+    // The coordinates may be without any term: a row of zeros, singular at every frequency.
+    parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
+    let mut entries: Vec<MatrixEntry> = Vec::new();
+    let mut from = 0;
+    while from < parts.len() {
+        let (i, j, which, _) = parts[from];
+        let to = from + parts[from..].iter().take_while(|p| (p.0, p.1, p.2) == (i, j, which)).count();
+        let sum = parts[from..to].iter().fold(Number::ZERO, |sum, part| &sum + &part.3).to_ball();
+        if entries.last().is_none_or(|e| (e.i, e.j) != (i, j)) {
+            entries.push(MatrixEntry { i, j, m: Ball::ZERO, c: Ball::ZERO, k: Ball::ZERO });
+        }
+        if let Some(entry) = entries.last_mut() {
+            *[&mut entry.m, &mut entry.c, &mut entry.k][which] = sum;
+        }
+        from = to;
+    }
+    entries
+}
+
+fn collect(form: &Form, which: usize, parts: &mut Vec<(u32, u32, usize, Number)>) {
+    let index = |i: &CoordinateId| i.0;
+    for term in form.terms() {
+        let row = form.row(term);
+        for (i, a) in row {
+            let weighted = &term.weight * a;
+            parts.extend(row.iter().map(|(j, b)| (index(i), index(j), which, &weighted * b)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::oscillator;
+
+    /// k = 4, m = 1, c = 2 at omega = 1: 1 / (3 + 2i) = (3 - 2i) / 13.
+    #[test]
+    fn an_oscillator_has_the_textbook_receptance() {
+        let system = oscillator("1", "2", "4");
+        let gain = Transfer::of(&system).at(&Frequency::radians(&Number::ONE))[0][0];
+        let disc = gain.disc().expect("finite");
+        assert!(disc.relative_error() < 1e-18);
+        let (re, im) = (Dd::from(3.0) / Dd::from(13.0), Dd::from(-2.0) / Dd::from(13.0));
+        assert!((disc.value - Complex::new(re, im)).to_f64().abs() <= disc.radius);
+    }
+
+    #[test]
+    fn without_damping_its_own_frequency_is_infinite() {
+        let system = oscillator("1", "0", "4");
+        let transfer = Transfer::of(&system);
+        assert_eq!(transfer.at(&Frequency::radians(&Number::from(2)))[0][0], Gain::Infinite);
+        assert!(matches!(transfer.at(&Frequency::radians(&Number::from("2.000000000001")))[0][0], Gain::Finite(_)));
+    }
+}
