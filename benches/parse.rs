@@ -5,11 +5,13 @@
 
 #![allow(clippy::print_stdout)] // a benchmark prints its figures
 
+mod clock;
+
+use clock::Clock;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fmt::Write;
 use std::hint::black_box;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 use vibc::base::{FileId, SourceFile, Sources};
 use vibc::syntax;
 
@@ -48,18 +50,16 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort();
-    times[times.len() / 2].as_secs_f64()
-}
-
+/// Median of the processor time.
 fn time(runs: usize, mut run: impl FnMut()) -> f64 {
     let once = |run: &mut dyn FnMut()| {
-        let start = Instant::now();
+        let clock = Clock::start();
         run();
-        start.elapsed()
+        clock.seconds()
     };
-    median((0..runs).map(|_| once(&mut run)).collect())
+    let mut times: Vec<f64> = (0..runs).map(|_| once(&mut run)).collect();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
 }
 
 fn filled(size: usize, line: Line) -> String {

@@ -1,10 +1,12 @@
 //! How long a chain written with `repeat` takes to become a linear system, and how much memory at the most.
 //! Targets for 1,000,000 masses: 2 s and 1.5 GB. Every size runs in a process of its own, so that peaks do not mix.
 
+mod clock;
+
+use clock::Clock;
 use std::hint::black_box;
 use std::io::Write;
 use std::process::Command;
-use std::time::Instant;
 use vibc::base::source::{SourceFile, Sources};
 use vibc::model::Overrides;
 
@@ -54,29 +56,6 @@ fn measured(n: usize) -> String {
     assert_eq!(black_box(&lowered).system.n(), n);
     let peak = peak_megabytes().map_or("?".into(), |mb| format!("{mb:.0}"));
     format!("{n:>10}{parse:>9.3}{:>9.3}{:>9.3}{lower:>9.3}{peak:>9}", check - parse, lower - check)
-}
-
-/// Processor time where the kernel tells it, so that a busy machine does not matter; time on the wall elsewhere.
-struct Clock {
-    wall: Instant,
-    processor: Option<f64>,
-}
-
-impl Clock {
-    fn start() -> Clock {
-        Clock { wall: Instant::now(), processor: processor_seconds() }
-    }
-
-    fn seconds(&self) -> f64 {
-        let processor = self.processor.and_then(|start| Some(processor_seconds()? - start));
-        processor.unwrap_or_else(|| self.wall.elapsed().as_secs_f64())
-    }
-}
-
-/// Nanoseconds on a processor: the first field of /proc/self/schedstat (Documentation/scheduler/sched-stats.rst).
-fn processor_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/schedstat").ok()?;
-    Some(text.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
 }
 
 /// Most memory that this process has held (proc(5), `VmHWM`).

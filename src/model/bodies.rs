@@ -145,7 +145,10 @@ impl<'a> Check<'a> {
     fn inertia(&mut self, field: Option<&Field>, environment: Environment) -> Evaluated<Option<GivenInertia>> {
         let Some(field) = field else { return Ok(None) };
         let (expr, about) = match field.value {
-            FieldValue::About(expr, about) => (expr, Some(about)),
+            FieldValue::About(list) => {
+                let (expr, about) = self.tree.about(list);
+                (expr, Some(about))
+            }
             _ => (self.field_expr(field, environment)?, None),
         };
         let number = self.number(expr, environment, &INERTIA)?;

@@ -61,8 +61,8 @@ impl<'a> Check<'a> {
     pub fn field_expr(&mut self, field: &Field, environment: Environment) -> Evaluated<ExprId> {
         match field.value {
             FieldValue::Expr(expr) => Ok(expr),
-            FieldValue::About(_, about) => {
-                let span = self.tree.expr(about).span;
+            FieldValue::About(list) => {
+                let span = self.tree.expr(self.tree.about(list).1).span;
                 self.fail(environment, NameError::AboutElsewhere { span })
             }
             FieldValue::Flag | FieldValue::Moves(_) | FieldValue::MovesAlong(_) => {

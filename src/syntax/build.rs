@@ -422,7 +422,10 @@ impl Build<'_> {
             Rule::assignment => {
                 let value = self.expression().id;
                 match self.next {
-                    Some(_) => FieldValue::About(value, self.expression().id),
+                    Some(_) => {
+                        let about = self.expression().id;
+                        FieldValue::About(self.tree.push_list(&[value, about]))
+                    }
                     None => FieldValue::Expr(value),
                 }
             }

@@ -158,8 +158,9 @@ pub struct Field {
 pub enum FieldValue {
     /// `mass = 1 kg`
     Expr(ExprId),
-    /// `inertia = 0.8 kg*m^2 about A`
-    About(ExprId, ExprId),
+    /// `inertia = 0.8 kg*m^2 about A`: value and point, see [`Tree::about`]. A list, because it is rare: so that fields
+    /// stay small.
+    About(ExprList),
     /// A word alone: `turns`, `free`.
     Flag,
     /// `moves x`, `moves y`, `moves x y`: the words after `moves`, each an [`ExprKind::Name`].
@@ -267,6 +268,12 @@ impl Tree {
         let Some(head) = list.0 else { return &[] };
         let start = head.index() + 1;
         &self.lists[start..start + self.lists[head.index()].0.get() as usize]
+    }
+
+    /// The value and the point of a [`FieldValue::About`].
+    pub fn about(&self, list: ExprList) -> (ExprId, ExprId) {
+        let items = self.list(list);
+        (items[0], items[1])
     }
 
     pub fn fields(&self, fields: Fields) -> &[Field] {
@@ -382,7 +389,7 @@ mod tests {
     fn nodes_stay_small() {
         assert_eq!(std::mem::size_of::<Decl>(), 36);
         assert_eq!(std::mem::size_of::<Expr>(), 20);
-        assert_eq!(std::mem::size_of::<Field>(), 20);
+        assert_eq!(std::mem::size_of::<Field>(), 16);
         assert_eq!(std::mem::size_of::<End>(), 24);
     }
 }
