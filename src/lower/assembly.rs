@@ -6,7 +6,7 @@
 
 use super::error::LowerError;
 use super::initial;
-use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
+use super::kinematics::{End, Freely, Index, Kinematics, Path, Reach, State};
 use super::loads::{self, Between};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
@@ -35,11 +35,11 @@ pub fn assemble(
 ) -> Result<LinearSystem, Vec<LowerError>> {
     let mut assembly = Assembly::new(scene, kinematics, state);
     assembly.inertia();
-    assembly.every_freedom_has_inertia()?;
     assembly.gravity();
     for element in &scene.elements {
         assembly.element(element);
     }
+    assembly.every_freedom_is_determined()?;
     for input in &scene.inputs {
         assembly.constant_load(input);
     }
@@ -152,25 +152,35 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    fn every_freedom_has_inertia(&self) -> Result<(), Vec<LowerError>> {
-        let mut moved = vec![false; self.kinematics.n()];
-        for (coordinate, _) in self.m.terms().iter().flat_map(|term| self.m.row(term)) {
-            moved[coordinate.index()] = true;
-        }
-        let idle = |(freely, _): (&super::kinematics::Freely, &bool)| {
-            let body = &self.scene.bodies[freely.body.index()];
-            let name = self.words.display(body.name);
-            let turns = freely.kind == CoordinateKind::Rotation;
-            LowerError::NoInertia {
-                coordinate: format!("{name}.{}", freely.motion),
-                body: name,
-                span: body.span,
-                turns,
+    /// A freedom without inertia follows the others by its springs, or lags behind them by its dampers; with neither it could
+    /// be anywhere. Freedoms that only several of them together leave undetermined are found by the analyses.
+    fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
+        let mut felt = vec![false; self.kinematics.n()];
+        for form in [&self.m, &self.c, &self.k] {
+            for (coordinate, _) in form.terms().iter().flat_map(|term| form.row(term)) {
+                felt[coordinate.index()] = true;
             }
-        };
-        let idle: Vec<LowerError> =
-            self.kinematics.free.iter().zip(&moved).filter(|(_, moved)| !**moved).map(idle).collect();
+        }
+        let idle: Vec<LowerError> = self
+            .kinematics
+            .free
+            .iter()
+            .zip(&felt)
+            .filter(|(_, felt)| !**felt)
+            .map(|(freely, _)| self.idle(freely))
+            .collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
+    }
+
+    fn idle(&self, freely: &Freely) -> LowerError {
+        let body = &self.scene.bodies[freely.body.index()];
+        let name = self.words.display(body.name);
+        LowerError::NoInertia {
+            coordinate: format!("{name}.{}", freely.motion),
+            body: name,
+            span: body.span,
+            turns: freely.kind == CoordinateKind::Rotation,
+        }
     }
 
     /// Curvature of the ways of all centres under their weights.

@@ -7,7 +7,7 @@ use crate::model::scene::{BodyId, JointId, Scene};
 pub const LOOSE: Code = Code("vib::freedom::loose");
 /// Nothing in the scene can move.
 pub const NO_FREEDOM: Code = Code("vib::freedom::none");
-/// A freedom that moves no mass.
+/// A freedom that moves no mass and that nothing holds.
 pub const NO_INERTIA: Code = Code("vib::freedom::no_inertia");
 /// A body turns about a point that nothing says the place of.
 pub const UNKNOWN_PLACE: Code = Code("vib::position::unknown");
@@ -149,10 +149,17 @@ fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
 }
 
 fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnostic {
-    let (what, field) = if turns { ("inertia", "inertia = 0.1 kg*m^2") } else { ("mass", "mass = 1 kg") };
-    Diagnostic::error(NO_INERTIA, span, format!("`{coordinate}` moves no {what}"))
-        .label(format!("its freedom needs the {what} of what it carries"))
-        .help(format!("give `{body}`, or a body that it carries, `{field}`"))
+    let (what, field, stiffness) =
+        if turns { ("inertia", "inertia = 0.1 kg*m^2", "10 N*m/rad") } else { ("mass", "mass = 1 kg", "10 N/m") };
+    Diagnostic::error(
+        NO_INERTIA,
+        span,
+        format!("`{coordinate}` moves no {what}, and no spring or damper acts on it: it could be anywhere"),
+    )
+    .label(format!("a freedom needs {what}, stiffness or damping"))
+    .help(format!(
+        "give `{body}`, or a body that it carries, `{field}`; or hold it: `spring s: ground -- {body} {{ k = {stiffness} }}`"
+    ))
 }
 
 fn closed_loop(joints: &[(String, Span)]) -> Diagnostic {

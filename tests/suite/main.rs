@@ -14,6 +14,7 @@ mod independent;
 mod language;
 mod language_page;
 mod lowering;
+mod massless;
 mod models;
 mod modes;
 mod pole_bounds;

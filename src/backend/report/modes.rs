@@ -26,6 +26,16 @@ pub fn table(answer: &ModalAnswer, options: &ReportOptions) -> String {
     line(format!("undamped modes ({})", scaling(options.normalise, &answer.system)))
         + &table.text(INDENT)
         + &remarks(answer)
+        + &without_inertia(answer.modes.infinite)
+}
+
+/// Motions that have no frequency.
+fn without_inertia(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => line("one motion has no inertia: it follows the others, and has no frequency"),
+        _ => line(format!("{count} motions have no inertia: they follow the others, and have no frequency")),
+    }
 }
 
 fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {

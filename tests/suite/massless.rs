@@ -1,0 +1,215 @@
+//! Bodies without mass: what a coordinate without inertia follows, and what the field's elements with inner nodes (springs
+//! in series, Maxwell, Zener) do in every answer. The hard cases o17, o18 and o33 as models.
+
+use super::ask::{Answer, ask};
+use super::systems::number;
+use vibc::analysis::{Frequency, Transfer, respond};
+use vibc::base::{Ball, Diagnostic, Number, Rational, SourceFile, Sources};
+use vibc::model::Overrides;
+
+/// A massless node between springs of 1e14, 1 and 3e5 N/m.
+const SERIES: &str = "
+    body m1 { mass = 2 kg, moves x }
+    body n  { mass = 0 kg, moves x }
+    body m3 { mass = 1 kg, moves x }
+    spring a: m1 -- n { k = 1e14 N/m }
+    spring b: n -- ground { k = 1 N/m }
+    spring c: n -- m3 { k = 3e5 N/m }
+    initial m3 { x = 1 mm }
+    output x1 = m1.x
+    output x3 = m3.x";
+
+/// The same without the node: each pair of its springs makes one of k_i k_j / sum k (star to mesh).
+const MESH: &str = "
+    param a = 1e14 N/m
+    param b = 1 N/m
+    param c = 3e5 N/m
+    body m1 { mass = 2 kg, moves x }
+    body m3 { mass = 1 kg, moves x }
+    spring ab: m1 -- ground { k = a * b / (a + b + c) }
+    spring ac: m1 -- m3     { k = a * c / (a + b + c) }
+    spring bc: m3 -- ground { k = b * c / (a + b + c) }
+    initial m3 { x = 1 mm }
+    output x1 = m1.x
+    output x3 = m3.x";
+
+/// A mass on a spring and, beside it, on a spring in series with a damper (Zener).
+const ZENER: &str = "
+    body m { mass = 1 kg, moves x }
+    body n { mass = 0 kg, moves x }
+    spring k1: m -- ground { k = 100 N/m }
+    spring k2: m -- n { k = 1e6 N/m }
+    damper c: n -- ground { c = 0.01 N*s/m }
+    force F: m along x
+    initial m { x = 1 mm }
+    output x = m.x
+    output y = n.x";
+
+/// Whether a ball holds a number that is known to 36 digits, and is no wider than 1e-15 of it.
+fn holds(ball: Ball, truth: &str) {
+    let difference = (&Number::Ball(ball) - &number(truth)).to_ball();
+    let size = ball.to_f64().abs();
+    assert!(difference.mid.abs().to_f64() <= difference.rad + 1e-35 * size, "{ball:?} against {truth}");
+    assert!(ball.rad <= 1e-15 * size, "{ball:?}");
+}
+
+fn times(list: &[i64]) -> Vec<Number> {
+    list.iter().map(|t| Number::from(Rational::new(*t, 100))).collect()
+}
+
+fn motion(answer: &Answer, times: &[Number]) -> Vec<Vec<Ball>> {
+    let drives = vibc::lower::drives(&answer.scene).expect("signals");
+    respond(&answer.lowered.system, &drives, times).expect("a motion").values
+}
+
+#[test]
+fn a_massless_node_between_springs_is_condensed_exactly() {
+    let answer = ask(SERIES);
+    assert_eq!((answer.modes.list.len(), answer.modes.infinite), (2, 1));
+    holds(answer.modes.list[0].omega, "0.577350162272858466438480994543097374");
+    holds(answer.modes.list[1].omega, "670.820516469783538439306049635983381");
+}
+
+#[test]
+fn a_massless_node_moves_as_the_mesh_of_its_springs_would() {
+    let at = times(&[0, 5, 37, 1000]);
+    let (node, mesh) = (motion(&ask(SERIES), &at), motion(&ask(MESH), &at));
+    for (node, mesh) in node.iter().flatten().zip(mesh.iter().flatten()) {
+        let apart = (*node - *mesh).mid.abs().to_f64();
+        assert!(apart <= node.rad + mesh.rad, "{node:?} against {mesh:?}");
+        assert!(apart <= 1e-15 * 1e-3, "{node:?} against {mesh:?}");
+    }
+}
+
+#[test]
+fn a_node_with_a_damper_keeps_its_relaxation_as_a_real_pole() {
+    let answer = ask(ZENER);
+    let poles = &answer.poles;
+    assert_eq!((poles.list.len(), poles.infinite), (3, 1));
+    let upper = poles.list.iter().find(|pole| pole.im.is_positive()).expect("an oscillation");
+    holds(upper.re, "-0.00500000000049995000009998000052499250");
+    holds(upper.im, "9.99999875049992168760270980318944494");
+    let real = poles.list.iter().find(|pole| pole.im.is_zero()).expect("a relaxation");
+    holds(real.re, "-99999999.9899999999990000999998000400");
+}
+
+#[test]
+fn a_node_with_a_damper_is_in_the_transfer_function() {
+    let answer = ask(ZENER);
+    let at = |omega: i64| {
+        let frequency = Frequency::radians(&Number::from(omega));
+        let gains = Transfer::of(&answer.lowered.system).between(&frequency, &[0], &[0, 1]);
+        [0, 1].map(|output: usize| gains[0][output].disc().expect("a gain"))
+    };
+    let truths = [
+        (1, ["0.0101010099979388838086065228303272408", "0.0101010099979286797581035748760874432"]),
+        (1000, ["-1.00010001000099009700940090008501791e-6", "-1.00010001000100009900970094009000850e-6"]),
+        (100_000_000, ["-1.00000000005001000000000100009975000e-16", "-5.00000000050005000002501000050000075e-17"]),
+    ];
+    for (omega, truth) in truths {
+        for (gain, truth) in at(omega).iter().zip(truth) {
+            let truth = number(truth).to_f64();
+            assert!((gain.value.re.to_f64() - truth).abs() <= gain.radius + 1e-16 * truth.abs(), "{omega}: {gain:?}");
+        }
+    }
+}
+
+/// x(t) = 2 Re(a exp(s t)) + w exp(r t) from the poles s and r alone, with x(0) = 1 mm, x'(0) = 0 and
+/// x''(0) = -(k1 + k2) x(0) / m, for the node stands still at first.
+#[test]
+fn a_node_with_a_damper_relaxes_in_time() {
+    let answer = ask(ZENER);
+    let (re, im, r) = (-0.00500000000049995, 9.999998750499922, -99999999.99);
+    let s2 = [re * re - im * im, 2.0 * re * im];
+    // Rows: displacement, velocity over |r|, acceleration over r^2; unknowns Re a, Im a, w.
+    let matrix = nalgebra::Matrix3::new(
+        2.0,
+        0.0,
+        1.0,
+        2.0 * re / r,
+        -2.0 * im / r,
+        1.0,
+        2.0 * s2[0] / (r * r),
+        -2.0 * s2[1] / (r * r),
+        1.0,
+    );
+    let start = nalgebra::Vector3::new(1e-3, 0.0, -1_000_100.0 * 1e-3 / (r * r));
+    let a = matrix.lu().solve(&start).expect("poles that differ");
+    let at = times(&[5, 50, 300]);
+    for (t, values) in at.iter().zip(motion(&answer, &at)) {
+        let t = t.to_f64();
+        let truth = 2.0 * (re * t).exp() * (a.x * (im * t).cos() - a.y * (im * t).sin()) + a.z * (r * t).exp();
+        // The system of equations is solved in binary64; its condition is |r / im| = 1e7.
+        assert!((values[0].to_f64() - truth).abs() <= 1e-9 * 1e-3, "{t} s: {} against {truth}", values[0].to_f64());
+    }
+}
+
+#[test]
+fn a_node_between_dampers_alone_is_a_free_state() {
+    let answer = ask("body m { mass = 2 kg, moves x }
+        body n { mass = 0 kg, moves x }
+        spring s: m -- ground { k = 8 N/m }
+        damper c: m -- n { c = 1 N*s/m }
+        damper d: n -- ground { c = 3 N*s/m }");
+    // In series the two dampers are one of 3/4 N s/m: s^2 + (3/8) s + 4 = 0, and the node has a place of its own.
+    let upper = answer.poles.list.iter().find(|pole| pole.im.is_positive()).expect("an oscillation");
+    assert!((upper.re.to_f64() + 3.0 / 16.0).abs() < 1e-15);
+    assert!(answer.poles.list.iter().any(|pole| pole.re.is_zero() && pole.im.is_zero()));
+    assert_eq!(answer.poles.list.len(), 3);
+}
+
+#[test]
+fn massless_links_and_levers_carry_what_is_on_them() {
+    // A bob on a massless link that is pinned to it, kept upright by a spring: the pendulum's frequency is sqrt(g/l).
+    let pendulum = ask("gravity 9.81 m/s^2
+        body link { mass = 0 kg, shape = rod((0, 0), (0, -1 m)) }
+        body bob { mass = 2 kg, inertia = 0 kg*m^2, at = (0, -1 m) }
+        pivot p: ground@(0, 0) -- link
+        pivot q: link@(0, -1 m) -- bob
+        spring s: ground -- bob { k = 2 N*m/rad }");
+    assert_eq!((pendulum.modes.list.len(), pendulum.modes.infinite), (1, 1));
+    assert!((pendulum.omegas()[0] - 9.81f64.sqrt()).abs() < 1e-15);
+    // A massless lever of ratio 2 on a spring k: the mass at half its length feels 4 k in series with its own spring.
+    let lever = ask("body lever { mass = 0 kg, shape = rod((0, 0), (2 m, 0)) }
+        pivot p: ground@(0, 0) -- lever
+        body m { mass = 1 kg, at = (1 m, 1 m), moves y }
+        spring a: lever@(2 m, 0) -- ground@(2 m, -1 m) { k = 100 N/m }
+        spring b: m -- lever@(1 m, 0) { k = 1000 N/m }");
+    assert!((lever.omegas()[0] - (400.0f64 * 1000.0 / 1400.0).sqrt()).abs() < 1e-13);
+}
+
+/// What `analyze` and `simulate` say of a model.
+fn refused(text: &str) -> [Vec<Diagnostic>; 2] {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("model.vib", text));
+    let simulated = vibc::simulate(&sources, file, &Overrides::default(), &times(&[0, 100]));
+    [vibc::analyze(&sources, file, &Overrides::default()).diagnostics, simulated.diagnostics]
+}
+
+#[test]
+fn nodes_that_float_are_named_by_every_command() {
+    let text = "body m1 { mass = 1 kg, moves x }
+        body a { mass = 0 kg, moves x }
+        body b { mass = 0 kg, moves x }
+        spring k1: m1 -- ground { k = 10 N/m }
+        spring k2: a -- b { k = 5 N/m }
+        output x = m1.x";
+    for found in refused(text) {
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].code.0, "vib::mass::singular");
+        assert!(found[0].message.contains("a.x") && found[0].message.contains("b.x"), "{}", found[0].message);
+    }
+}
+
+#[test]
+fn a_body_with_neither_inertia_nor_stiffness_nor_damper_is_named() {
+    let text = "body cart { mass = 1 kg, moves x }
+        spring s: ground -- cart { k = 10 N/m }
+        body idler { mass = 0 kg, moves x }
+        output x = cart.x";
+    for found in refused(text) {
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].code.0, "vib::freedom::no_inertia");
+        assert!(found[0].message.contains("`idler.x`"), "{}", found[0].message);
+    }
+}
