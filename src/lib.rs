@@ -41,6 +41,8 @@ pub struct Outcome<T> {
 pub enum Failure {
     /// The model is wrong.
     Model,
+    /// A file that it names could not be read.
+    File,
     /// The model may be right, but a number that it asks for could not be found.
     Limit,
 }
@@ -104,6 +106,25 @@ fn motion(
     let history = history.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     Some(Motion { model: scene.scene().name.clone(), system, history })
 }
+
+/// The files of tables that a model names, each once, as written: who calls adds them to the sources (see
+/// [`base::SourceFile::beside`]) before any other step. A model that names none is not even parsed.
+pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
+    let mut files: Vec<String> = Vec::new();
+    if !sources.text(model).contains("table") {
+        return files;
+    }
+    for span in syntax::parse(sources, model).tree.texts() {
+        let file = sources.slice(span).trim_matches('"');
+        if files.len() < MOST_TABLES && files.iter().all(|known| known != file) {
+            files.push(file.to_string());
+        }
+    }
+    files
+}
+
+/// Different tables of one model; a run has room for 256 files.
+const MOST_TABLES: usize = 200;
 
 /// The diagnostics alone: everything up to the linear system.
 pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {
@@ -188,11 +209,18 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 const LIMITS: [&str; 5] =
     ["vib::rest::not_found", "vib::limit::modes", "vib::limit::range", "vib::limit::states", "vib::limit::signal"];
 
+/// What says that a file which the model names could not be read.
+const FILES: [&str; 1] = ["vib::table::unreadable"];
+
 impl<T> Outcome<T> {
     /// `None` where nothing failed.
     pub fn failure(&self) -> Option<Failure> {
-        let mut errors = self.diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).peekable();
-        errors.peek()?;
-        Some(if errors.all(|error| LIMITS.contains(&error.code.0)) { Failure::Limit } else { Failure::Model })
+        let errors: Vec<&str> = self.diagnostics.iter().filter(|d| d.is_error()).map(|error| error.code.0).collect();
+        let (first, all) = (errors.first()?, |of: &[&str]| errors.iter().all(|code| of.contains(code)));
+        Some(match *first {
+            _ if all(&FILES) => Failure::File,
+            _ if all(&LIMITS) => Failure::Limit,
+            _ => Failure::Model,
+        })
     }
 }

@@ -217,6 +217,7 @@ fn failure(failure: Option<vibc::Failure>) -> Status {
     match failure {
         None => Status::Done,
         Some(vibc::Failure::Model) => Status::Errors,
+        Some(vibc::Failure::File) => Status::Io,
         Some(vibc::Failure::Limit) => Status::Limit,
     }
 }
@@ -244,7 +245,20 @@ fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadab
         None => None,
     };
     let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
+    read_tables(&mut sources, model);
     Ok(Input { sources, model, overrides: Overrides { arguments, settings } })
+}
+
+/// The tables that a model names; what cannot be read is told at its place in the model.
+fn read_tables(sources: &mut Sources, model: FileId) {
+    for written in vibc::table_files(sources, model) {
+        let name = sources.file(model).beside(&written);
+        let file = match File::open(&name).and_then(read_limited) {
+            Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
+            Err(error) => SourceFile::unread(SourceKind::Table, name, error.to_string()),
+        };
+        sources.add(file);
+    }
 }
 
 /// A file, or standard input for `-`.

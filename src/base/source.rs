@@ -70,6 +70,8 @@ pub enum SourceKind {
     Settings,
     /// The `--set NAME=VALUE` arguments, one a line.
     Arguments,
+    /// A CSV file that a signal is read from.
+    Table,
 }
 
 /// A named text.
@@ -83,13 +85,15 @@ pub struct SourceFile {
     pub text: String,
     /// Offset and value of the first byte that is not UTF-8; the text is good up to there.
     pub first_bad_byte: Option<(usize, u8)>,
+    /// Why the file could not be read; its text is empty then.
+    pub unread: Option<String>,
 }
 
 impl SourceFile {
     pub fn model(name: impl Into<String>, text: impl Into<String>) -> SourceFile {
         let name = name.into();
         let directory = Path::new(&name).parent().map(Path::to_path_buf).unwrap_or_default();
-        SourceFile { kind: SourceKind::Model, name, directory, text: text.into(), first_bad_byte: None }
+        SourceFile { kind: SourceKind::Model, name, directory, text: text.into(), first_bad_byte: None, unread: None }
     }
 
     /// A file from its bytes. A byte that is not UTF-8 is read as U+FFFD; [`SourceFile::first_bad_byte`] remembers the first.
@@ -106,6 +110,16 @@ impl SourceFile {
                 }
             }
         }
+    }
+
+    /// A file that could not be read, and why.
+    pub fn unread(kind: SourceKind, name: impl Into<String>, reason: impl Into<String>) -> SourceFile {
+        SourceFile { kind, unread: Some(reason.into()), ..SourceFile::model(name, "") }
+    }
+
+    /// The name of a file that this one names, relative to its directory.
+    pub fn beside(&self, written: &str) -> String {
+        self.directory.join(written).to_string_lossy().into_owned()
     }
 
     /// The file's name without directory and extension: the model's name where it declares none.
@@ -149,7 +163,7 @@ impl Sources {
         Sources::default()
     }
 
-    /// Adds a file. A run has a model, a settings file and the arguments: far fewer than 256.
+    /// Adds a file. A run has a model, a settings file, the arguments and some tables: fewer than 256.
     pub fn add(&mut self, file: SourceFile) -> FileId {
         let id = u8::try_from(self.files.len()).expect("a run reads a handful of files");
         self.files.push(file);
@@ -166,6 +180,13 @@ impl Sources {
 
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
+    }
+
+    /// The table that a file names, if it was added.
+    pub fn table(&self, of: FileId, written: &str) -> Option<FileId> {
+        let name = self.file(of).beside(written);
+        let place = self.files.iter().position(|file| file.kind == SourceKind::Table && file.name == name)?;
+        u8::try_from(place).ok().map(FileId)
     }
 
     pub fn text(&self, id: FileId) -> &str {

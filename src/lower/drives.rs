@@ -1,9 +1,9 @@
 //! The signals of a scene's inputs as data of the linear system. In: a scene; out: a sum of signals for each input, in the
-//! order of the system's inputs. Clause: spec.md, "Response".
+//! order of the system's inputs. A table is a line between its rows for a force, a cubic spline for a base. Clause: spec.md, "Response".
 
 use super::error::LowerError;
 use crate::model::CheckedScene;
-use crate::model::scene::{self, Input};
+use crate::model::scene::{self, Input, InputKind};
 use crate::system::Signal;
 
 /// What drives each input. A constant load is part of the rest and drives nothing.
@@ -12,10 +12,11 @@ pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
-    input.signal.iter().filter_map(|signal| of_signal(signal).transpose()).collect()
+    let spline = matches!(input.kind, InputKind::Base { .. });
+    input.signal.iter().filter_map(|signal| of_signal(signal, spline).transpose()).collect()
 }
 
-fn of_signal(signal: &scene::Signal) -> Result<Option<Signal>, LowerError> {
+fn of_signal(signal: &scene::Signal, spline: bool) -> Result<Option<Signal>, LowerError> {
     let signal = signal.clone();
     Ok(Some(match signal {
         scene::Signal::Constant { .. } => return Ok(None),
@@ -25,8 +26,9 @@ fn of_signal(signal: &scene::Signal) -> Result<Option<Signal>, LowerError> {
         scene::Signal::Pulse { value, from, to } => Signal::Pulse { value, from, to },
         scene::Signal::Harmonic { value, frequency, phase } => Signal::Harmonic { value, frequency, phase },
         scene::Signal::Chirp { value, from, to, duration } => Signal::Chirp { value, from, to, duration },
-        scene::Signal::Table { span, .. } => {
-            return Err(LowerError::NotAvailable { what: "a table as a signal", span });
-        }
+        scene::Signal::Table { span, rows, .. } => match rows {
+            Some(rows) => Signal::Table { times: rows.times.clone(), values: rows.values.clone(), spline },
+            None => return Err(LowerError::TableUnread { span }),
+        },
     }))
 }

@@ -20,6 +20,9 @@ pub const NO_REST: Code = Code("vib::rest::not_found");
 /// Initial motions that contradict each other or do not say enough.
 pub const INITIAL: Code = Code("vib::initial::undetermined");
 
+/// A table that was not given to the check.
+pub const TABLE_UNREAD: Code = Code("vib::table::unreadable");
+
 /// At most this many places are shown beside the primary one.
 const SHOWN: usize = 6;
 
@@ -50,6 +53,9 @@ pub enum LowerError {
     },
     NotAvailable {
         what: &'static str,
+        span: Span,
+    },
+    TableUnread {
         span: Span,
     },
     TooDeep {
@@ -118,6 +124,8 @@ impl LowerError {
             LowerError::NotAvailable { what, span } => {
                 Diagnostic::error(NOT_AVAILABLE, *span, format!("{what} is not available yet"))
             }
+            LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREAD, *span, "this table was not read")
+                .help("name fewer different tables in one model"),
             LowerError::TooDeep { entries, span } => Diagnostic::error(
                 TOO_DEEP,
                 *span,

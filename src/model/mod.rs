@@ -29,6 +29,7 @@ mod scope;
 mod settings;
 mod signals;
 mod suggestion;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod unknown;
@@ -44,7 +45,7 @@ use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
 use overrides::Given;
-use scene::{BaseId, BodyId, Scene};
+use scene::{BaseId, BodyId, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -142,6 +143,8 @@ struct Check<'a> {
     broken_joints: bool,
     broken_elements: bool,
     broken_inputs: bool,
+    /// Tables that have been read, each once; `None` where something is wrong with one.
+    tables: HashMap<FileId, Option<Arc<TableRows>>>,
     scene: Scene,
 }
 
@@ -174,6 +177,7 @@ impl<'a> Check<'a> {
             broken_joints: false,
             broken_elements: false,
             broken_inputs: false,
+            tables: HashMap::new(),
             scene: empty_scene(sources.file(tree.file).stem()),
         }
     }

@@ -285,7 +285,16 @@ pub enum Signal {
     Table {
         file: String,
         span: Span,
+        /// `None` where the file was not given to the check.
+        rows: Option<Arc<TableRows>>,
     },
+}
+
+/// A table's times, ascending, and its values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TableRows {
+    pub times: Vec<Number>,
+    pub values: Vec<Number>,
 }
 
 /// A named linear combination of motions.

@@ -148,6 +148,10 @@ impl<'a> Check<'a> {
             return self.fail(environment, error);
         }
         let file = self.sources.slice(node.span).trim_matches('"').to_string();
-        Ok(Signal::Table { file, span: node.span })
+        let rows = match self.sources.table(node.span.file(), &file) {
+            Some(table) => Some(self.table_rows(table, node.span, environment)?),
+            None => None,
+        };
+        Ok(Signal::Table { file, span: node.span, rows })
     }
 }

@@ -264,6 +264,11 @@ impl Tree {
         &self.exprs[id.index()]
     }
 
+    /// Every text in quotes, quotes included, in the order of the file: the names of tables.
+    pub fn texts(&self) -> impl Iterator<Item = Span> {
+        self.exprs.iter().filter(|expr| matches!(expr.kind, ExprKind::Text)).map(|expr| expr.span)
+    }
+
     pub fn list(&self, list: ExprList) -> &[ExprId] {
         let Some(head) = list.0 else { return &[] };
         let start = head.index() + 1;

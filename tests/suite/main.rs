@@ -26,4 +26,5 @@ mod reports;
 mod response;
 mod specification;
 mod systems;
+mod tables;
 mod transfer;

@@ -10,7 +10,7 @@ use vibc::model::Overrides;
 /// A model that was analysed, and what was found.
 ///
 /// Lines in the model's leading comments say how: `// --set k=3` and `// settings: k = "3 N/m"` give overrides, and
-/// `// simulate` asks for its motion over a minute in the place of its modal report.
+/// `// simulate` asks for its motion over a minute in the place of its modal report. Tables are beside the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -32,6 +32,15 @@ impl Run {
             settings: add(SourceKind::Settings, "settings.toml", settings),
             arguments: add(SourceKind::Arguments, "--set", arguments),
         };
+        for table in vibc::table_files(&sources, model) {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics").join(&table);
+            let file = match fs::read(path) {
+                Ok(bytes) => SourceFile::decode(SourceKind::Table, table, bytes),
+                // What a platform says of a missing file differs.
+                Err(_) => SourceFile::unread(SourceKind::Table, table, "no such file"),
+            };
+            sources.add(file);
+        }
         let moves =
             sources.text(model).lines().take_while(|line| line.starts_with("//")).any(|line| line == "// simulate");
         let diagnostics = if moves {

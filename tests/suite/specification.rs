@@ -3,9 +3,9 @@
 use super::models::{Run, codes_in_sources};
 use vibc::backend::explain;
 
-/// Codes that no check of a model's text can show (bytes, `vibc simulate`, systems that no model gives): their clauses tell
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their clauses tell
 /// the example in words.
-const IN_WORDS: [&str; 8] = [
+const IN_WORDS: [&str; 12] = [
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",
@@ -14,6 +14,10 @@ const IN_WORDS: [&str; 8] = [
     "vib::signal::base_impulse",
     "vib::syntax::character",
     "vib::syntax::more_errors",
+    "vib::table::order",
+    "vib::table::row",
+    "vib::table::too_short",
+    "vib::table::unreadable",
 ];
 
 #[test]

@@ -7,7 +7,7 @@ mod questions;
 mod values;
 
 pub use names::NameError;
-pub use parts::PartError;
+pub use parts::{PartError, RowFault};
 pub use questions::QuestionError;
 pub use values::ValueError;
 

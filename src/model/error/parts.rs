@@ -38,6 +38,20 @@ pub enum PartError {
     UnknownSignal { span: Span, word: String, suggestion: Option<&'static str> },
     SignalArguments { span: Span, name: &'static str, form: &'static str },
     TimesReversed { span: Span },
+    TableUnread { span: Span, reason: String },
+    TableRow { span: Span, found: RowFault, named: Span },
+    TableOrder { span: Span, named: Span },
+    TableTooShort { span: Span, rows: usize },
+}
+
+/// What is wrong with a row of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowFault {
+    /// So many fields instead of two.
+    Fields(usize),
+    /// A field that should be a time, or a value, and is no number.
+    Time,
+    Value,
 }
 
 impl PartError {
@@ -162,8 +176,36 @@ impl PartError {
                     .help(format!("write `{form}`"))
             }
             TimesReversed { span } => error("vib::signal::times", span, "this time is not after the one before it"),
+            TableUnread { span, reason } => error("vib::table::unreadable", span, "this table cannot be read")
+                .label(reason)
+                .help("the file's path is relative to the model's folder"),
+            TableRow { span, found, named } => table_row(span, found, named),
+            TableOrder { span, named } => {
+                error("vib::table::order", span, "this time is not after that of the row before")
+                    .related(named, "the table is named here")
+                    .help("sort the rows by time, each time once")
+            }
+            TableTooShort { span, rows } => {
+                let found = if rows == 0 { "no row" } else { "one row" };
+                error("vib::table::too_short", span, "a table needs two rows at least")
+                    .label(format!("{found} in this file"))
+                    .help("write a row for each time, such as `0.5, 12`: time in s, value in SI units")
+            }
         }
     }
+}
+
+fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
+    let (message, label) = match found {
+        RowFault::Fields(1) => ("this row of the table lacks a field", "one field"),
+        RowFault::Fields(_) => ("this row of the table has too many fields", "more than two fields"),
+        RowFault::Time => ("this row of the table has no time", "not a number"),
+        RowFault::Value => ("this row of the table has no value", "not a number"),
+    };
+    error("vib::table::row", span, message)
+        .label(label)
+        .related(named, "the table is named here")
+        .help("write a time in s and a value in SI units, such as `0.5, 12`")
 }
 
 fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagnostic {
