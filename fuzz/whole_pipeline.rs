@@ -1,8 +1,10 @@
 //! A text through every stage, with what must hold whatever the text is.
 
 use vibc::analysis::{ModeKind, Modes, Poles};
+use vibc::backend::diagnostics::{self, HumanStyle};
+use vibc::backend::{ReportOptions, json, report};
 use vibc::base::source::{SourceFile, Sources};
-use vibc::base::{Diagnostic, Diagnostics};
+use vibc::base::{Diagnostic, Diagnostics, FileId};
 use vibc::model::Overrides;
 
 /// Coordinates beyond which a fuzzer only waits.
@@ -18,28 +20,48 @@ pub fn run(text: &str) {
     diagnostics.extend(checked.diagnostics);
     let Some(scene) = checked.scene.filter(|_| !diagnostics.has_errors()) else {
         assert!(diagnostics.has_errors(), "no scene and no error");
-        return assert_places(&sources, diagnostics);
+        return assert_told(&sources, diagnostics);
     };
     let outcome = vibc::lower::lower(&scene);
     assert!(outcome.lowered.is_some() || outcome.diagnostics.has_errors(), "no system and no error");
     diagnostics.extend(outcome.diagnostics);
-    assert_places(&sources, diagnostics);
+    assert_told(&sources, diagnostics);
     let Some(lowered) = outcome.lowered.filter(|lowered| lowered.system.n() <= LARGE) else { return };
     let Ok(modes) = vibc::analysis::modes(&lowered.system) else { return };
     assert_modes(&modes, lowered.system.n());
     let Ok(poles) = vibc::analysis::poles(&lowered.system, &modes) else { return };
     assert_poles(&poles);
+    assert_reported(&sources, file);
 }
 
-/// Every place of every diagnostic lies in its text, on character boundaries.
-fn assert_places(sources: &Sources, diagnostics: Diagnostics) {
-    for diagnostic in diagnostics.sorted() {
-        let Diagnostic { primary, related, message, .. } = &diagnostic;
+/// Every place of every diagnostic lies in its text, on character boundaries, and all of them can be drawn without a
+/// control character that would steer a terminal.
+fn assert_told(sources: &Sources, diagnostics: Diagnostics) {
+    let findings = diagnostics.sorted();
+    for diagnostic in &findings {
+        let Diagnostic { primary, related, message, .. } = diagnostic;
         assert!(!message.is_empty(), "{diagnostic:?}");
         for label in std::iter::once(primary).chain(related) {
             assert!(sources.text(label.span.file()).get(label.span.range()).is_some(), "{diagnostic:?}");
         }
     }
+    let style = HumanStyle { colour: false, ascii: false };
+    assert_plain(&diagnostics::human(sources, &findings, style));
+    assert_plain(&diagnostics::short(sources, &findings));
+    assert_plain(&diagnostics::json(sources, &findings));
+}
+
+fn assert_plain(text: &str) {
+    assert!(text.chars().all(|c| c == '\n' || !c.is_control()), "{text:?}");
+}
+
+/// The whole program once more, up to what it prints.
+fn assert_reported(sources: &Sources, file: FileId) {
+    let analysis = vibc::analyze(sources, file, &Overrides::default());
+    let Some(answer) = &analysis.answer else { return };
+    let options = ReportOptions { matrices: true, ..ReportOptions::default() };
+    assert_plain(&report::text(answer, &options));
+    assert_plain(&json::json(answer, &options));
 }
 
 /// As many modes as coordinates, in order, each of one kind and with a bound that is a number.

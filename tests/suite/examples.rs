@@ -8,7 +8,7 @@ use vibc::base::{SourceFile, Sources};
 use vibc::model::Overrides;
 
 /// The examples, sorted by name.
-fn examples() -> Vec<PathBuf> {
+pub fn examples() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let entries = fs::read_dir(folder).expect("the examples").map(|entry| entry.expect("an example").path());
     let mut examples: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "vib")).collect();

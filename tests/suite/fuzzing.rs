@@ -22,3 +22,38 @@ fn no_stage_stumbles_over_random_models() {
 }
 
 const ROUNDS: usize = 400;
+
+/// Good models with a few slips of the hand: characters lost, doubled or typed wrong, lines lost or doubled.
+#[test]
+fn no_stage_stumbles_over_slips_of_the_hand() {
+    let mut random = Random::new(20_261_122);
+    let read = |path| std::fs::read_to_string(path).expect("an example");
+    let models: Vec<String> = crate::examples::examples().into_iter().map(read).collect();
+    for round in 0..ROUNDS {
+        let mut text: Vec<char> = models[round % models.len()].chars().collect();
+        for _ in 0..=random.below(4) {
+            slip(&mut text, &mut random);
+        }
+        whole_pipeline::run(&text.into_iter().collect::<String>());
+    }
+}
+
+fn slip(text: &mut Vec<char>, random: &mut Random) {
+    const TYPED: [char; 16] = ['{', '}', '(', ')', '[', ']', '"', '@', ':', '=', '-', '.', '/', '0', 'x', '\n'];
+    if text.is_empty() {
+        return;
+    }
+    let at = random.below(text.len());
+    match random.below(5) {
+        0 => drop(text.remove(at)),
+        1 => text.insert(at, TYPED[random.below(TYPED.len())]),
+        2 => text[at] = TYPED[random.below(TYPED.len())],
+        kind => {
+            let start = text[..at].iter().rposition(|c| *c == '\n').map_or(0, |end| end + 1);
+            let end = text[at..].iter().position(|c| *c == '\n').map_or(text.len(), |end| at + end + 1);
+            let line: Vec<char> = text[start..end].to_vec();
+            let again = if kind == 3 { [line.clone(), line].concat() } else { Vec::new() };
+            text.splice(start..end, again);
+        }
+    }
+}
