@@ -83,6 +83,9 @@ pub enum ModeKind {
     Rigid,
     /// omega^2 < 0: the motion grows like exp(growth t)
     Divergence,
+    /// The enclosure of omega^2 holds zero and no exact argument settles its sign; omega is then 0 with the radius
+    /// sqrt(bound of |omega^2|).
+    Undetermined,
 }
 
 /// A part of a whole.
@@ -131,6 +134,8 @@ pub enum PoleKind {
     Divergence,
     /// A complex pair with re > 0.
     Flutter,
+    /// The sign of the real part is not certain.
+    Undetermined,
 }
 
 impl PoleKind {
@@ -142,6 +147,7 @@ impl PoleKind {
             PoleKind::Rigid => "rigid",
             PoleKind::Divergence => "divergence",
             PoleKind::Flutter => "flutter",
+            PoleKind::Undetermined => "undetermined",
         }
     }
 }
@@ -153,6 +159,7 @@ impl ModeKind {
             ModeKind::Oscillation => "oscillation",
             ModeKind::Rigid => "rigid",
             ModeKind::Divergence => "divergence",
+            ModeKind::Undetermined => "undetermined",
         }
     }
 }
@@ -164,6 +171,8 @@ pub enum Stability {
     /// A rigid motion is left: neither returns nor runs away.
     Neutral,
     Unstable,
+    /// What could be certified does not tell whether something grows.
+    Undetermined,
 }
 
 impl Stability {
@@ -173,6 +182,7 @@ impl Stability {
             Stability::Stable => "stable",
             Stability::Neutral => "neutral",
             Stability::Unstable => "unstable",
+            Stability::Undetermined => "undetermined",
         }
     }
 }

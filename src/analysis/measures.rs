@@ -24,6 +24,9 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
         Some(mode) if mode.kind == ModeKind::Divergence => {
             Measurement::None("this mode does not oscillate: it diverges")
         }
+        Some(mode) if mode.kind == ModeKind::Undetermined => {
+            Measurement::None("the sign of this mode's omega^2 is not certain")
+        }
         Some(mode) => Measurement::Value(mode.omega / (Ball::from(2.0) * Ball::PI)),
     }
 }

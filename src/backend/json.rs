@@ -159,12 +159,13 @@ fn json_mode<'a>(
 ) -> JsonMode<'a> {
     let system = &answer.system;
     let diverges = mode.kind == ModeKind::Divergence;
+    let settled = mode.kind != ModeKind::Undetermined;
     let (omega, frequency) = (mode.omega, per_turn(mode.omega));
     JsonMode {
         mode: number,
         kind: mode.kind.name(),
-        omega: (!diverges).then(|| omega.to_f64()),
-        frequency_hz: (!diverges).then(|| frequency.to_f64()),
+        omega: (settled && !diverges).then(|| omega.to_f64()),
+        frequency_hz: (settled && !diverges).then(|| frequency.to_f64()),
         growth_rate: diverges.then(|| omega.to_f64()),
         omega_error_bound: error_bound(&omega).max(if diverges { 0.0 } else { error_bound(&frequency) }),
         shape: ByName { names, values: normalise(mode, system, options.normalise) },

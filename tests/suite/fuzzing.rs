@@ -57,3 +57,18 @@ fn slip(text: &mut Vec<char>, random: &mut Random) {
         }
     }
 }
+
+/// Bytes that fuzzing once failed on, as it wrote them down.
+const FOUND: [(&str, &str); 1] =
+    [("modes after several rigid ones out of order", "826f770b4507585007faabaaaaaa18000000000000000aaaaaaa4507")];
+
+#[test]
+fn what_fuzzing_once_found_stays_mended() {
+    for (what, hex) in FOUND {
+        let digits = |at: usize| hex.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok());
+        let bytes: Option<Vec<u8>> = (0..hex.len()).step_by(2).map(digits).collect();
+        let text = scene_text::text_of(&bytes.expect("pairs of digits"));
+        println!("{what}:\n{text}");
+        whole_pipeline::run(&text);
+    }
+}

@@ -240,6 +240,11 @@ pub fn root(x: Triple, radius: f64) -> crate::base::Ball {
     Ball::new(mid, SLACK * (spread + dropped.abs() + 32.0 * Triple::ERROR * mid.hi))
 }
 
+/// Zero and a bound of sqrt |x|, for an enclosed x whose sign is not certain.
+pub fn unknown_root(x: crate::base::Ball) -> crate::base::Ball {
+    crate::base::Ball::new(Dd::ZERO, x.magnitude().sqrt() * SLACK)
+}
+
 /// A certified number as a ball.
 pub fn ball(x: Triple, radius: f64) -> crate::base::Ball {
     let (mid, dropped) = x.split();

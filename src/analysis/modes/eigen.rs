@@ -11,7 +11,7 @@
 use crate::analysis::answer::Route;
 use crate::analysis::modes::certificate::{Enclosure, enclose};
 use crate::analysis::modes::correction;
-use crate::analysis::modes::gram::Gram;
+use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::mass;
 use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
@@ -20,6 +20,7 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
 use crate::system::Form;
+use std::cmp::Ordering;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
 const ALL_DIGITS: usize = 30;
@@ -66,14 +67,16 @@ impl Displacements {
         }
     }
 
-    /// w (a . x)^2 of each term.
+    /// w (a . x)^2 of each term, in an order that keeps within the range of binary64 what the energy itself does.
     pub fn energies(&self, terms: &Terms) -> Vec<f64> {
         let energy = |t: usize| {
             let stretch = match self {
                 Displacements::Precise(x) => terms.stretch(t, x).value.hi(),
                 Displacements::Plain(x) => terms.stretch_f64(t, x),
             };
-            terms.weights[t].value.hi() * stretch * stretch
+            let weight = terms.weights[t].value.hi();
+            let root = weight.abs().sqrt() * stretch;
+            root * root * weight.signum()
         };
         (0..terms.len()).map(energy).collect()
     }
@@ -172,7 +175,7 @@ impl<'a> Problem<'a> {
                 break;
             }
         }
-        let (_, candidate) = best.filter(|(_, candidate)| candidate.k.is_finite() && candidate.m.is_finite())?;
+        let (_, candidate) = best.filter(|(_, candidate)| candidate.is_finite())?;
         Some(self.pairs(&candidate))
     }
 
@@ -252,30 +255,38 @@ impl<'a> Problem<'a> {
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
     }
 
-    /// All eigenvalues. The first columns of X are rigid motions. If the other eigenvalues that may be zero are no more than
-    /// the dimension of the null space leaves, then all of those are exactly zero.
+    /// All eigenvalues. The first columns of X are rigid motions, which are exact. If the other eigenvalues that may be zero
+    /// are no more than the dimension of the null space leaves, then all of those are exactly zero as well. If they are more,
+    /// which of them is the k-th is not certain: each lies in the union of the enclosures of all of these.
     fn pairs(&self, candidate: &Candidate) -> Vec<Pair> {
         let known = self.rigid.vectors.len();
         let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known();
         let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
+        let union = candidate.list.iter().filter(|e| e.column < known || may_be_zero(e));
+        let union = union.map(|e| (e.lambda.hi().abs() + e.radius) * SLACK).fold(0.0, f64::max);
         let pair = |e: &Enclosure| {
             let rigid = e.column < known || (certain && may_be_zero(e));
-            let value = match (rigid, certain) {
-                (true, true) => Eigenvalue::Zero,
-                (true, false) => Eigenvalue::Near { value: Triple::ZERO, radius: f64::INFINITY, positive },
-                (false, _) => Eigenvalue::Near { value: e.lambda, radius: e.radius, positive },
+            let radius = if may_be_zero(e) { (e.lambda.hi().abs() + union) * SLACK } else { e.radius };
+            let value = match rigid {
+                true => Eigenvalue::Zero,
+                false => Eigenvalue::Near { value: e.lambda, radius, positive },
             };
             let route = if rigid { Route::Exact } else { candidate.start.route };
             Pair { value, x: candidate.normalised(e.column), route }
         };
         let mut pairs: Vec<Pair> = candidate.list.iter().map(pair).collect();
-        pairs.sort_by_key(|pair| pair.value.sign());
+        pairs.sort_by(|a, b| ascending(&a.value, &b.value));
         pairs
     }
 }
 
 impl Candidate<'_> {
+    fn is_finite(&self) -> bool {
+        let quotients = self.list.iter().all(|e| e.lambda.is_finite());
+        quotients && self.k.is_finite() && self.m.is_finite()
+    }
+
     fn normalised(&self, column: usize) -> Displacements {
         let scale = Triple::from(self.m.mid[(column, column)].sqrt().recip());
         Displacements::Precise(self.start.x.column(column).iter().map(|&x| x * scale).collect())
@@ -283,14 +294,17 @@ impl Candidate<'_> {
 }
 
 impl Eigenvalue {
-    /// -1, 0, 1; of what is not certain, the sign of its midpoint.
-    pub fn sign(self) -> i32 {
+    pub fn midpoint(self) -> Triple {
         match self {
-            Eigenvalue::Zero => 0,
-            Eigenvalue::Near { value, .. } if value.hi() < 0.0 => -1,
-            Eigenvalue::Near { .. } => 1,
+            Eigenvalue::Zero => Triple::ZERO,
+            Eigenvalue::Near { value, .. } => value,
         }
     }
+}
+
+/// By midpoint.
+pub fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
+    (a.midpoint() - b.midpoint()).hi().partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
 /// The terms of positive weight.

@@ -24,17 +24,16 @@ pub(in crate::analysis) mod structure;
 pub(in crate::analysis) mod terms;
 pub(in crate::analysis) mod tree;
 
-use crate::analysis::answer::{Mode, ModeKind, Modes, Route};
+use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::condense::{Condensed, condense};
-use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, eigenpairs, eigenpairs_of};
+use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::triple::Triple;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Number};
 use crate::system::{CoordinateId, Form, LinearSystem};
-use std::cmp::Ordering;
 
 /// Dense matrices of more coordinates than this would take minutes.
 pub const MAX_DENSE: usize = 400;
@@ -177,15 +176,6 @@ fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
     })
 }
 
-fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
-    let value = |e: &Eigenvalue| match e {
-        Eigenvalue::Zero => Triple::ZERO,
-        Eigenvalue::Near { value, .. } => *value,
-    };
-    let difference = (value(a) - value(b)).hi();
-    a.sign().cmp(&b.sign()).then(difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal))
-}
-
 /// Numbers the modes whose enclosures overlap.
 fn cluster_numbers(pairs: &[(Pair, usize)]) -> Vec<Option<u32>> {
     let mut numbers = vec![None; pairs.len()];
@@ -238,28 +228,25 @@ impl Report<'_> {
         };
         match pair.value {
             Eigenvalue::Zero => rigid,
-            // Not to be told from a rigid motion, nor from one that is nearly so.
-            Eigenvalue::Near { value, radius, .. } if pair.route == Route::Exact || value.hi() == 0.0 => {
-                let unknown = Ball::new(Dd::ZERO, radius);
-                Mode { omega_squared: unknown, omega: Ball::new(Dd::ZERO, f64::INFINITY), ..rigid }
-            }
             Eigenvalue::Near { value, radius, positive } => self.elastic(rigid, pair, value, radius, positive),
         }
     }
 
     fn elastic(&self, mode: Mode, pair: &Pair, lambda: Triple, radius: f64, positive: bool) -> Mode {
-        let negative = lambda.hi() < 0.0;
-        let mut omega = certificate::root(if negative { -lambda } else { lambda }, radius);
-        if !positive && lambda.hi().abs() <= radius {
-            omega = Ball::new(omega.mid, f64::INFINITY);
-        }
+        let omega_squared = certificate::ball(lambda, radius);
+        let certain = if positive { lambda.hi() > 0.0 } else { !omega_squared.contains_zero() };
+        let (kind, omega) = match lambda.hi() < 0.0 {
+            _ if !certain => (ModeKind::Undetermined, certificate::unknown_root(omega_squared)),
+            true => (ModeKind::Divergence, certificate::root(-lambda, radius)),
+            false => (ModeKind::Oscillation, certificate::root(lambda, radius)),
+        };
         let energies = pair.x.energies(&self.stiffness);
         let whole: f64 = energies.iter().map(|energy| energy.abs()).sum();
         Mode {
-            kind: if negative { ModeKind::Divergence } else { ModeKind::Oscillation },
-            omega_squared: certificate::ball(lambda, radius),
+            kind,
+            omega_squared,
             omega,
-            input_condition: Some(whole / lambda.hi().abs() + 1.0),
+            input_condition: certain.then_some(whole / lambda.hi().abs() + 1.0),
             strain: shape::strain_shares(&self.system.k, &energies),
             ..mode
         }

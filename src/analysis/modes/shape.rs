@@ -75,10 +75,13 @@ const LARGEST: usize = 10;
 pub(in crate::analysis) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<CoordinateId>> {
     let mut energy = vec![0.0; shape.len()];
     for t in 0..masses.len() {
-        let momentum = masses.weights[t].value.hi() * masses.stretch_f64(t, shape);
+        // The root of the mass on both sides: masses may be as small as shapes are large.
+        let weight = masses.weights[t].value.hi();
+        let root = weight.abs().sqrt();
+        let momentum = weight.signum() * (root * masses.stretch_f64(t, shape));
         let (indices, factors) = masses.row(t);
         for (&i, factor) in indices.iter().zip(factors) {
-            energy[i as usize] += shape[i as usize] * factor.to_f64() * momentum;
+            energy[i as usize] += root * shape[i as usize] * factor.to_f64() * momentum;
         }
     }
     let every = (0..shape.len() as u32).collect();
@@ -98,8 +101,12 @@ pub(in crate::analysis) fn strain_shares(form: &Form, energies: &[f64]) -> Vec<S
 /// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order.
 fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
     // Negative where the motion has negative stiffness: then the most negative part is the largest share.
-    let whole: f64 = parts.iter().sum();
-    let share = |i: u32| parts[i as usize] / whole;
+    // Scaled by the largest part's power of two, so that the sum stays within range.
+    let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    let scale = if power.is_normal() { 1.0 / power } else { 1.0 };
+    let whole: f64 = parts.iter().map(|part| part * scale).sum();
+    let share = |i: u32| parts[i as usize] * scale / whole;
     let order = |a: &u32, b: &u32| share(*b).total_cmp(&share(*a)).then(a.cmp(b));
     if chosen.len() > COMPLETE {
         chosen.select_nth_unstable_by(LARGEST, order);

@@ -9,6 +9,21 @@ use crate::analysis::poles::quadratic::{Root, Roots};
 use crate::base::{Ball, Dd};
 use std::cmp::Ordering;
 
+/// What is certain of a part whatever its poles' enclosures say.
+#[derive(Clone, Copy, Debug)]
+pub struct Passive {
+    /// No term of M or C is negative: no oscillation grows.
+    pub damped: bool,
+    /// No omega^2 is negative: with `damped`, no pole has a positive real part.
+    pub held: bool,
+}
+
+impl Passive {
+    fn nothing_grows(self) -> bool {
+        self.damped && self.held
+    }
+}
+
 /// Poles in the order in which they are found.
 #[derive(Default)]
 pub struct PoleList {
@@ -39,14 +54,15 @@ impl PoleList {
         let sides = [0, 1].map(|side| self.numbered(first, mode.cluster.map(|number| 2 * number + side)));
         let zero = Ball::ZERO;
         let ends = match mode.kind {
-            ModeKind::Rigid if mode.omega.is_zero() => return self.zeros(2),
-            ModeKind::Rigid => [(zero, -mode.omega, PoleKind::Rigid), (zero, mode.omega, PoleKind::Rigid)],
+            ModeKind::Rigid => return self.zeros(2),
             ModeKind::Oscillation => {
                 [(zero, -mode.omega, PoleKind::Oscillation), (zero, mode.omega, PoleKind::Oscillation)]
             }
             ModeKind::Divergence => {
                 [(-mode.omega, zero, PoleKind::Overdamped), (mode.omega, zero, PoleKind::Divergence)]
             }
+            // On one of the two axes, both of them no farther from zero than this.
+            ModeKind::Undetermined => [(mode.omega, mode.omega, PoleKind::Undetermined); 2],
         };
         for ((re, im, kind), cluster) in ends.into_iter().zip(sides) {
             self.push(Known { s: Complex::new(re, im), kind, cluster, defective: false, route: mode.route });
@@ -87,7 +103,7 @@ impl PoleList {
     }
 
     /// The discs of a part's pairs, each marked where its centre is real.
-    pub fn refined(&mut self, discs: impl Iterator<Item = (bool, Disc)>, dissipative: bool) {
+    pub fn refined(&mut self, discs: impl Iterator<Item = (bool, Disc)>, passive: Passive) {
         let first = self.next_cluster;
         for (real, disc) in discs {
             let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));
@@ -95,7 +111,7 @@ impl PoleList {
             let im = if real && cluster.is_none() { Ball::ZERO } else { disc.s.im };
             let known = |im: Ball, cluster: Option<u32>| Known {
                 s: Complex::new(disc.s.re, im),
-                kind: if real { real_kind(disc.s.re) } else { complex_kind(disc.s.re, dissipative) },
+                kind: if real { real_kind(disc.s.re, passive) } else { complex_kind(disc.s, passive) },
                 cluster,
                 defective: false,
                 route: Route::Refined,
@@ -108,22 +124,22 @@ impl PoleList {
     }
 
     /// Poles from exact arithmetic.
-    pub fn exact(&mut self, poles: &ExactPoles, dissipative: bool) {
+    pub fn exact(&mut self, poles: &ExactPoles, passive: Passive) {
         self.zeros(poles.zeros);
         for root in &poles.roots {
             let sides = if root.real { vec![root.s.im] } else { vec![-root.s.im, root.s.im] };
             for im in sides {
-                self.exact_side(root, im, dissipative);
+                self.exact_side(root, im, passive);
             }
         }
     }
 
-    fn exact_side(&mut self, root: &ExactRoot, im: Ball, dissipative: bool) {
+    fn exact_side(&mut self, root: &ExactRoot, im: Ball, passive: Passive) {
         let cluster = (root.multiplicity > 1).then(|| self.new_cluster());
         for _ in 0..root.multiplicity {
             self.push(Known {
                 s: Complex::new(root.s.re, im),
-                kind: if root.real { real_kind(root.s.re) } else { complex_kind(root.s.re, dissipative) },
+                kind: if root.real { real_kind(root.s.re, passive) } else { complex_kind(root.s, passive) },
                 cluster,
                 defective: root.defective,
                 route: Route::Exact,
@@ -156,7 +172,7 @@ impl PoleList {
             re,
             im,
             relative_error: if low > 0.0 { radius / low * (1.0 + 1e-12) } else { f64::INFINITY },
-            damping_ratio: Some(zeta),
+            damping_ratio: zeta.is_finite().then_some(zeta),
             kind: known.kind,
             cluster: known.cluster,
             defective: known.defective,
@@ -189,11 +205,22 @@ fn not_told_from_zero(re: Ball, im: Ball) -> Ball {
     if re.contains_zero() && re.rad.is_finite() && !im.is_zero() { Ball::new(Dd::ZERO, re.magnitude()) } else { re }
 }
 
-fn real_kind(re: Ball) -> PoleKind {
-    if re.is_positive() { PoleKind::Divergence } else { PoleKind::Overdamped }
+/// The kind of a pole around a real centre.
+fn real_kind(re: Ball, passive: Passive) -> PoleKind {
+    match re.contains_zero() {
+        false if re.mid.hi > 0.0 => PoleKind::Divergence,
+        true if !passive.nothing_grows() => PoleKind::Undetermined,
+        _ => PoleKind::Overdamped,
+    }
 }
 
 /// x^H Q(s) x = 0 has the imaginary part im (2 re x^H M x + x^H C x): with M > 0 and C >= 0 no oscillation grows.
-fn complex_kind(re: Ball, dissipative: bool) -> PoleKind {
-    if re.is_positive() && !dissipative { PoleKind::Flutter } else { PoleKind::Oscillation }
+fn complex_kind(s: Complex<Ball>, passive: Passive) -> PoleKind {
+    let off_axis = !s.im.contains_zero();
+    match s.re.contains_zero() {
+        _ if passive.nothing_grows() || (passive.damped && off_axis) => PoleKind::Oscillation,
+        false if s.re.mid.hi > 0.0 => PoleKind::Flutter,
+        true if !s.re.is_zero() => PoleKind::Undetermined,
+        _ => PoleKind::Oscillation,
+    }
 }

@@ -25,7 +25,7 @@ use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
 use crate::analysis::poles::exact::{Exact, exact_poles};
-use crate::analysis::poles::list::PoleList;
+use crate::analysis::poles::list::{Passive, PoleList};
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
@@ -74,7 +74,7 @@ impl Portion<'_> {
             found.undamped(modes);
         } else if modes.list.len() != self.part.coordinates.len() {
             // Motions without inertia that dampers hold have poles all the same.
-            if !self.exact(found) {
+            if !self.exact(modes, found) {
                 return Err(self.massless());
             }
         } else if let Some(damping) = proportional(self.system, self.part) {
@@ -111,7 +111,7 @@ impl Portion<'_> {
         let quadratic = |omega_squared: Number| roots(&Number::ONE, &damping.of_mode(&omega_squared), &omega_squared);
         let list: Vec<Roots> = modes.list.iter().map(|mode| quadratic(Number::Ball(mode.omega_squared))).collect();
         // The ball of omega^2 cannot tell whether the damping is critical.
-        if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(found) {
+        if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(modes, found) {
             return;
         }
         list.into_iter().for_each(|roots| found.quadratic(roots));
@@ -138,7 +138,7 @@ impl Portion<'_> {
         if !all_apart(&discs) {
             (pairs, discs) = certified(&aberth(&basis, &starts));
         }
-        if !all_apart(&discs) && self.exact(found) {
+        if !all_apart(&discs) && self.exact(modes, found) {
             return Ok(());
         }
         let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
@@ -147,25 +147,27 @@ impl Portion<'_> {
             return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
         }
         found.zeros(basis.zeros());
-        found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.is_dissipative());
+        found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
         Ok(())
     }
 
     /// The roots of det Q; false where that is beyond exact arithmetic.
-    fn exact(&self, found: &mut PoleList) -> bool {
+    fn exact(&self, modes: &Modes, found: &mut PoleList) -> bool {
         let Some(poles) = exact_poles(self.system, self.part, self.local) else { return false };
         match poles {
-            Exact::Poles(poles) => found.exact(&poles, self.is_dissipative()),
+            Exact::Poles(poles) => found.exact(&poles, self.passive(modes)),
             Exact::Singular => return false,
         }
         true
     }
 
-    /// No term of M or C is negative.
-    fn is_dissipative(&self) -> bool {
+    fn passive(&self, modes: &Modes) -> Passive {
         let positive =
             |form: &Form, terms: &[u32]| terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive());
-        positive(&self.system.m, &self.part.m) && positive(&self.system.c, &self.part.c)
+        Passive {
+            damped: positive(&self.system.m, &self.part.m) && positive(&self.system.c, &self.part.c),
+            held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid)),
+        }
     }
 }
 

@@ -49,7 +49,11 @@ fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> Roots {
     let re = (-&(c / &twice)).to_ball();
     let im = (&root_of(&-discriminant) / &twice).to_ball();
     // A ball around zero that no sign can be read from belongs to a sum of dampers that may cancel.
-    let kind = if re.is_positive() { PoleKind::Flutter } else { PoleKind::Oscillation };
+    let kind = match re.contains_zero() {
+        true if !re.is_zero() => PoleKind::Undetermined,
+        false if re.mid.hi > 0.0 => PoleKind::Flutter,
+        _ => PoleKind::Oscillation,
+    };
     Roots::Apart([Root { re, im: -im, kind }, Root { re, im, kind }])
 }
 
@@ -72,8 +76,8 @@ fn undecided(m: &Number, c: &Number, discriminant: &Number) -> Roots {
     let re = (-&(c / &twice)).to_ball();
     let spread = Ball::new(Dd::from(discriminant.to_ball().magnitude()), 0.0).sqrt() / twice.to_ball();
     let radius = spread.magnitude();
-    let kind = if re.is_positive() { PoleKind::Divergence } else { PoleKind::Overdamped };
-    let root = Root { re: re.widen(radius), im: Ball::new(Dd::ZERO, radius), kind };
+    let re = re.widen(radius);
+    let root = Root { re, im: Ball::new(Dd::ZERO, radius), kind: real_root(re).kind };
     Roots::Together([root, root])
 }
 
@@ -82,11 +86,13 @@ fn root_of(number: &Number) -> Number {
     number.sqrt().unwrap_or_else(|| Number::Ball(number.to_ball().sqrt()))
 }
 
-/// A real pole: its sign is its kind; a sign that cannot be told counts as decay, and the ball says that it is not certain.
+/// A real pole: its sign is its kind.
 pub fn real_root(re: Ball) -> Root {
     let kind = if re.is_zero() {
         PoleKind::Rigid
-    } else if re.is_positive() {
+    } else if re.contains_zero() {
+        PoleKind::Undetermined
+    } else if re.mid.hi > 0.0 {
         PoleKind::Divergence
     } else {
         PoleKind::Overdamped

@@ -43,6 +43,7 @@ fn title(answer: &ModalAnswer) -> String {
         Stability::Stable => "a stable rest",
         Stability::Neutral => "a neutral rest",
         Stability::Unstable => "an UNSTABLE rest",
+        Stability::Undetermined => "a rest of UNDETERMINED stability",
     };
     let rigid = answer.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
     let left = match rigid {

@@ -88,10 +88,12 @@ fn frequency_cells(number: usize, mode: &Mode) -> Vec<String> {
         }
         ModeKind::Rigid => ("0".into(), "0".into(), "rigid".into()),
         ModeKind::Divergence => ("".into(), format!("{}i", certain(&mode.omega, DIGITS)), "unstable".into()),
+        ModeKind::Undetermined => ("".into(), certain(&mode.omega, DIGITS), "undetermined".into()),
     };
     let bound = match mode.kind {
         ModeKind::Rigid => "exact".into(),
         ModeKind::Divergence => upper(error_bound(&mode.omega)),
+        ModeKind::Undetermined => "?".into(),
         ModeKind::Oscillation => upper(error_bound(&mode.omega).max(error_bound(&frequency))),
     };
     vec![number.to_string(), f, omega, t, bound]

@@ -82,7 +82,11 @@ pub fn numbered(answer: &ModalAnswer) -> Vec<(usize, &Pole)> {
 }
 
 fn is_complex(pole: &Pole) -> bool {
-    matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter)
+    match pole.kind {
+        PoleKind::Oscillation | PoleKind::Flutter => true,
+        PoleKind::Undetermined => pole.im.mid.hi != 0.0,
+        PoleKind::Overdamped | PoleKind::Rigid | PoleKind::Divergence => false,
+    }
 }
 
 fn cells(number: usize, pole: &Pole) -> Vec<String> {

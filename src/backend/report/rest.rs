@@ -13,7 +13,7 @@ const MOST: usize = 12;
 const DIGITS: usize = 6;
 
 pub fn text(answer: &ModalAnswer) -> String {
-    displacement(answer) + &unstable(answer) + &neutral(answer)
+    displacement(answer) + &unstable(answer) + &undetermined(answer) + &neutral(answer)
 }
 
 fn displacement(answer: &ModalAnswer) -> String {
@@ -82,6 +82,27 @@ fn unstable(answer: &ModalAnswer) -> String {
         }
     }
     if text.is_empty() { text } else { line("UNSTABLE: the scene does not stay at this rest") + &text }
+}
+
+/// What may grow or not: what was certified does not tell.
+fn undetermined(answer: &ModalAnswer) -> String {
+    let mut text = String::new();
+    for (number, mode) in (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Undetermined) {
+        let carried = carried_by(&answer.system, mode);
+        let bound = certain(&mode.omega, DIGITS);
+        text += &line(format!("  mode {number} ({carried}) may hold or run away: |ω| or its growth is {bound} rad/s"));
+    }
+    for (number, pole) in poles::numbered(answer).into_iter().filter(|_| !answer.system.c.is_empty()) {
+        if pole.kind == PoleKind::Undetermined {
+            let bound = certain(&pole.re, DIGITS);
+            text += &line(format!("  pole {number} may decay or grow: |re s| is {bound} 1/s"));
+        }
+    }
+    if text.is_empty() {
+        text
+    } else {
+        line("UNDETERMINED: whether the scene stays at this rest could not be certified") + &text
+    }
 }
 
 fn growth(rate: Ball) -> String {
