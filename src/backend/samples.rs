@@ -96,6 +96,7 @@ pub fn upright_rod() -> ModalAnswer {
     answer.system.k = Form::new();
     answer.rest = Rest {
         displacement: vec![Number::Ball(Ball::new(Dd::from(0.01), 1e-18))],
+        dependent: Vec::new(),
         residual: 3e-17,
         proven: true,
         steps: 4,
@@ -143,7 +144,7 @@ impl With for Form {
 }
 
 fn as_drawn(n: usize) -> Rest {
-    Rest { displacement: vec![Number::ZERO; n], residual: 0.0, proven: true, steps: 0 }
+    Rest { displacement: vec![Number::ZERO; n], dependent: Vec::new(), residual: 0.0, proven: true, steps: 0 }
 }
 
 fn oscillation(omega: f64, shape: &[f64], kinetic: &[(u32, f64)], strain: &[(Label, f64)]) -> Mode {

@@ -27,3 +27,28 @@ pub fn freedoms(kind: &JointKind) -> Relative {
         JointKind::Weld => weld::freedoms(),
     }
 }
+
+/// What a joint that closes a loop holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    pub displacement: Displacement,
+    /// Whether it keeps the two parts from turning against each other.
+    pub turn: bool,
+}
+
+/// How much of the relative displacement of the two ends a joint holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Displacement {
+    All,
+    /// What is across this direction, which is fixed to the first part.
+    Across(Vec3),
+}
+
+/// The constraint that a joint is where the tree does not need it.
+pub fn held(kind: &JointKind) -> Held {
+    match kind {
+        JointKind::Pivot { .. } => pivot::held(),
+        JointKind::Slide { along } => slide::held(along),
+        JointKind::Weld => weld::held(),
+    }
+}

@@ -2,12 +2,16 @@
 //! Clause: spec.md, "Linearisation" and "The linear system".
 //!
 //! Rows run over all coordinates, the prescribed motions u of bases included. A square w r r^T with r = (r_q, r_u) adds
-//! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2.
+//! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2. In a scene
+//! with constraints every row is first written over the independent coordinates, and the curvature of the constraints
+//! under their multipliers adds to K.
 
+use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
 use super::kinematics::{End, Freely, Index, Kinematics, Path, Reach, State};
 use super::loads::{self, Between};
+use super::rest::survey;
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Damper, Spring, Stretch, Stretched, Vector};
@@ -31,14 +35,17 @@ enum Order {
 pub fn assemble(
     scene: &Scene,
     kinematics: &Kinematics,
+    constraints: &Constraints,
+    reduction: &Reduction,
     state: &State<Number>,
 ) -> Result<LinearSystem, Vec<LowerError>> {
-    let mut assembly = Assembly::new(scene, kinematics, state);
+    let mut assembly = Assembly::new(scene, kinematics, reduction, state);
     assembly.inertia();
     assembly.gravity();
     for element in &scene.elements {
         assembly.element(element);
     }
+    assembly.reactions(constraints);
     assembly.every_freedom_is_determined()?;
     for input in &scene.inputs {
         assembly.constant_load(input);
@@ -55,6 +62,7 @@ pub fn assemble(
 pub struct Assembly<'a> {
     scene: &'a Scene,
     kinematics: &'a Kinematics,
+    reduction: &'a Reduction,
     state: &'a State<Number>,
     words: Words,
     m: Form,
@@ -68,14 +76,20 @@ pub struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    fn new(scene: &'a Scene, kinematics: &'a Kinematics, state: &'a State<Number>) -> Assembly<'a> {
+    fn new(
+        scene: &'a Scene,
+        kinematics: &'a Kinematics,
+        reduction: &'a Reduction,
+        state: &'a State<Number>,
+    ) -> Assembly<'a> {
         let mut m = Form::new();
         let mut k = Form::new();
-        m.reserve(scene.bodies.len(), kinematics.n());
+        m.reserve(scene.bodies.len(), reduction.n());
         k.reserve(scene.elements.len(), 2 * scene.elements.len());
         Assembly {
             scene,
             kinematics,
+            reduction,
             state,
             words: scene.words.clone(),
             m,
@@ -97,18 +111,8 @@ impl<'a> Assembly<'a> {
         });
         LinearSystem {
             words: self.words,
-            coordinates: self
-                .kinematics
-                .free
-                .iter()
-                .map(|freely| {
-                    let body = &self.scene.bodies[freely.body.index()];
-                    Coordinate {
-                        name: Label { name: body.name, motion: freely.motion },
-                        kind: freely.kind,
-                        span: body.span,
-                    }
-                })
+            coordinates: (0..self.reduction.n())
+                .map(|place| coordinate(self.scene, self.kinematics, self.reduction.at(place)))
                 .collect(),
             m: self.m,
             c: self.c,
@@ -155,20 +159,14 @@ impl<'a> Assembly<'a> {
     /// A freedom without inertia follows the others by its springs, or lags behind them by its dampers; with neither it could
     /// be anywhere. Freedoms that only several of them together leave undetermined are found by the analyses.
     fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
-        let mut felt = vec![false; self.kinematics.n()];
+        let mut felt = vec![false; self.reduction.n()];
         for form in [&self.m, &self.c, &self.k] {
             for (coordinate, _) in form.terms().iter().flat_map(|term| form.row(term)) {
                 felt[coordinate.index()] = true;
             }
         }
-        let idle: Vec<LowerError> = self
-            .kinematics
-            .free
-            .iter()
-            .zip(&felt)
-            .filter(|(_, felt)| !**felt)
-            .map(|(freely, _)| self.idle(freely))
-            .collect();
+        let idle = |place: usize| self.idle(&self.kinematics.free[self.reduction.at(place) as usize]);
+        let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
     }
 
@@ -271,10 +269,8 @@ impl<'a> Assembly<'a> {
             self.row.push((i, Number::ONE));
             return self.square(Order::Displacement, source, Nature::Geometric, value);
         }
-        if let (Some(free), Some(input)) = (self.free_of(i, j), self.input_of(i.max(j))) {
-            let entry = -&over_length(value.clone(), self.kinematics.length_squared(free).unwrap_or(&Number::ONE));
-            self.columns[input][0].push((free, entry));
-            return;
+        if self.is_driven(i) || self.is_driven(j) {
+            return self.drive_pair(i, j, value);
         }
         for sign in [1, -1] {
             self.row.clear();
@@ -284,10 +280,29 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The free one of two coordinates of which the other is prescribed.
-    fn free_of(&self, i: Index, j: Index) -> Option<Index> {
-        let n = self.kinematics.n() as Index;
-        (i.min(j) < n && i.max(j) >= n).then_some(i.min(j))
+    /// Whether nothing but prescribed motions moves a coordinate.
+    fn is_driven(&self, coordinate: Index) -> bool {
+        if self.reduction.is_trivial() {
+            return coordinate as usize >= self.kinematics.n();
+        }
+        let mut row = vec![(coordinate, Number::ONE)];
+        self.reduction.reduce(&mut row);
+        row.iter().all(|(i, _)| *i as usize >= self.kinematics.n())
+    }
+
+    /// The part of such a pair that prescribed motions drive: they have no place in K.
+    fn drive_pair(&mut self, i: Index, j: Index, value: &Number) {
+        let [first, second] = [i, j].map(|coordinate| self.finished(vec![(coordinate, Number::ONE)]));
+        for (one, other) in [(&first, &second), (&second, &first)] {
+            for (free, left) in one {
+                let Some(place) = self.reduction.place(*free) else { continue };
+                for (driver, right) in other {
+                    if let Some(input) = self.input_of(*driver) {
+                        self.columns[input][0].push((place.0, -&(&(value * left) * right)));
+                    }
+                }
+            }
+        }
     }
 
     fn input_of(&self, coordinate: Index) -> Option<usize> {
@@ -297,11 +312,12 @@ impl<'a> Assembly<'a> {
 
     /// weight row row^T of the row at hand.
     fn square(&mut self, order: Order, source: u32, nature: Nature, weight: &Number) {
+        self.reduction.reduce(&mut self.row);
         let weight = self.measured(weight);
         self.drive(order, &weight);
-        let n = self.kinematics.n() as Index;
-        let row = self.row.drain(..).filter(|(coordinate, _)| *coordinate < n);
-        let row = row.map(|(coordinate, value)| (CoordinateId(coordinate), value));
+        let reduction = self.reduction;
+        let row = self.row.drain(..);
+        let row = row.filter_map(|(coordinate, value)| Some((reduction.place(coordinate)?, value)));
         match order {
             Order::Displacement => self.k.push(source, nature, weight, row),
             Order::Velocity => self.c.push(source, nature, weight, row),
@@ -328,12 +344,11 @@ impl<'a> Assembly<'a> {
 
     /// The part of a square that prescribed motions drive.
     fn drive(&mut self, order: Order, weight: &Number) {
-        let n = self.kinematics.n() as Index;
-        for (driver, driving) in self.row.iter().filter(|(coordinate, _)| *coordinate >= n) {
+        for (driver, driving) in &self.row {
             let Some(input) = self.input_of(*driver) else { continue };
             let factor = -&(weight * driving);
-            let entries = self.row.iter().filter(|(coordinate, _)| *coordinate < n);
-            self.columns[input][order as usize].extend(entries.map(|(free, value)| (*free, &factor * value)));
+            let entries = self.row.iter().filter_map(|(i, value)| Some((self.reduction.place(*i)?.0, value)));
+            self.columns[input][order as usize].extend(entries.map(|(place, value)| (place, &factor * value)));
         }
     }
 
@@ -359,6 +374,27 @@ impl<'a> Assembly<'a> {
         }
     }
 
+    /// lambda . grad^2 g of the constraints, with the multipliers lambda that balance everything else.
+    fn reactions(&mut self, constraints: &Constraints) {
+        if constraints.is_empty() {
+            return;
+        }
+        let forces = survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn());
+        let multipliers = self.reduction.multipliers(&forces, constraints.list.len());
+        for (constraint, multiplier) in constraints.list.iter().zip(&multipliers) {
+            if multiplier.is_zero() {
+                continue;
+            }
+            let source = self.k.source(plain(constraint.source.name(self.scene)));
+            let mut entries = Vec::new();
+            let visit = |i, j, value| entries.push((i, j, value));
+            constraint.equation.curvature(self.kinematics, self.state, multiplier, &mut self.reach, visit);
+            for (i, j, value) in entries {
+                self.pair(source, i, j, &value);
+            }
+        }
+    }
+
     /// The column of a force or torque: the gradient of the motion on which it does work.
     fn input(&mut self, index: usize, input: &Input) {
         let mut column = match &input.kind {
@@ -371,8 +407,8 @@ impl<'a> Assembly<'a> {
             InputKind::Torque { ends } => self.torque_column(ends),
             InputKind::Base { .. } => return,
         };
-        column.retain(|(coordinate, _)| (*coordinate as usize) < self.kinematics.n());
-        self.columns[index][0].append(&mut column);
+        let placed = column.drain(..).filter_map(|(i, value)| Some((self.reduction.place(i)?.0, value)));
+        self.columns[index][0].extend(placed);
     }
 
     fn force_column(&mut self, ends: &[Attachment], direction: &Vector<Number>) -> Row {
@@ -387,7 +423,14 @@ impl<'a> Assembly<'a> {
     fn torque_column(&self, ends: &[Attachment]) -> Row {
         let angle = |end: &Attachment| self.kinematics.angle(self.kinematics.tree.piece(end.part));
         let ends = ends.iter().zip([1, -1]);
-        ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect()
+        self.finished(ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect())
+    }
+
+    /// A row over all coordinates as it is handed out: over those of the system and the prescribed ones, in m and rad.
+    fn finished(&self, mut row: Row) -> Row {
+        self.reduction.reduce(&mut row);
+        measure(self.kinematics, &mut row);
+        row
     }
 
     /// Gradient of the displacement of a point along a direction, over all coordinates, in m and rad.
@@ -396,17 +439,15 @@ impl<'a> Assembly<'a> {
         self.reach.measure(self.kinematics, self.state, &self.between.path);
         self.reach.row(direction, &mut self.row);
         let length_squared = direction.norm_squared();
-        let mut row: Row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
-        measure(self.kinematics, &mut row);
-        row
+        let row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
+        self.finished(row)
     }
 
     /// grad e over all coordinates, in m and rad.
     fn slope_row(&mut self, stretched: &Stretched<Number>) -> Row {
         let length_squared = self.slope(stretched);
-        let mut row: Row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
-        measure(self.kinematics, &mut row);
-        row
+        let row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
+        self.finished(row)
     }
 
     /// A motion as a row and the derivative that it is of.
@@ -418,11 +459,18 @@ impl<'a> Assembly<'a> {
             }
             Motion::Turn { part, derivative } => {
                 let angle = self.kinematics.angle(self.kinematics.tree.piece(*part));
-                (*derivative, angle.map(|angle| (angle, Number::ONE)).into_iter().collect())
+                (*derivative, self.finished(angle.map(|angle| (angle, Number::ONE)).into_iter().collect()))
             }
             Motion::Force { element } => self.element_force(&self.scene.elements[element.index()]),
             Motion::Stretch { element } => (0, self.element_slope(&self.scene.elements[element.index()])),
         }
+    }
+
+    /// A motion over the places of the system; bases are at rest.
+    pub fn placed_motion(&mut self, motion: &Motion) -> (u8, Row) {
+        let (derivative, row) = self.motion(motion);
+        let placed = row.into_iter().filter_map(|(i, value)| Some((self.reduction.place(i)?.0, value)));
+        (derivative, placed.collect())
     }
 
     fn element_slope(&mut self, element: &Element) -> Row {
@@ -442,12 +490,12 @@ impl<'a> Assembly<'a> {
     }
 
     fn output(&mut self, output: &Output) -> system::Output {
-        let rows = self.combination(&output.terms).map(summed);
-        let n = self.kinematics.n();
-        let free = |row: &Sparse| row.iter().filter(|(i, _)| i.index() < n).cloned().collect();
-        let driven = |row: &Sparse| {
-            let prescribed = row.iter().filter(|(i, _)| i.index() >= n);
-            prescribed.map(|(i, v)| (self.kinematics.prescribed_inputs[i.index() - n], v.clone())).collect()
+        let rows = self.combination(&output.terms).map(equation::summed);
+        let free = |row: &Row| -> Sparse {
+            row.iter().filter_map(|(i, value)| Some((self.reduction.place(*i)?, value.clone()))).collect()
+        };
+        let driven = |row: &Row| {
+            row.iter().filter_map(|(i, value)| Some((self.input_of(*i)? as u32, value.clone()))).collect()
         };
         let (p, d) = (rows.each_ref().map(free), rows.each_ref().map(driven));
         system::Output { name: plain(output.name), unit: output_unit(output), p, d }
@@ -474,18 +522,16 @@ fn measure(kinematics: &Kinematics, row: &mut Row) {
     }
 }
 
-/// One entry for each coordinate, ascending, without zeros.
-fn summed(mut row: Row) -> Sparse {
-    row.sort_by_key(|(coordinate, _)| *coordinate);
-    let mut sums: Sparse = Vec::with_capacity(row.len());
-    for (coordinate, value) in row {
-        match sums.last_mut() {
-            Some((last, sum)) if last.0 == coordinate => *sum = &*sum + &value,
-            _ => sums.push((CoordinateId(coordinate), value)),
-        }
-    }
-    sums.retain(|(_, value)| !value.is_zero());
-    sums
+/// A column over places in the system: one entry each, ascending, without zeros.
+fn summed(column: Row) -> Sparse {
+    equation::summed(column).into_iter().map(|(place, value)| (CoordinateId(place), value)).collect()
+}
+
+/// A coordinate of the tree as the system shows it.
+pub fn coordinate(scene: &Scene, kinematics: &Kinematics, coordinate: Index) -> Coordinate {
+    let freely = &kinematics.free[coordinate as usize];
+    let body = &scene.bodies[freely.body.index()];
+    Coordinate { name: Label { name: body.name, motion: freely.motion }, kind: freely.kind, span: body.span }
 }
 
 fn plain(name: Name) -> Label {

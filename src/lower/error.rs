@@ -1,7 +1,8 @@
 //! What lowering finds wrong with a scene: facts, and what to say about them.
 
+use super::constraints::Why;
 use crate::base::{Code, Diagnostic, Span};
-use crate::model::scene::{BodyId, JointId, Scene};
+use crate::model::scene::{BodyId, Scene};
 
 /// Bodies without a freedom clause that no joint ties to the ground.
 pub const LOOSE: Code = Code("vib::freedom::loose");
@@ -11,7 +12,13 @@ pub const NO_FREEDOM: Code = Code("vib::freedom::none");
 pub const NO_INERTIA: Code = Code("vib::freedom::no_inertia");
 /// A body turns about a point that nothing says the place of.
 pub const UNKNOWN_PLACE: Code = Code("vib::position::unknown");
-/// Joints or couplings that close a loop, and what else is not built yet.
+/// Joints and couplings that hold each other.
+pub const CONFLICT: Code = Code("vib::loop::conflict");
+/// A position in which joints leave more motions than beside it.
+pub const RANK_DROP: Code = Code("vib::loop::rank_drop");
+/// A joint or a coupling that says what others say already.
+pub const REDUNDANT: Code = Code("vib::loop::redundant");
+/// What is not built yet.
 pub const NOT_AVAILABLE: Code = Code("vib::feature::not_available");
 /// More row entries than there is room for.
 pub const TOO_DEEP: Code = Code("vib::limit::depth");
@@ -47,9 +54,10 @@ pub enum LowerError {
         span: Span,
         used: Span,
     },
-    /// Joints of a loop, the one that closes it first.
+    /// Joints and couplings that tie parts wrongly, the one that closes the loop first.
     Loop {
         joints: Vec<(String, Span)>,
+        why: Why,
     },
     NotAvailable {
         what: &'static str,
@@ -101,12 +109,6 @@ impl LowerError {
         }
     }
 
-    pub fn closed_loop(scene: &Scene, joints: &[JointId]) -> LowerError {
-        let joint = |id: &JointId| &scene.joints[id.index()];
-        let named = |id: &JointId| (scene.words.display(joint(id).name), joint(id).span);
-        LowerError::Loop { joints: joints.iter().take(SHOWN).map(named).collect() }
-    }
-
     pub fn to_diagnostic(&self) -> Diagnostic {
         match self {
             LowerError::Loose { names, spans } => loose(names, spans),
@@ -120,7 +122,7 @@ impl LowerError {
                     .related(*span, "declared here, without a place")
                     .help(format!("give `{body}` a place: `at = (0, 0)`"))
             }
-            LowerError::Loop { joints } => closed_loop(joints),
+            LowerError::Loop { joints, why } => closed_loop(joints, *why),
             LowerError::NotAvailable { what, span } => {
                 Diagnostic::error(NOT_AVAILABLE, *span, format!("{what} is not available yet"))
             }
@@ -170,17 +172,48 @@ fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnost
     ))
 }
 
-fn closed_loop(joints: &[(String, Span)]) -> Diagnostic {
+fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
-    let message = match names.as_slice() {
-        [one] => format!("`{one}` ties parts that are tied already: closed loops are not available yet"),
-        many => format!("{} make a closed loop: closed loops are not available yet", listed(many)),
+    let (code, hold) = match why {
+        Why::InLine | Why::Branching | Why::Unclear => (RANK_DROP, "part of the loop"),
+        Why::Locked | Why::Opposed | Why::Driven => (CONFLICT, "together with this one"),
     };
-    let mut diagnostic = Diagnostic::error(NOT_AVAILABLE, joints[0].1, message).label("closes the loop");
-    for (_, span) in &joints[1..] {
-        diagnostic = diagnostic.related(*span, "part of the loop");
+    let names = listed(&names);
+    let message = match why {
+        Why::InLine => format!("all links of the loop of {names} are in line: in this position its freedoms are not determined"),
+        Why::Branching => format!("the loop of {names} can move in several ways from this position: its freedoms are not determined"),
+        Why::Unclear => format!("whether {names} depend on each other is not to be told from the digits that are known"),
+        Why::Locked => format!("{names} hold each other: nothing that they tie can move"),
+        Why::Opposed => format!("{names} contradict each other: only no motion at all fulfils them"),
+        Why::Driven => format!("{names} hold a base whose motion is prescribed"),
+    };
+    let help = match why {
+        Why::InLine | Why::Branching => "draw it in a position beside this one",
+        Why::Unclear => "draw it in another position, or leave one of them out",
+        Why::Locked => "leave one of them out, or draw the links so that they fit each other while they move",
+        Why::Opposed => "leave one of them out, or correct its ratio",
+        Why::Driven => "leave the joint out, or give the parts between the base and the ground one freedom more",
+    };
+    let mut diagnostic = Diagnostic::error(code, joints[0].1, message).label("closes the loop");
+    for (_, span) in joints[1..].iter().take(SHOWN) {
+        diagnostic = diagnostic.related(*span, hold);
     }
-    diagnostic
+    diagnostic.help(help)
+}
+
+/// The note on a joint or coupling that others make superfluous; it comes first.
+pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
+    let others: Vec<String> = joints[1..].iter().map(|(name, _)| name.clone()).collect();
+    let (name, span) = &joints[0];
+    let message = match others.as_slice() {
+        [] => format!("`{name}` ties what is tied already"),
+        others => format!("`{name}` asks in part what follows from {} already", listed(others)),
+    };
+    let mut diagnostic = Diagnostic::note(REDUNDANT, *span, message).label("redundant");
+    for (_, span) in joints[1..].iter().take(SHOWN) {
+        diagnostic = diagnostic.related(*span, "with this one");
+    }
+    diagnostic.help("nothing is lost: motions and frequencies are the same without it; the forces in these joints are not determined")
 }
 
 fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {

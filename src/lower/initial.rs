@@ -21,7 +21,7 @@ struct Equation {
 pub fn initial(scene: &Scene, assembly: &mut Assembly) -> Result<Vec<(CoordinateId, Number, Number)>, Vec<LowerError>> {
     let mut equations = [Vec::new(), Vec::new()];
     for (motion, value, span) in scene.initial.iter().flat_map(|initial| &initial.values) {
-        let (derivative, row) = assembly.motion(motion);
+        let (derivative, row) = assembly.placed_motion(motion);
         equations[usize::from(derivative).min(1)].push(equation(row, value, *span));
     }
     let mut start: BTreeMap<u32, [Number; 2]> = BTreeMap::new();

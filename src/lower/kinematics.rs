@@ -132,6 +132,11 @@ impl Kinematics {
         Some(&self.lengths_squared[found].1)
     }
 
+    /// The axis about which a coordinate turns; z for one that does not.
+    pub fn axis<S: Scalar>(&self, coordinate: Index) -> Vector<S> {
+        Vector::of(&self.groups[self.group_of[coordinate as usize] as usize].axis)
+    }
+
     pub fn is_angle(&self, coordinate: Index) -> bool {
         self.group_of[coordinate as usize] != NO_TURN
     }
@@ -459,6 +464,14 @@ impl<S: Scalar> State<S> {
 
     pub fn value(&self, coordinate: Index) -> &S {
         self.values.get(coordinate as usize).unwrap_or(&self.zero)
+    }
+
+    /// A vector that turns with an angle.
+    pub fn turned(&self, kinematics: &Kinematics, angle: Index, v: &Vector<S>) -> Vector<S> {
+        match self.turned.get(kinematics.group_of[angle as usize] as usize) {
+            Some(Some((sine, cosine))) => v.turned(&kinematics.axis(angle), sine, cosine),
+            _ => v.clone(),
+        }
     }
 
     /// Moves one coordinate.

@@ -4,10 +4,12 @@
 //! # Steps
 //! 1. [`tree`]: which part carries which
 //! 2. [`kinematics`]: how points move with the coordinates
-//! 3. [`rest`]: where everything stays
-//! 4. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
+//! 3. [`constraints`]: what joints that close loops, and couplings, hold
+//! 4. [`rest`]: where everything stays
+//! 5. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
 
 pub mod assembly;
+pub mod constraints;
 mod drives;
 pub mod error;
 pub mod initial;
@@ -17,9 +19,9 @@ pub mod rest;
 pub mod tree;
 
 pub use drives::drives;
-pub use rest::Rest;
+pub use rest::{Dependent, Rest};
 
-use crate::base::Diagnostics;
+use crate::base::{Diagnostic, Diagnostics};
 use crate::model::CheckedScene;
 use crate::model::scene::Scene;
 use crate::system::LinearSystem;
@@ -44,7 +46,10 @@ pub struct Outcome {
 pub fn lower(scene: &CheckedScene) -> Outcome {
     let mut diagnostics = Diagnostics::new();
     let lowered = match lowered(scene.scene()) {
-        Ok(lowered) => Some(lowered),
+        Ok((lowered, notes)) => {
+            diagnostics.extend(notes);
+            Some(lowered)
+        }
         Err(errors) => {
             diagnostics.extend(errors.iter().map(LowerError::to_diagnostic));
             None
@@ -53,27 +58,23 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
     Outcome { lowered, diagnostics }
 }
 
-fn lowered(scene: &Scene) -> Result<Lowered, Vec<LowerError>> {
+fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
     refuse(scene)?;
     let tree = tree::build(scene)?;
-    if !tree.closing.is_empty() {
-        let closed = |joint| LowerError::closed_loop(scene, &tree.closed_by(scene, joint));
-        return Err(tree.closing.iter().copied().map(closed).collect());
-    }
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;
-    let found = rest::find(scene, &kinematics)?;
-    let system = assembly::assemble(scene, &kinematics, &found.state)?;
-    let rest = found.finish(scene, &kinematics, &system)?;
-    Ok(Lowered { system, rest })
+    let (constraints, notes) = constraints::build(scene, &kinematics)?;
+    let found = rest::find(scene, &kinematics, &constraints)?;
+    let reduction = constraints.reduction(scene, &kinematics, &found.state)?;
+    constraints.check_freedom(scene, &kinematics, &reduction)?;
+    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state)?;
+    let rest = found.finish(scene, &kinematics, &reduction, &system)?;
+    Ok((Lowered { system, rest }, notes))
 }
 
 /// What is declared and not built yet.
 fn refuse(scene: &Scene) -> Result<(), Vec<LowerError>> {
     let mut refused = Vec::new();
-    if let Some(couple) = scene.couples.first() {
-        refused.push(LowerError::NotAvailable { what: "a coupling", span: couple.span });
-    }
     if let Some(span) = scene.rest_as_drawn {
         refused.push(LowerError::NotAvailable { what: "`rest as drawn`", span });
     }

@@ -15,12 +15,13 @@ pub mod potential;
 pub mod survey;
 
 use super::error::{LowerError, NoRestReason, Unbalanced};
+use super::constraints::{Constraints, Reduction};
 use super::kinematics::{Index, Kinematics, State};
-use super::loads;
+use super::{assembly, loads};
 use crate::base::Number;
 use crate::elements::Scalar;
 use crate::model::scene::Scene;
-use crate::system::{CoordinateKind, LinearSystem};
+use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 use enclosure::{MAX_DENSE, Refinement};
 use newton::{Descended, Descent};
 use survey::{Part, Survey};
@@ -31,6 +32,8 @@ pub struct Rest {
     /// Displacement of each coordinate from the drawing, m or rad, in the order of the system's coordinates. An enclosure:
     /// the true rest lies in these balls (exact zeros where the drawing is the rest).
     pub displacement: Vec<Number>,
+    /// The coordinates that joints and couplings make depend on those of the system.
+    pub dependent: Vec<Dependent>,
     /// Largest generalised force that is left, relative to the largest that acts in its part; exactly 0 where the rest is
     /// known exactly.
     pub residual: f64,
@@ -38,6 +41,13 @@ pub struct Rest {
     pub proven: bool,
     /// Newton steps that were taken; 0 where the drawing is the rest.
     pub steps: u32,
+}
+
+/// A coordinate that depends on others, and where it rests, measured from the drawing.
+#[derive(Clone, Debug)]
+pub struct Dependent {
+    pub coordinate: Coordinate,
+    pub displacement: Number,
 }
 
 /// A rest whose large linear parts are still to be solved.
@@ -50,17 +60,24 @@ pub struct Found {
 }
 
 /// The rest of a scene.
-pub fn find(scene: &Scene, kinematics: &Kinematics) -> Result<Found, Vec<LowerError>> {
+pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<Found, Vec<LowerError>> {
     let state = loads::drawn(scene, kinematics);
-    let rest = Rest { displacement: Vec::new(), residual: 0.0, proven: true, steps: 0 };
+    let rest = Rest { displacement: Vec::new(), dependent: Vec::new(), residual: 0.0, proven: true, steps: 0 };
     let mut found = Found { rest, state, survey: None };
     if !is_loaded(scene) {
         return Ok(found);
     }
     let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
-    if forces.iter().all(Number::is_zero) {
+    let drawn = constraints.reduction(scene, kinematics, &found.state)?;
+    let left = if drawn.is_trivial() { forces } else { drawn.left_of(&forces) };
+    if left.iter().all(Number::is_zero) && constraints.hold_exactly(kinematics, &found.state) {
         return Ok(found);
     }
+    if !drawn.is_trivial() {
+        let span = constraints.list[0].source.span(scene);
+        return Err(vec![LowerError::NotAvailable { what: "a closed loop that rests away from its drawing", span }]);
+    }
+    let forces = left;
     let mut survey = survey::survey(scene, kinematics, forces);
     found.search(scene, kinematics, &mut survey)?;
     found.survey = Some(survey);
@@ -103,10 +120,16 @@ impl Found {
         self,
         scene: &Scene,
         kinematics: &Kinematics,
+        reduction: &Reduction,
         system: &LinearSystem,
     ) -> Result<Rest, Vec<LowerError>> {
         let Found { mut rest, state, survey } = self;
-        rest.displacement = (0..kinematics.n() as Index).map(|i| measured(kinematics, i, state.value(i))).collect();
+        let moved = |coordinate: Index| measured(kinematics, coordinate, state.value(coordinate));
+        rest.displacement = (0..reduction.n()).map(|place| moved(reduction.at(place))).collect();
+        rest.dependent = reduction
+            .dependent()
+            .map(|i| Dependent { coordinate: assembly::coordinate(scene, kinematics, i), displacement: moved(i) })
+            .collect();
         let Some(survey) = survey else { return Ok(rest) };
         let large: Vec<&Part> = survey.parts.iter().filter(|part| part.is_large_and_linear()).collect();
         for solved in linear::solve(kinematics, system, &survey, &large) {

@@ -1,0 +1,74 @@
+//! What closing joints and couplings ask, as scalar equations. In: scene and kinematics; out: a list in order of
+//! declaration, joints first. Clause: spec.md, 6.6.
+
+use super::equation::{Component, Equation};
+use super::{Constraint, Source};
+use crate::base::{Number, Vec3};
+use crate::elements::{Scalar, Vector};
+use crate::joints::{self, Displacement};
+use crate::lower::kinematics::{End, Kinematics, Path};
+use crate::lower::loads;
+use crate::model::scene::{Couple, Joint, Motion, MotionTerm, Scene};
+
+/// Every equation of a scene.
+pub fn all(scene: &Scene, kinematics: &Kinematics) -> Vec<Constraint> {
+    let mut list = Vec::new();
+    for id in &kinematics.tree.closing {
+        let equations = of_joint(kinematics, &scene.joints[id.index()]);
+        list.extend(equations.into_iter().map(|equation| Constraint { source: Source::Joint(*id), equation }));
+    }
+    for (number, couple) in scene.couples.iter().enumerate() {
+        let source = Source::Couple(number as u32);
+        list.push(Constraint { source, equation: of_couple(kinematics, couple) });
+    }
+    list
+}
+
+fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
+    let held = joints::held(&joint.kind);
+    let pieces = [0, 1].map(|end| kinematics.tree.piece(joint.ends[end].part));
+    let angles = pieces.map(|piece| kinematics.angle(piece));
+    // Parts that do not turn against each other may be compared at any point that is known.
+    let anchor = |end: usize| kinematics.tree.pieces[pieces[end] as usize].anchor.as_deref();
+    let given = |end: usize| joint.ends[end].at.as_deref();
+    let at = given(0).or_else(|| given(1)).or_else(|| anchor(0)).or_else(|| anchor(1));
+    let mut path = Path::default();
+    kinematics.way(End { piece: pieces[0], at }, End { piece: pieces[1], at }, &mut path);
+    let component = |direction: Vector<Number>, carrier| {
+        let components = vec![Component { path: path.clone(), direction, carrier }];
+        Equation { components, turns: Vec::new() }
+    };
+    let mut equations = match &held.displacement {
+        Displacement::All => [Vec3::X, Vec3::Y].map(|axis| component(Vector::of(&axis), None)).to_vec(),
+        Displacement::Across(along) => vec![component(Vector::of(&Vec3::Z.cross(along)), angles[0])],
+    };
+    if held.turn && angles[0] != angles[1] {
+        let turn = |end: usize, factor: i64| angles[end].map(|angle| (angle, Number::from(factor)));
+        let turns = [turn(0, -1), turn(1, 1)].into_iter().flatten().collect();
+        equations.push(Equation { components: Vec::new(), turns });
+    }
+    equations
+}
+
+/// sum of coefficient times displacement or angle from the drawing.
+fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
+    let mut equation = Equation { components: Vec::new(), turns: Vec::new() };
+    for MotionTerm { coefficient, motion } in &couple.terms {
+        match motion {
+            Motion::Point { part, at, direction, .. } => {
+                let mut path = Path::default();
+                loads::absolute(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
+                let direction = Vector::of(direction).scaled(coefficient);
+                equation.components.push(Component { path, direction, carrier: None });
+            }
+            Motion::Turn { part, .. } => {
+                let angle = kinematics.angle(kinematics.tree.piece(*part));
+                equation.turns.extend(angle.map(|angle| (angle, coefficient.clone())));
+            }
+            // The check lets displacements and angles through only.
+            Motion::Force { .. } | Motion::Stretch { .. } => {}
+        }
+    }
+    equation.turns.retain(|(_, factor)| !Scalar::is_zero(factor));
+    equation
+}

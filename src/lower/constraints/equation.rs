@@ -1,0 +1,147 @@
+//! One scalar constraint g(q) = 0 and its exact first and second derivatives. Clause: spec.md, 6.6.
+//!
+//! g is a sum of components of displacements and of angles,
+//!
+//! ```text
+//! g = sum_k (R_k n_k) . u_k(q) + sum_i c_i theta_i
+//! ```
+//!
+//! with u_k the displacement over a way and R_k the turn of the part that carries the direction n_k (a slide's); R_k = 1
+//! for directions that are fixed. A turn t of the carrier adds a x R n to the direction, so
+//!
+//! ```text
+//! dg/dt += (a x R n) . u      d2g/dt dq_j += (a x R n) . du/dq_j      d2g/dt2 += -(R n) . u.
+//! ```
+
+use crate::base::Number;
+use crate::elements::{Scalar, Vector};
+use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
+
+/// A constraint, in the numbers that it is evaluated in.
+#[derive(Clone, Debug)]
+pub struct Equation<S> {
+    pub components: Vec<Component<S>>,
+    /// Angles with their factors.
+    pub turns: Vec<(Index, S)>,
+}
+
+/// A component of the displacement over a way.
+#[derive(Clone, Debug)]
+pub struct Component<S> {
+    pub path: Path<S>,
+    pub direction: Vector<S>,
+    /// The angle of the part to which the direction is fixed; `None` where that does not turn.
+    pub carrier: Option<Index>,
+}
+
+impl Equation<Number> {
+    pub fn converted<S: Scalar>(&self) -> Equation<S> {
+        let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
+        let component = |component: &Component<Number>| Component {
+            path: component.path.converted(),
+            direction: vector(&component.direction),
+            carrier: component.carrier,
+        };
+        Equation {
+            components: self.components.iter().map(component).collect(),
+            turns: self.turns.iter().map(|(angle, factor)| (*angle, S::of(factor))).collect(),
+        }
+    }
+
+    /// Whether g is linear in the coordinates.
+    pub fn is_linear(&self) -> bool {
+        self.components.iter().all(|component| component.path.is_straight() && component.carrier.is_none())
+    }
+
+    /// Every coordinate that g may depend on; some more than once.
+    pub fn coordinates<'a>(&'a self, kinematics: &'a Kinematics) -> impl Iterator<Item = Index> + 'a {
+        let way = |component: &'a Component<Number>| {
+            let way = component.path.coordinates(kinematics).flat_map(|(coordinate, angle)| [Some(coordinate), angle]);
+            way.chain([component.carrier]).flatten()
+        };
+        self.components.iter().flat_map(way).chain(self.turns.iter().map(|(angle, _)| *angle))
+    }
+
+    /// The longest arm, m.
+    pub fn longest_arm(&self) -> f64 {
+        self.components.iter().map(|component| component.path.longest_arm()).fold(0.0, f64::max)
+    }
+}
+
+impl<S: Scalar> Equation<S> {
+    /// g and its gradient, one entry a coordinate, ascending, without zeros.
+    pub fn measure(&self, kinematics: &Kinematics, state: &State<S>, reach: &mut Reach<S>) -> (S, Vec<(Index, S)>) {
+        let mut value = S::zero();
+        let mut row: Vec<(Index, S)> = Vec::new();
+        let mut part = Vec::new();
+        for component in &self.components {
+            reach.measure(kinematics, state, &component.path);
+            let direction = component.turned(kinematics, state);
+            value = value.plus(&direction.dot(&reach.displacement));
+            reach.row(&direction, &mut part);
+            row.append(&mut part);
+            if let Some(carrier) = component.carrier {
+                let turning = kinematics.axis(carrier).cross(&direction);
+                row.push((carrier, turning.dot(&reach.displacement)));
+            }
+        }
+        for (angle, factor) in &self.turns {
+            value = value.plus(&factor.times(state.value(*angle)));
+            row.push((*angle, factor.clone()));
+        }
+        (value, summed(row))
+    }
+
+    /// `multiplier` times the second derivative: each pair of coordinates once, places may repeat.
+    pub fn curvature(
+        &self,
+        kinematics: &Kinematics,
+        state: &State<S>,
+        multiplier: &S,
+        reach: &mut Reach<S>,
+        mut visit: impl FnMut(Index, Index, S),
+    ) {
+        for component in &self.components {
+            reach.measure(kinematics, state, &component.path);
+            let direction = component.turned(kinematics, state).scaled(multiplier);
+            reach.curvature(&direction, &mut visit);
+            let Some(carrier) = component.carrier else { continue };
+            let turning = kinematics.axis(carrier).cross(&direction);
+            for (coordinate, column) in &reach.columns {
+                let mixed = turning.dot(column);
+                let both = if *coordinate == carrier { mixed.plus(&mixed) } else { mixed };
+                if !both.is_zero() {
+                    visit(carrier, *coordinate, both);
+                }
+            }
+            let own = direction.dot(&reach.displacement).negated();
+            if !own.is_zero() {
+                visit(carrier, carrier, own);
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Component<S> {
+    /// R n.
+    fn turned(&self, kinematics: &Kinematics, state: &State<S>) -> Vector<S> {
+        match self.carrier {
+            Some(carrier) => state.turned(kinematics, carrier, &self.direction),
+            None => self.direction.clone(),
+        }
+    }
+}
+
+/// One entry a coordinate, ascending, without zeros.
+pub fn summed<S: Scalar>(mut row: Vec<(Index, S)>) -> Vec<(Index, S)> {
+    row.sort_by_key(|(coordinate, _)| *coordinate);
+    let mut sums: Vec<(Index, S)> = Vec::with_capacity(row.len());
+    for (coordinate, value) in row {
+        match sums.last_mut() {
+            Some((last, sum)) if *last == coordinate => *sum = sum.plus(&value),
+            _ => sums.push((coordinate, value)),
+        }
+    }
+    sums.retain(|(_, value)| !value.is_zero());
+    sums
+}

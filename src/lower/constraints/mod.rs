@@ -1,0 +1,122 @@
+//! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics; out: equations g(q) = 0
+//! that are independent of each other in the drawing, and what the others turned out to be. Clause: spec.md, 6.6 to 6.9.
+//!
+//! # Steps
+//! 1. [`equation`]: what a joint or a coupling asks, as scalar equations
+//! 2. [`elimination`]: which coordinates depend on which
+//! 3. [`rank`]: what it means where equations depend on each other
+//! 4. [`reduction`]: rows over all coordinates become rows over the independent ones
+
+mod closures;
+pub mod elimination;
+pub mod equation;
+mod rank;
+pub mod reduction;
+
+pub use rank::Why;
+pub use reduction::Reduction;
+
+use super::error::LowerError;
+use super::kinematics::{Index, Kinematics, Reach, State};
+use crate::base::{Diagnostic, Name, Number, Span};
+use crate::model::scene::{JointId, Scene};
+use elimination::Elimination;
+use equation::Equation;
+
+/// What asks for an equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Source {
+    Joint(JointId),
+    /// Index into the scene's couplings.
+    Couple(u32),
+}
+
+/// An equation and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    pub source: Source,
+    pub equation: Equation<Number>,
+}
+
+/// The independent constraints of a scene; none in a scene that is a tree.
+#[derive(Clone, Debug, Default)]
+pub struct Constraints {
+    pub list: Vec<Constraint>,
+    /// Equations that follow from the others.
+    pub redundant: Vec<Constraint>,
+    /// The longest arm of a loop, m: what a length is measured in; 1 m where nothing turns.
+    pub length: f64,
+}
+
+/// The constraints of a scene, with notes on those that say nothing new.
+pub fn build(scene: &Scene, kinematics: &Kinematics) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
+    let list = closures::all(scene, kinematics);
+    if list.is_empty() {
+        return Ok((Constraints::default(), Vec::new()));
+    }
+    let longest = list.iter().map(|constraint| constraint.equation.longest_arm()).fold(0.0, f64::max);
+    let length = if longest > 0.0 { longest } else { 1.0 };
+    let all = Constraints { list, redundant: Vec::new(), length };
+    rank::sorted(scene, kinematics, all)
+}
+
+impl Source {
+    pub fn name(self, scene: &Scene) -> Name {
+        match self {
+            Source::Joint(joint) => scene.joints[joint.index()].name,
+            Source::Couple(couple) => scene.couples[couple as usize].name,
+        }
+    }
+
+    pub fn span(self, scene: &Scene) -> Span {
+        match self {
+            Source::Joint(joint) => scene.joints[joint.index()].span,
+            Source::Couple(couple) => scene.couples[couple as usize].span,
+        }
+    }
+}
+
+impl Constraints {
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// The equations solved at a state.
+    pub fn eliminate(&self, kinematics: &Kinematics, state: &State<Number>) -> Elimination {
+        let mut reach = Reach::default();
+        let rows = self.list.iter().map(|c| c.equation.measure(kinematics, state, &mut reach).1).collect();
+        elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate))
+    }
+
+    /// What a coordinate is measured in: rad, or the length of the loops.
+    fn unit(&self, kinematics: &Kinematics, coordinate: Index) -> f64 {
+        if kinematics.is_angle(coordinate) {
+            return 1.0;
+        }
+        self.length / kinematics.length_squared(coordinate).map_or(1.0, |squared| squared.to_f64().sqrt())
+    }
+
+    /// The coordinates at a state; an error where the constraints are not independent there.
+    pub fn reduction(
+        &self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        state: &State<Number>,
+    ) -> Result<Reduction, Vec<LowerError>> {
+        if self.is_empty() {
+            return Ok(Reduction::all(kinematics.n()));
+        }
+        let elimination = self.eliminate(kinematics, state);
+        if let Some(left) = elimination.left.first() {
+            return Err(vec![rank::singular(scene, kinematics, self, left)]);
+        }
+        Ok(Reduction::new(kinematics.n(), elimination))
+    }
+
+    /// Whether every equation, redundant ones too, is fulfilled exactly at a state.
+    pub fn hold_exactly(&self, kinematics: &Kinematics, state: &State<Number>) -> bool {
+        let mut reach = Reach::default();
+        let mut all = self.list.iter().chain(&self.redundant);
+        state.is_drawn() || all.all(|c| c.equation.measure(kinematics, state, &mut reach).0.is_zero())
+    }
+}

@@ -1,0 +1,250 @@
+//! What it means where constraints depend on each other in the drawing. Clause: spec.md, 6.8.
+//!
+//! Rows that add up to zero, sum mu_i grad g_i = 0, leave the second derivative Q = sum mu_i grad^2 g_i, taken along the
+//! motions that the rows allow. Where Q is zero the last of them follows from the others (redundant). Where Q has one sign
+//! only no motion is left: the joints lock each other (conflict). Where it has both signs several motions branch off here
+//! (the rank drops), as it does with all links in line.
+
+use super::elimination::{Elimination, Left, Row};
+use super::{Constraints, Reduction, Source};
+use crate::base::{Diagnostic, Number, Span, Vec3};
+use crate::lower::error::{self, LowerError};
+use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use crate::model::scene::{JointKind, Scene};
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+
+/// Second derivatives smaller than this part of what they are sums of are rounding.
+const NOTHING: f64 = 1e-15;
+
+/// Parts the constraints into independent and redundant ones, with a note for each source of the latter.
+pub fn sorted(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    mut all: Constraints,
+) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
+    let elimination = all.eliminate(kinematics, &State::drawn());
+    let mut errors: BTreeMap<Source, LowerError> = BTreeMap::new();
+    let mut redundant: BTreeMap<Source, Vec<Source>> = BTreeMap::new();
+    for left in &elimination.left {
+        let source = all.list[left.row as usize].source;
+        let sources = sources(&all, left.combination.keys());
+        match meaning(scene, kinematics, &all, &elimination, left) {
+            Meaning::Redundant => redundant.entry(source).or_default().extend(sources),
+            Meaning::Wrong(why) => {
+                errors.entry(source).or_insert_with(|| loops(scene, kinematics, source, &sources, why));
+            }
+        }
+    }
+    errors.extend(opposed(scene, kinematics, &all, &elimination));
+    if !errors.is_empty() {
+        return Err(errors.into_values().collect());
+    }
+    let notes = redundant.iter().map(|(source, others)| note(scene, kinematics, *source, others)).collect();
+    let is_left = |number: usize| elimination.left.iter().any(|left| left.row as usize == number);
+    let (left, kept): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut all.list).into_iter().enumerate().partition(|(number, _)| is_left(*number));
+    let plain = |list: Vec<(usize, super::Constraint)>| list.into_iter().map(|(_, constraint)| constraint).collect();
+    (all.list, all.redundant) = (plain(kept), plain(left));
+    Ok((all, notes))
+}
+
+enum Meaning {
+    Redundant,
+    Wrong(Why),
+}
+
+/// What is wrong with joints that tie parts too often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// They hold each other.
+    Locked,
+    /// Couplings that no motion but none fulfils.
+    Opposed,
+    /// They hold a base whose motion is prescribed.
+    Driven,
+    /// Several motions branch off from this position.
+    Branching,
+    /// All pivots of the loop are on one line.
+    InLine,
+    /// Zero is not to be told from what is left.
+    Unclear,
+}
+
+fn meaning(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    all: &Constraints,
+    elimination: &Elimination,
+    left: &Left,
+) -> Meaning {
+    if left.unclear {
+        return Meaning::Wrong(Why::Unclear);
+    }
+    if left.driven.values().any(|entry| !entry.may_be_zero()) {
+        return Meaning::Wrong(Why::Driven);
+    }
+    let form = second_derivative(kinematics, all, elimination, left);
+    if form.is_empty() {
+        return Meaning::Redundant;
+    }
+    if in_line(scene, kinematics, &sources(all, left.combination.keys())) {
+        return Meaning::Wrong(Why::InLine);
+    }
+    Meaning::Wrong(if has_both_signs(&form) { Why::Branching } else { Why::Locked })
+}
+
+/// Q over independent and prescribed coordinates: entries of one triangle, without those that are rounding.
+fn second_derivative(
+    kinematics: &Kinematics,
+    all: &Constraints,
+    elimination: &Elimination,
+    left: &Left,
+) -> BTreeMap<(Index, Index), Number> {
+    let mut form: BTreeMap<(Index, Index), (Number, f64)> = BTreeMap::new();
+    let mut add = |a: Index, b: Index, value: Number| {
+        let (sum, size) = form.entry((a.min(b), a.max(b))).or_insert((Number::ZERO, 0.0));
+        *size += value.to_f64().abs();
+        *sum = &*sum + &value;
+    };
+    let moved = |coordinate: Index| match elimination.solved.get(&coordinate) {
+        Some(equation) => equation.row.iter().map(|(i, entry)| (*i, -entry)).collect(),
+        None => Row::from([(coordinate, Number::ONE)]),
+    };
+    let (state, mut reach) = (State::drawn(), Reach::default());
+    for (constraint, factor) in &left.combination {
+        let equation = &all.list[*constraint as usize].equation;
+        equation.curvature(kinematics, &state, factor, &mut reach, |i, j, value| {
+            let (first, second) = (moved(i), moved(j));
+            for (a, left) in &first {
+                for (b, right) in &second {
+                    let product = &(&value * left) * right;
+                    // A pair of two coordinates stands for both places; a diagonal entry met from two sides counts twice.
+                    match (i == j, a == b) {
+                        (true, false) if a > b => {}
+                        (false, true) => add(*a, *b, &product + &product),
+                        _ => add(*a, *b, product),
+                    }
+                }
+            }
+        });
+    }
+    let is_something = |(_, (sum, size)): &(_, (Number, f64))| {
+        !(sum.is_zero() || sum.may_be_zero() && sum.to_ball().magnitude() <= NOTHING * size)
+    };
+    form.into_iter().filter(is_something).map(|(place, (sum, _))| (place, sum)).collect()
+}
+
+fn has_both_signs(form: &BTreeMap<(Index, Index), Number>) -> bool {
+    let mut coordinates: Vec<Index> = form.keys().flat_map(|(a, b)| [*a, *b]).collect();
+    coordinates.sort_unstable();
+    coordinates.dedup();
+    let place = |coordinate: Index| coordinates.binary_search(&coordinate).unwrap_or(0);
+    let mut matrix = DMatrix::zeros(coordinates.len(), coordinates.len());
+    for ((a, b), value) in form {
+        matrix[(place(*a), place(*b))] = value.to_f64();
+        matrix[(place(*b), place(*a))] = value.to_f64();
+    }
+    let values = matrix.symmetric_eigenvalues();
+    let least = 1e-9 * values.amax();
+    values.iter().any(|value| *value > least) && values.iter().any(|value| *value < -least)
+}
+
+/// Two couplings or more that together let a coordinate do nothing, where none of them says so alone.
+fn opposed(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    all: &Constraints,
+    elimination: &Elimination,
+) -> Vec<(Source, LowerError)> {
+    let mut errors = Vec::new();
+    for equation in elimination.solved.values().filter(|equation| equation.row.is_empty()) {
+        let sources = sources(all, equation.combination.keys());
+        let says_more = |source: &Source| match source {
+            Source::Couple(couple) => scene.couples[*couple as usize].terms.len() > 1,
+            Source::Joint(_) => false,
+        };
+        if let [.., _, last] = sources[..]
+            && sources.iter().all(says_more)
+        {
+            errors.push((last, loops(scene, kinematics, last, &sources, Why::Opposed)));
+        }
+    }
+    errors
+}
+
+/// The error of a scene in which constraints leave no freedom.
+pub fn locked(scene: &Scene, kinematics: &Kinematics, all: &Constraints) -> LowerError {
+    let numbers: Vec<u32> = (0..all.list.len() as u32).collect();
+    let sources = sources(all, numbers.iter());
+    loops(scene, kinematics, sources[0], &sources, Why::Locked)
+}
+
+/// The error of a rest at which the constraints that are independent in the drawing are not.
+pub fn singular(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &Left) -> LowerError {
+    let source = all.list[left.row as usize].source;
+    loops(scene, kinematics, source, &sources(all, left.combination.keys()), Why::Branching)
+}
+
+/// Where constraints come from, each once.
+fn sources<'a>(all: &Constraints, numbers: impl Iterator<Item = &'a u32>) -> Vec<Source> {
+    let mut sources: Vec<Source> = numbers.map(|number| all.list[*number as usize].source).collect();
+    sources.sort_unstable();
+    sources.dedup();
+    sources
+}
+
+/// Names and places of what makes the loops of some constraints: `first`, then the others.
+fn named(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source]) -> Vec<(String, Span)> {
+    let mut all: Vec<Source> = vec![first];
+    for source in [first].iter().chain(sources) {
+        let members = match source {
+            Source::Joint(joint) => {
+                kinematics.tree.closed_by(scene, *joint).into_iter().map(Source::Joint).collect()
+            }
+            couple @ Source::Couple(_) => vec![*couple],
+        };
+        for member in members {
+            if !all.contains(&member) {
+                all.push(member);
+            }
+        }
+    }
+    all.into_iter().map(|source| (scene.words.display(source.name(scene)), source.span(scene))).collect()
+}
+
+fn loops(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source], why: Why) -> LowerError {
+    LowerError::Loop { joints: named(scene, kinematics, first, sources), why }
+}
+
+fn note(scene: &Scene, kinematics: &Kinematics, source: Source, others: &[Source]) -> Diagnostic {
+    error::redundant(&named(scene, kinematics, source, others))
+}
+
+/// Whether the pivots of the loops, three at least, are on one line as drawn.
+fn in_line(scene: &Scene, kinematics: &Kinematics, sources: &[Source]) -> bool {
+    let joints = sources.iter().flat_map(|source| match source {
+        Source::Joint(joint) => kinematics.tree.closed_by(scene, *joint),
+        Source::Couple(_) => Vec::new(),
+    });
+    let pivots: Vec<&Vec3> = joints
+        .filter_map(|joint| match &scene.joints[joint.index()].kind {
+            JointKind::Pivot { at } => Some(at),
+            _ => None,
+        })
+        .collect();
+    let Some(far) = pivots.iter().map(|at| at.sub(pivots[0])).find(|way| !way.may_be_zero()) else { return false };
+    pivots.len() >= 3 && pivots.iter().all(|at| at.sub(pivots[0]).cross(&far).may_be_zero())
+}
+
+impl Constraints {
+    /// An error where the constraints leave nothing that moves.
+    pub fn check_freedom(
+        &self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        reduction: &Reduction,
+    ) -> Result<(), Vec<LowerError>> {
+        if reduction.n() > 0 { Ok(()) } else { Err(vec![locked(scene, kinematics, self)]) }
+    }
+}

@@ -1,0 +1,111 @@
+//! From rows over all coordinates of the joint tree to rows over the independent ones, which are the coordinates of the
+//! linear system. In: an elimination; out: a map of rows, forces and multipliers. Clause: spec.md, 6.7 and 8.4.
+
+use super::elimination::{Elimination, Solved};
+use super::equation::summed;
+use crate::base::Number;
+use crate::lower::kinematics::Index;
+use crate::system::CoordinateId;
+use std::collections::BTreeMap;
+
+/// The coordinates of the linear system.
+#[derive(Clone, Debug)]
+pub struct Reduction {
+    /// Number of free coordinates of the tree.
+    free: usize,
+    /// Ascending; empty where all are independent.
+    solved: BTreeMap<Index, Solved>,
+    /// The place of each free coordinate in the system; `DEPENDENT` for dependent ones. Empty where all are independent.
+    places: Vec<u32>,
+    independent: Vec<Index>,
+}
+
+const DEPENDENT: u32 = u32::MAX;
+
+impl Reduction {
+    /// No constraints: every coordinate of the tree is one of the system.
+    pub fn all(free: usize) -> Reduction {
+        Reduction { free, solved: BTreeMap::new(), places: Vec::new(), independent: Vec::new() }
+    }
+
+    pub fn new(free: usize, elimination: Elimination) -> Reduction {
+        let solved = elimination.solved;
+        let independent: Vec<Index> = (0..free as Index).filter(|i| !solved.contains_key(i)).collect();
+        let mut places = vec![DEPENDENT; free];
+        for (place, coordinate) in independent.iter().enumerate() {
+            places[*coordinate as usize] = place as u32;
+        }
+        Reduction { free, solved, places, independent }
+    }
+
+    /// Whether no coordinate depends on others.
+    pub fn is_trivial(&self) -> bool {
+        self.solved.is_empty()
+    }
+
+    /// Number of coordinates of the system.
+    pub fn n(&self) -> usize {
+        self.free - self.solved.len()
+    }
+
+    /// The place in the system of a coordinate of the tree; `None` for dependent and prescribed ones.
+    #[inline]
+    pub fn place(&self, coordinate: Index) -> Option<CoordinateId> {
+        if self.is_trivial() {
+            return ((coordinate as usize) < self.free).then_some(CoordinateId(coordinate));
+        }
+        let place = *self.places.get(coordinate as usize)?;
+        (place != DEPENDENT).then_some(CoordinateId(place))
+    }
+
+    /// The coordinate of the tree at a place of the system.
+    pub fn at(&self, place: usize) -> Index {
+        if self.is_trivial() { place as Index } else { self.independent[place] }
+    }
+
+    /// Coordinates of the tree that depend on others, ascending.
+    pub fn dependent(&self) -> impl Iterator<Item = Index> + '_ {
+        self.solved.keys().copied()
+    }
+
+    /// Writes a row over all coordinates as one over independent and prescribed ones, ascending.
+    pub fn reduce(&self, row: &mut Vec<(Index, Number)>) {
+        if !row.iter().any(|(coordinate, _)| self.solved.contains_key(coordinate)) {
+            return;
+        }
+        let mut reduced = Vec::with_capacity(row.len());
+        for (coordinate, value) in row.drain(..) {
+            match self.solved.get(&coordinate) {
+                Some(equation) => reduced.extend(equation.row.iter().map(|(i, entry)| (*i, -&(&value * entry)))),
+                None => reduced.push((coordinate, value)),
+            }
+        }
+        *row = summed(reduced);
+    }
+
+    /// What is left of generalised forces on the independent coordinates; zero on the dependent ones.
+    pub fn left_of(&self, forces: &[Number]) -> Vec<Number> {
+        let mut left = forces.to_vec();
+        for (dependent, equation) in &self.solved {
+            let force = std::mem::replace(&mut left[*dependent as usize], Number::ZERO);
+            for (coordinate, entry) in equation.row.iter().filter(|(i, _)| (**i as usize) < self.free) {
+                let sum = &left[*coordinate as usize] - &(&force * entry);
+                left[*coordinate as usize] = sum;
+            }
+        }
+        left
+    }
+
+    /// The multipliers that balance the forces dV/dq on the dependent coordinates: grad V + G^T lambda = 0 there.
+    pub fn multipliers(&self, forces: &[Number], count: usize) -> Vec<Number> {
+        let mut multipliers = vec![Number::ZERO; count];
+        for (dependent, equation) in &self.solved {
+            let force = &forces[*dependent as usize];
+            for (constraint, factor) in equation.combination.iter().filter(|_| !force.is_zero()) {
+                let sum = &multipliers[*constraint as usize] - &(force * factor);
+                multipliers[*constraint as usize] = sum;
+            }
+        }
+        multipliers
+    }
+}
