@@ -494,9 +494,8 @@ impl<'a> Assembly<'a> {
         let free = |row: &Row| -> Sparse {
             row.iter().filter_map(|(i, value)| Some((self.reduction.place(*i)?, value.clone()))).collect()
         };
-        let driven = |row: &Row| {
-            row.iter().filter_map(|(i, value)| Some((self.input_of(*i)? as u32, value.clone()))).collect()
-        };
+        let driven =
+            |row: &Row| row.iter().filter_map(|(i, value)| Some((self.input_of(*i)? as u32, value.clone()))).collect();
         let (p, d) = (rows.each_ref().map(free), rows.each_ref().map(driven));
         system::Output { name: plain(output.name), unit: output_unit(output), p, d }
     }

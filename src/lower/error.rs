@@ -180,9 +180,15 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     };
     let names = listed(&names);
     let message = match why {
-        Why::InLine => format!("all links of the loop of {names} are in line: in this position its freedoms are not determined"),
-        Why::Branching => format!("the loop of {names} can move in several ways from this position: its freedoms are not determined"),
-        Why::Unclear => format!("whether {names} depend on each other is not to be told from the digits that are known"),
+        Why::InLine => {
+            format!("all links of the loop of {names} are in line: in this position its freedoms are not determined")
+        }
+        Why::Branching => {
+            format!("the loop of {names} can move in several ways from this position: its freedoms are not determined")
+        }
+        Why::Unclear => {
+            format!("whether {names} depend on each other is not to be told from the digits that are known")
+        }
         Why::Locked => format!("{names} hold each other: nothing that they tie can move"),
         Why::Opposed => format!("{names} contradict each other: only no motion at all fulfils them"),
         Why::Driven => format!("{names} hold a base whose motion is prescribed"),

@@ -199,9 +199,7 @@ fn named(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Sourc
     let mut all: Vec<Source> = vec![first];
     for source in [first].iter().chain(sources) {
         let members = match source {
-            Source::Joint(joint) => {
-                kinematics.tree.closed_by(scene, *joint).into_iter().map(Source::Joint).collect()
-            }
+            Source::Joint(joint) => kinematics.tree.closed_by(scene, *joint).into_iter().map(Source::Joint).collect(),
             couple @ Source::Couple(_) => vec![*couple],
         };
         for member in members {

@@ -14,8 +14,8 @@ pub mod newton;
 pub mod potential;
 pub mod survey;
 
-use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::constraints::{Constraints, Reduction};
+use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::kinematics::{Index, Kinematics, State};
 use super::{assembly, loads};
 use crate::base::Number;
