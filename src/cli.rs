@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibc::analysis::Normalise;
 use vibc::base::unit::{self, Scale};
-use vibc::base::{Angle, Dimension, Number, Rational};
+use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
 #[derive(Debug, Parser)]
@@ -71,7 +71,7 @@ pub struct Transfer {
     pub to: Vec<String>,
     /// The frequencies to cover, such as 0.1Hz..100Hz; from the poles without it
     #[arg(long, value_name = "FROM..TO", value_parser = range)]
-    pub range: Option<(Number, Number)>,
+    pub range: Option<Readings<(Number, Number)>>,
     /// So many frequencies, evenly spaced; without it the grid is refined at every peak and antiresonance
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub points: Option<u32>,
@@ -80,7 +80,7 @@ pub struct Transfer {
     pub linear: bool,
     /// This frequency alone, such as 30Hz; may be repeated
     #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
-    pub at: Vec<Number>,
+    pub at: Vec<Readings<Number>>,
     /// The relative error that is good enough, such as 1e-12; every digit of a double without it
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
@@ -100,10 +100,10 @@ pub struct Simulate {
     pub overrides: OverrideOptions,
     /// The time of the last sample, such as 10s
     #[arg(long, value_name = "TIME", value_parser = time)]
-    pub until: Number,
+    pub until: Readings<Number>,
     /// The time between samples, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time)]
-    pub step: Number,
+    pub step: Readings<Number>,
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
     pub format: TableFormat,
@@ -135,6 +135,9 @@ pub struct OverrideOptions {
     /// Take values of parameters from a TOML file: `k = "12 N/m"`
     #[arg(long = "settings", value_name = "FILE.toml")]
     pub settings_file: Option<PathBuf>,
+    /// What a literal such as 9.81 stands for
+    #[arg(long, value_enum, default_value_t = LiteralsOption::Decimal, value_name = "READING")]
+    pub literals: LiteralsOption,
 }
 
 #[derive(Debug, Args)]
@@ -179,6 +182,23 @@ pub enum MessageFormat {
     Json,
     /// `file:line:column: severity[code]: message`
     Short,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LiteralsOption {
+    /// The decimal fraction that it shows
+    Decimal,
+    /// The nearest binary64 number, as most programs read it
+    Binary64,
+}
+
+impl From<LiteralsOption> for Literals {
+    fn from(option: LiteralsOption) -> Literals {
+        match option {
+            LiteralsOption::Decimal => Literals::Decimal,
+            LiteralsOption::Binary64 => Literals::Binary64,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -248,11 +268,11 @@ fn setting(text: &str) -> Result<String, String> {
 pub const MOST_SAMPLES: f64 = 4e6;
 
 /// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written.
-fn quantity(text: &str, dimension: Dimension) -> Result<(Number, Angle), String> {
+fn quantity(text: &str, dimension: Dimension, literals: Literals) -> Result<(Number, Angle), String> {
     // A number may end in an exponent, so the longest one that reads is meant.
     let split = (1..=text.len()).rev().filter(|&at| text.is_char_boundary(at));
-    let read =
-        split.filter_map(|at| Rational::from_decimal(&text[..at]).map(|value| (Number::from(value), &text[at..])));
+    let read = split
+        .filter_map(|at| Rational::from_literal(&text[..at], literals).map(|value| (Number::from(value), &text[at..])));
     let Some((value, rest)) = read.take(1).next() else { return Err("it does not begin with a number".into()) };
     let rest = rest.trim();
     if rest.is_empty() {
@@ -265,9 +285,33 @@ fn quantity(text: &str, dimension: Dimension) -> Result<(Number, Angle), String>
     }
 }
 
+/// A value of the command line in both readings of its literals.
+#[derive(Clone, Debug)]
+pub struct Readings<T> {
+    decimal: T,
+    binary64: T,
+}
+
+impl<T> Readings<T> {
+    fn of(read: impl Fn(Literals) -> Result<T, String>) -> Result<Readings<T>, String> {
+        Ok(Readings { decimal: read(Literals::Decimal)?, binary64: read(Literals::Binary64)? })
+    }
+
+    pub fn of_literals(&self, literals: LiteralsOption) -> &T {
+        match literals {
+            LiteralsOption::Decimal => &self.decimal,
+            LiteralsOption::Binary64 => &self.binary64,
+        }
+    }
+}
+
 /// A frequency in Hz.
-fn frequency(text: &str) -> Result<Number, String> {
-    let (value, angle) = quantity(text, Dimension::FREQUENCY)?;
+fn frequency(text: &str) -> Result<Readings<Number>, String> {
+    Readings::of(|literals| frequency_as(text, literals))
+}
+
+fn frequency_as(text: &str, literals: Literals) -> Result<Number, String> {
+    let (value, angle) = quantity(text, Dimension::FREQUENCY, literals)?;
     match angle {
         _ if value.is_zero() => Ok(value),
         Angle::Cycles => Ok(value),
@@ -277,9 +321,13 @@ fn frequency(text: &str) -> Result<Number, String> {
 }
 
 /// A range of frequencies in Hz, from below to above.
-fn range(text: &str) -> Result<(Number, Number), String> {
+fn range(text: &str) -> Result<Readings<(Number, Number)>, String> {
+    Readings::of(|literals| range_as(text, literals))
+}
+
+fn range_as(text: &str, literals: Literals) -> Result<(Number, Number), String> {
     let (from, to) = text.split_once("..").ok_or("write FROM..TO, such as 0.1Hz..100Hz")?;
-    let (from, to) = (frequency(from)?, frequency(to)?);
+    let (from, to) = (frequency_as(from, literals)?, frequency_as(to, literals)?);
     if (&to - &from).is_positive() {
         Ok((from, to))
     } else {
@@ -288,8 +336,12 @@ fn range(text: &str) -> Result<(Number, Number), String> {
 }
 
 /// A time in s, greater than zero.
-fn time(text: &str) -> Result<Number, String> {
-    let (value, _) = quantity(text, Dimension::TIME)?;
+fn time(text: &str) -> Result<Readings<Number>, String> {
+    Readings::of(|literals| time_as(text, literals))
+}
+
+fn time_as(text: &str, literals: Literals) -> Result<Number, String> {
+    let (value, _) = quantity(text, Dimension::TIME, literals)?;
     if value.is_positive() { Ok(value) } else { Err("it must be greater than zero".into()) }
 }
 

@@ -93,11 +93,12 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
             return Status::Usage;
         }
     };
+    let literals = options.overrides.literals;
     let sweep = Sweep {
-        range: options.range.clone(),
+        range: options.range.as_ref().map(|range| range.of_literals(literals).clone()),
         points: options.points.map(|points| points as usize),
         linear: options.linear,
-        at: options.at.clone(),
+        at: options.at.iter().map(|at| at.of_literals(literals).clone()).collect(),
         tolerance: options.tolerance,
         inputs,
         outputs,
@@ -143,7 +144,9 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         complain(&format!("`-o {}` would replace a file that is read", output.display()));
         return Status::Usage;
     }
-    let samples = (&options.until / &options.step).to_f64();
+    let literals = options.overrides.literals;
+    let (until, step) = (options.until.of_literals(literals), options.step.of_literals(literals));
+    let samples = (until / step).to_f64();
     if samples > cli::MOST_SAMPLES {
         complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_SAMPLES));
         return Status::Usage;
@@ -152,7 +155,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
-    let times = analysis::grid(&options.until, &options.step);
+    let times = analysis::grid(until, step);
     let outcome = vibc::simulate(&input.sources, input.model, &input.overrides, &times);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
@@ -246,7 +249,7 @@ fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadab
     };
     let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
     read_tables(&mut sources, model);
-    Ok(Input { sources, model, overrides: Overrides { arguments, settings } })
+    Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
 }
 
 /// The tables that a model names; what cannot be read is told at its place in the model.

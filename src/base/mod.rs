@@ -13,6 +13,6 @@ pub use diagnostic::{Code, Diagnostic, Diagnostics, Label, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
-pub use number::{Ball, Dd, Number, Rational};
+pub use number::{Ball, Dd, Literals, Number, Rational};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

@@ -138,7 +138,7 @@ impl<'a> Check<'a> {
     fn literal(&mut self, span: Span, number_len: u16, negated: bool, environment: Environment) -> Evaluated<Value> {
         let text = self.sources.slice(span);
         let (digits, rest) = text.split_at(usize::from(number_len).min(text.len()));
-        let Some(number) = Rational::from_decimal(digits) else {
+        let Some(number) = Rational::from_literal(digits, self.literals) else {
             return self.fail(environment, ValueError::Overflow { span });
         };
         let number = if negated { Number::from(-&number) } else { Number::from(number) };

@@ -36,7 +36,7 @@ mod unknown;
 mod value;
 
 use crate::base::unit::Unit;
-use crate::base::{Code, Diagnostics, FileId, Sources, Span, Symbol, Vec3, Words};
+use crate::base::{Code, Diagnostics, FileId, Literals, Sources, Span, Symbol, Vec3, Words};
 use crate::syntax::tree::Tree;
 use bodies::Directions;
 use collect::Instances;
@@ -50,13 +50,15 @@ use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Ta
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// What overrides parameters of the model, checked like the model itself.
+/// What is said about a model from outside: values of its parameters, checked like the model itself, and how it is read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overrides {
     /// `--set NAME=VALUE`, one a line.
     pub arguments: Option<FileId>,
     /// A TOML file of settings.
     pub settings: Option<FileId>,
+    /// How all literals are read, those of the model too.
+    pub literals: Literals,
 }
 
 /// A scene that has passed every check: lowering takes nothing else.
@@ -85,7 +87,7 @@ pub struct Checked {
 
 /// The scene that a tree means.
 pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
-    let mut check = Check::new(sources, tree);
+    let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
     check.collect();
     check.overridden_names();
@@ -112,6 +114,7 @@ pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
 struct Check<'a> {
     sources: &'a Sources,
     tree: &'a Tree,
+    literals: Literals,
     words: Words,
     /// Symbols of words by their place.
     symbols: Table<u32, Symbol>,
@@ -149,10 +152,11 @@ struct Check<'a> {
 }
 
 impl<'a> Check<'a> {
-    fn new(sources: &'a Sources, tree: &'a Tree) -> Check<'a> {
+    fn new(sources: &'a Sources, tree: &'a Tree, literals: Literals) -> Check<'a> {
         Check {
             sources,
             tree,
+            literals,
             words: Words::new(),
             symbols: Table::default(),
             units: HashMap::new(),

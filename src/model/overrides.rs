@@ -134,7 +134,7 @@ impl<'a> Check<'a> {
         let Some((tree, expr)) = syntax::parse_value(sources, span) else {
             return self.fail(Environment::TOP, NameError::SettingValue { span });
         };
-        let mut outside = Check::new(sources, &tree);
+        let mut outside = Check::new(sources, &tree, self.literals);
         outside.outside = true;
         let value = outside.evaluate(expr, Environment::TOP);
         if let Ok(Value::Scalar(scalar)) = &value {

@@ -8,7 +8,7 @@ use super::error::{PartError, RowFault};
 use super::evaluate::{Evaluated, Stop};
 use super::scene::TableRows;
 use super::scope::Environment;
-use crate::base::{FileId, Number, Rational, Span};
+use crate::base::{FileId, Literals, Number, Rational, Span};
 use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl<'a> Check<'a> {
         for (place, line) in lines(text) {
             let span = |at: &Range<usize>| Span::new(file, place + at.start, place + at.end);
             let fields = fields(line);
-            let error = match row(line, &fields) {
+            let error = match row(line, &fields, self.literals) {
                 Err(_) if table.times.is_empty() && told == 0 && is_heading(line, &fields, place, text) => continue,
                 Err((found, at)) => PartError::TableRow { span: span(&at), found, named },
                 Ok((time, value)) => {
@@ -90,25 +90,27 @@ fn fields(line: &str) -> Vec<Range<usize>> {
 }
 
 /// Time and value, or what is wrong and where.
-fn row(line: &str, fields: &[Range<usize>]) -> Result<(Number, Number), (RowFault, Range<usize>)> {
+fn row(line: &str, fields: &[Range<usize>], literals: Literals) -> Result<(Number, Number), (RowFault, Range<usize>)> {
     let [time, value] = fields else { return Err((RowFault::Fields(fields.len()), 0..line.len())) };
     let whole = |at: &Range<usize>| if at.is_empty() { 0..line.len() } else { at.clone() };
-    let time = number(&line[time.clone()]).ok_or_else(|| (RowFault::Time, whole(time)))?;
-    let value = number(&line[value.clone()]).ok_or_else(|| (RowFault::Value, whole(value)))?;
+    let time = number(&line[time.clone()], literals).ok_or_else(|| (RowFault::Time, whole(time)))?;
+    let value = number(&line[value.clone()], literals).ok_or_else(|| (RowFault::Value, whole(value)))?;
     Ok((time, value))
 }
 
 /// A decimal number; some programs put a mark before the first one of a file.
-fn number(text: &str) -> Option<Number> {
+fn number(text: &str, literals: Literals) -> Option<Number> {
     let text = text.trim_start_matches('\u{feff}');
     match text.strip_prefix('-') {
-        Some(size) => Rational::from_decimal(size).map(|size| -&Number::from(size)),
-        None => Rational::from_decimal(text.strip_prefix('+').unwrap_or(text)).map(Number::from),
+        Some(size) => Rational::from_literal(size, literals).map(|size| -&Number::from(size)),
+        None => Rational::from_literal(text.strip_prefix('+').unwrap_or(text), literals).map(Number::from),
     }
 }
 
 /// Two names on the first line that says anything.
 fn is_heading(line: &str, fields: &[Range<usize>], place: usize, text: &str) -> bool {
     let first = lines(text).next().is_some_and(|(first, _)| first == place);
-    first && fields.len() == 2 && fields.iter().all(|at| !at.is_empty() && number(&line[at.clone()]).is_none())
+    first
+        && fields.len() == 2
+        && fields.iter().all(|at| !at.is_empty() && number(&line[at.clone()], Literals::Decimal).is_none())
 }

@@ -15,7 +15,7 @@ fn checked_with(text: &str, arguments: &str, settings: &str) -> Checked {
     let arguments = add(SourceKind::Arguments, "--set", arguments);
     let settings = add(SourceKind::Settings, "settings.toml", settings);
     let parsed = syntax::parse(&sources, file);
-    check(&sources, &parsed.tree, &Overrides { arguments, settings })
+    check(&sources, &parsed.tree, &Overrides { arguments, settings, ..Overrides::default() })
 }
 
 fn checked(text: &str) -> Checked {

@@ -447,3 +447,18 @@ fn damping_of_all_modes_gives_each_its_ratio() {
         }
     }
 }
+
+/// Settings are read like the model: what is nothing in decimals is 2^-55 in binary64.
+#[test]
+fn both_readings_of_literals_are_at_hand() {
+    let folder = folder();
+    let model = file(&folder, "oscillator.vib", OSCILLATOR);
+    let stiffness = |literals: &str| {
+        let set = "k=1 N/m + (0.1 + 0.2 - 0.3) * 2^56 * 1 N/m";
+        let run = run(&["analyze", "--literals", literals, "--format", "json", "--set", set, &model]);
+        let json: Value = serde_json::from_str(&run.out).unwrap_or_else(|_| panic!("{}", run.err));
+        json["matrices"]["k"][0][0].as_f64()
+    };
+    assert_eq!(stiffness("decimal"), Some(1.0));
+    assert_eq!(stiffness("binary64"), Some(3.0));
+}

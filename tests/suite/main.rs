@@ -13,6 +13,7 @@ mod house;
 mod independent;
 mod language;
 mod language_page;
+mod literals;
 mod lowering;
 mod massless;
 mod models;

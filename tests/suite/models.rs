@@ -31,6 +31,7 @@ impl Run {
         let overrides = Overrides {
             settings: add(SourceKind::Settings, "settings.toml", settings),
             arguments: add(SourceKind::Arguments, "--set", arguments),
+            ..Overrides::default()
         };
         for table in vibc::table_files(&sources, model) {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics").join(&table);

@@ -11,7 +11,7 @@ pub mod rational;
 
 pub use ball::Ball;
 pub use dd::Dd;
-pub use rational::Rational;
+pub use rational::{Literals, Rational};
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -22,6 +22,16 @@ enum Repr {
     Big(Box<BigRational>),
 }
 
+/// How literals are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Literals {
+    /// As the decimal fractions that they show.
+    #[default]
+    Decimal,
+    /// As the binary64 numbers nearest to those, as most programs read them.
+    Binary64,
+}
+
 impl Rational {
     pub const ZERO: Rational = Rational(Repr::Small(0, 1));
     pub const ONE: Rational = Rational(Repr::Small(1, 1));
@@ -84,6 +94,15 @@ impl Rational {
         } else {
             BigRational::from_integer(digits * power)
         }))
+    }
+
+    /// The value of a literal in one of the two readings; `None` also where binary64 overflows.
+    pub fn from_literal(text: &str, literals: Literals) -> Option<Rational> {
+        let decimal = Rational::from_decimal(text)?;
+        match literals {
+            Literals::Decimal => Some(decimal),
+            Literals::Binary64 => Rational::from_f64(text.parse().ok()?),
+        }
     }
 
     /// The exact value of a finite binary64 number; `None` for infinities and NaN.
@@ -359,6 +378,16 @@ impl Ord for Rational {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_literal_has_two_readings() {
+        let read = |text, literals| Rational::from_literal(text, literals);
+        assert_eq!(read("0.1", Literals::Decimal), Some(Rational::new(1, 10)));
+        assert_eq!(read("0.1", Literals::Binary64), Some(Rational::new(3_602_879_701_896_397, 1 << 55)));
+        assert_eq!(read("0.375", Literals::Binary64), read("0.375", Literals::Decimal));
+        assert_eq!(read("1e309", Literals::Binary64), None);
+        assert_eq!(read("0x1", Literals::Binary64), None);
+    }
 
     fn decimal(text: &str) -> Rational {
         Rational::from_decimal(text).expect("a decimal literal")
