@@ -12,7 +12,7 @@ use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 #[command(
     after_help = "Exit status: 0 done; 1 the model has errors; 2 the command line is wrong; 3 a file could not be \
                         read or written; 4 a numerical limit, such as no rest found.\n\
-                        To come: emit, bench, fmt, lsp."
+                        To come: emit, bench, lsp."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -31,8 +31,14 @@ pub enum Command {
     Simulate(Simulate),
     /// Diagnostics, nothing else
     Check(Check),
+    /// The one layout of a model file
+    Fmt(Fmt),
     /// A diagnostic's long text: what it means, an example, the mend
     Explain(Explain),
+    /// A script that completes the program's commands and options in a shell
+    Completions(Completions),
+    /// The manual page of the program, or of one of its commands
+    Man(Man),
     #[command(flatten)]
     Coming(Coming),
 }
@@ -119,6 +125,29 @@ pub struct Check {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub overrides: OverrideOptions,
+}
+
+#[derive(Debug, Args)]
+pub struct Fmt {
+    /// The models, each replaced whole; `-` reads standard input and writes standard output
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; print the names of the files that are laid out otherwise, and end with status 1 if there are any
+    #[arg(long)]
+    pub check: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell that reads the script
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct Man {
+    /// A command, such as `analyze`
+    pub command: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -232,8 +261,6 @@ pub enum Coming {
     #[command(hide = true, disable_help_flag = true)]
     Bench(Anything),
     #[command(hide = true, disable_help_flag = true)]
-    Fmt(Anything),
-    #[command(hide = true, disable_help_flag = true)]
     Lsp(Anything),
 }
 
@@ -249,7 +276,6 @@ impl Coming {
         match self {
             Coming::Emit(_) => "emit",
             Coming::Bench(_) => "bench",
-            Coming::Fmt(_) => "fmt",
             Coming::Lsp(_) => "lsp",
         }
     }

@@ -12,6 +12,7 @@
 pub mod analysis;
 pub mod backend;
 pub mod base;
+pub mod editor;
 pub mod elements;
 pub mod joints;
 pub mod lower;
@@ -130,6 +131,16 @@ const MOST_TABLES: usize = 200;
 pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {
     let mut diagnostics = Diagnostics::new();
     let answer = lowered(sources, model, overrides, &mut diagnostics).map(|_| ());
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// The text of a model in its one layout; no answer where it is not in the grammar.
+pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
+    let mut diagnostics = Diagnostics::new();
+    diagnostics.extend(not_utf8(sources, model));
+    let parsed = syntax::parse(sources, model);
+    diagnostics.extend(parsed.errors);
+    let answer = (!diagnostics.has_errors()).then(|| editor::format::format(sources.text(model), &parsed.tree));
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 

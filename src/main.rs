@@ -3,9 +3,9 @@
 
 mod cli;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use cli::{
-    Analyze, Check, Cli, Colour, Command, Format, MessageFormat, Messages, OverrideOptions, Simulate, TableFormat,
+    Analyze, Check, Cli, Colour, Command, Fmt, Format, MessageFormat, Messages, OverrideOptions, Simulate, TableFormat,
     Transfer,
 };
 use std::ffi::OsString;
@@ -37,7 +37,10 @@ fn main() -> ExitCode {
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
+        Command::Fmt(options) => format(options, &cli.messages),
         Command::Explain(options) => explain(&options.code),
+        Command::Completions(options) => completions(options.shell),
+        Command::Man(options) => manual(options.command.as_deref()),
         Command::Coming(command) => not_available(command.name()),
     };
     ExitCode::from(status as u8)
@@ -197,6 +200,63 @@ fn check(options: &Check, messages: &Messages) -> Status {
     checked.max().unwrap_or(Status::Done)
 }
 
+fn format(options: &Fmt, messages: &Messages) -> Status {
+    let formatted = options.files.iter().map(|file| match read(file, SourceKind::Model) {
+        Ok(source) => format_one(file, source, options.check, messages),
+        Err(unreadable) => unreadable.report(messages),
+    });
+    formatted.max().unwrap_or(Status::Done)
+}
+
+fn format_one(path: &Path, source: SourceFile, check: bool, messages: &Messages) -> Status {
+    let mut sources = Sources::new();
+    let model = sources.add(source);
+    let outcome = vibc::format(&sources, model);
+    show(&sources, outcome.diagnostics, messages);
+    let Some(text) = outcome.answer else { return Status::Errors };
+    let changed = text != sources.text(model);
+    let stream = path == Path::new("-");
+    match check {
+        true if !changed => Status::Done,
+        true => match write_result(None, &format!("{}\n", diagnostics::readable(&sources.file(model).name))) {
+            Ok(()) => Status::Errors,
+            Err(_) => Status::Io,
+        },
+        // A file that is laid out already keeps its date.
+        false if !changed && !stream => Status::Done,
+        false => deliver((!stream).then_some(path), &text),
+    }
+}
+
+/// What completes the command line in a shell.
+fn completions(shell: clap_complete::Shell) -> Status {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "vibc", &mut script);
+    deliver(None, &String::from_utf8_lossy(&script))
+}
+
+/// A page for `man`, from the same words as `--help`.
+fn manual(command: Option<&str>) -> Status {
+    let mut program = Cli::command();
+    program.build();
+    let page = match command {
+        None => program,
+        Some(name) => match program.find_subcommand(name).filter(|command| !command.is_hide_set()) {
+            // Its page is `vibc-analyze`, as git's are.
+            Some(command) => command.clone(),
+            None => {
+                complain(&format!("there is no command `{}`", diagnostics::readable(name)));
+                return Status::Usage;
+            }
+        },
+    };
+    let mut text = Vec::new();
+    match clap_mangen::Man::new(page).render(&mut text) {
+        Ok(()) => deliver(None, &String::from_utf8_lossy(&text)),
+        Err(_) => Status::Io,
+    }
+}
+
 fn explain(code: &str) -> Status {
     match backend::explain::explain(code) {
         Ok(text) => write_result(None, &text).map_or(Status::Io, |()| Status::Done),
@@ -211,7 +271,7 @@ fn explain(code: &str) -> Status {
 fn not_available(command: &str) -> Status {
     let version = env!("CARGO_PKG_VERSION");
     complain(&format!(
-        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `check` and `explain`"
+        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `check`, `fmt` and `explain`"
     ));
     Status::Usage
 }

@@ -120,7 +120,7 @@ pub(super) fn continues(byte: u8) -> bool {
 }
 
 /// A letter of names: rule `letter` of the grammar.
-pub(super) fn is_letter(c: char) -> bool {
+pub fn is_letter(c: char) -> bool {
     c.is_ascii_alphabetic()
         || matches!(c, '_' | '\u{391}'..='\u{3c9}' | '\u{3d0}'..='\u{3d6}' | '\u{3f0}'..='\u{3f5}' | '\u{b5}')
 }

@@ -336,7 +336,7 @@ fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
 
 #[test]
 fn what_is_to_come_is_refused_by_name() {
-    for command in ["emit", "bench", "fmt", "lsp"] {
+    for command in ["emit", "bench", "lsp"] {
         let refused = run(&[command, "--from", "x", CART]);
         assert_eq!(refused.status, 2);
         assert!(refused.err.contains(&format!("`vibc {command}` is not available yet")), "{}", refused.err);
@@ -461,4 +461,56 @@ fn both_readings_of_literals_are_at_hand() {
     };
     assert_eq!(stiffness("decimal"), Some(1.0));
     assert_eq!(stiffness("binary64"), Some(3.0));
+}
+
+#[test]
+fn a_file_is_laid_out_in_its_place() {
+    let folder = folder();
+    let (loose, tidy) = (file(&folder, "loose.vib", "param k=1 N/m\n"), file(&folder, "tidy.vib", "param k = 1 N/m\n"));
+    let check = run(&["fmt", "--check", &tidy, &loose]);
+    assert_eq!((check.status, check.out.trim_end(), check.err.as_str()), (1, loose.as_str(), ""));
+    assert_eq!(fs::read_to_string(&loose).unwrap(), "param k=1 N/m\n");
+    let done = run(&["fmt", &tidy, &loose]);
+    assert_eq!((done.status, done.out.as_str(), done.err.as_str()), (0, "", ""));
+    assert_eq!(fs::read_to_string(&loose).unwrap(), fs::read_to_string(&tidy).unwrap());
+    assert_eq!(run(&["fmt", "--check", &tidy, &loose]).status, 0);
+}
+
+#[test]
+fn standard_input_is_laid_out_to_standard_output() {
+    let done = run_with_input(&["fmt", "-"], b"param k=1 N/m\n");
+    assert_eq!((done.status, done.out.as_str()), (0, "param k = 1 N/m\n"));
+    assert_eq!(run_with_input(&["fmt", "-"], b"param k = 1 N/m\n").out, "param k = 1 N/m\n");
+    let check = run_with_input(&["fmt", "--check", "-"], b"param k=1 N/m\n");
+    assert_eq!((check.status, check.out.as_str()), (1, "<stdin>\n"));
+}
+
+#[test]
+fn a_file_with_syntax_errors_is_left_as_it_is() {
+    let folder = folder();
+    let broken = file(&folder, "broken.vib", "param  k = \nparam  m=1 kg\n");
+    let refused = run(&["fmt", "--message-format", "short", &broken]);
+    assert_eq!((refused.status, refused.out.as_str()), (1, ""));
+    assert!(refused.err.contains("vib::syntax::unexpected"), "{}", refused.err);
+    assert_eq!(fs::read_to_string(&broken).unwrap(), "param  k = \nparam  m=1 kg\n");
+    assert_eq!(run(&["fmt", "nowhere.vib"]).status, 3);
+}
+
+#[test]
+fn shells_and_man_know_every_command() {
+    let help = run(&["help"]).out;
+    let commands = ["analyze", "transfer", "simulate", "check", "fmt", "explain"];
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = run(&["completions", shell]);
+        assert_eq!(script.status, 0);
+        assert!(commands.iter().all(|command| script.out.contains(command)), "{shell}");
+    }
+    let page = run(&["man"]).out;
+    assert!(page.contains(".TH vibc 1") && commands.iter().all(|command| page.contains(command)), "{page}");
+    for command in commands {
+        assert!(help.contains(command));
+        let page = run(&["man", command]);
+        assert!(page.status == 0 && page.out.contains(&format!(".TH vibc-{command} 1")), "{}", page.out);
+    }
+    assert_eq!(run(&["man", "nothing"]).status, 2);
 }

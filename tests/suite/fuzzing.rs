@@ -1,7 +1,7 @@
 //! The fuzzer's models for a second, from stated seeds, and what fuzzing once found.
 
 #[path = "../../fuzz/scene_text.rs"]
-mod scene_text;
+pub mod scene_text;
 #[path = "../../fuzz/whole_pipeline.rs"]
 mod whole_pipeline;
 

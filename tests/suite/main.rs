@@ -6,6 +6,7 @@ mod command_line;
 mod diagnostics;
 mod exact;
 mod examples;
+mod formatting;
 mod fuzzing;
 mod hard_cases;
 mod hard_cases_damped;

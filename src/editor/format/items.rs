@@ -1,0 +1,98 @@
+//! Tokens to declarations, comments on lines of their own, and blank lines. Clause: spec.md 1.2.
+
+use crate::editor::tokens::{Token, TokenKind};
+use std::ops::Range;
+
+/// What stands below each other in a file; ranges and places are of tokens.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Item {
+    /// One or more empty lines between two other items.
+    Blank,
+    Comment(usize),
+    Declaration {
+        tokens: Range<usize>,
+        comment: Option<usize>,
+    },
+    /// The head of a `repeat` with its `{`.
+    Open {
+        tokens: Range<usize>,
+        comment: Option<usize>,
+    },
+    /// The `}` of a `repeat`.
+    Close {
+        comment: Option<usize>,
+    },
+}
+
+pub(super) fn items(text: &str, tokens: &[Token]) -> Vec<Item> {
+    let mut cutter = Cutter { text, tokens, at: 0 };
+    let mut items = Vec::new();
+    while let Some(token) = tokens.get(cutter.at) {
+        let item = match token.kind {
+            TokenKind::LineEnd => cutter.line_ends(&items),
+            TokenKind::Comment => Some(Item::Comment(cutter.step())),
+            TokenKind::Close => {
+                cutter.step();
+                Some(Item::Close { comment: cutter.comment() })
+            }
+            _ => Some(cutter.declaration()),
+        };
+        items.extend(item);
+    }
+    items
+}
+
+struct Cutter<'a> {
+    text: &'a str,
+    tokens: &'a [Token],
+    at: usize,
+}
+
+impl Cutter<'_> {
+    fn kind(&self) -> Option<TokenKind> {
+        self.tokens.get(self.at).map(|token| token.kind)
+    }
+
+    fn step(&mut self) -> usize {
+        self.at += 1;
+        self.at - 1
+    }
+
+    /// A comment on the line at hand.
+    fn comment(&mut self) -> Option<usize> {
+        (self.kind() == Some(TokenKind::Comment)).then(|| self.step())
+    }
+
+    /// An empty line counts between items, not at the ends of a file or of a `repeat`.
+    fn line_ends(&mut self, before: &[Item]) -> Option<Item> {
+        let start = self.at;
+        while self.kind() == Some(TokenKind::LineEnd) {
+            self.step();
+        }
+        let inside = !matches!(before.last(), None | Some(Item::Open { .. }));
+        let more = !matches!(self.kind(), None | Some(TokenKind::Close));
+        (self.at - start > 1 && inside && more).then_some(Item::Blank)
+    }
+
+    /// Up to the line end outside all brackets, or to what ends or opens a `repeat`.
+    fn declaration(&mut self) -> Item {
+        let start = self.at;
+        let repeats = self.tokens[start].text(self.text) == "repeat";
+        let mut depth = 0_usize;
+        while let Some(token) = self.tokens.get(self.at) {
+            match token.kind {
+                TokenKind::LineEnd | TokenKind::Comment if depth == 0 => break,
+                TokenKind::Open if repeats && depth == 0 && token.text(self.text) == "{" => {
+                    self.step();
+                    return Item::Open { tokens: start..self.at, comment: self.comment() };
+                }
+                TokenKind::Open => depth += 1,
+                TokenKind::Close if depth == 0 => break,
+                TokenKind::Close => depth -= 1,
+                _ => {}
+            }
+            self.step();
+        }
+        Item::Declaration { tokens: start..self.at, comment: self.comment() }
+    }
+}

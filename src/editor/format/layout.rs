@@ -1,0 +1,290 @@
+//! Declarations to lines: on one line where it fits, else each field on its own. Clause: spec.md, "Layout".
+
+use super::items::Item;
+use super::spacing::{Piece, Role, apart, joined, pieces};
+use super::{INDENT, WIDTH};
+use crate::editor::tokens::Token;
+use crate::syntax::tree::Tree;
+use std::ops::Range;
+
+/// A line of the layout.
+#[derive(Debug)]
+pub(super) struct Line {
+    pub indent: usize,
+    pub content: Content,
+    pub comment: Option<String>,
+    /// Lines of one group have their columns aligned.
+    pub group: usize,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    Blank,
+    /// As it is; may be empty, for a comment alone.
+    Plain(String),
+    /// A keyword (of fields: none), a name, and what follows it: `= ...`, what stands after a colon, or `{ ...`.
+    Named {
+        keyword: String,
+        name: String,
+        sort: Sort,
+        rest: String,
+    },
+}
+
+/// What follows a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sort {
+    Value,
+    Ends,
+    Fields,
+}
+
+pub(super) fn lines(text: &str, tree: &Tree, tokens: &[Token], items: &[Item]) -> Vec<Line> {
+    let mut layout = Layout { text, tree, tokens, lines: Vec::new(), level: 0, group: 0 };
+    for item in items {
+        layout.item(item);
+    }
+    layout.lines
+}
+
+struct Layout<'a> {
+    text: &'a str,
+    tree: &'a Tree,
+    tokens: &'a [Token],
+    lines: Vec<Line>,
+    /// Open `repeat`s and braces.
+    level: usize,
+    group: usize,
+}
+
+impl Layout<'_> {
+    fn item(&mut self, item: &Item) {
+        match item {
+            Item::Blank => self.blank(),
+            Item::Comment(token) => self.push(Content::Plain(String::new()), Some(*token)),
+            Item::Declaration { tokens, comment } => self.declaration(tokens.clone(), *comment),
+            Item::Open { tokens, comment } => {
+                let head = pieces(self.text, &self.tokens[tokens.clone()]);
+                let line = joined(head.iter().filter(|piece| piece.role != Role::LineEnd));
+                self.alone(|layout| match has_comment(&head) {
+                    true => layout.as_written(&head, *comment),
+                    false => layout.push(Content::Plain(line), *comment),
+                });
+                self.level += 1;
+            }
+            Item::Close { comment } => {
+                self.level = self.level.saturating_sub(1);
+                self.alone(|layout| layout.push(Content::Plain("}".into()), *comment));
+            }
+        }
+    }
+
+    /// Lines of a group of their own.
+    fn alone(&mut self, lines: impl FnOnce(&mut Self)) {
+        self.group += 1;
+        lines(self);
+        self.group += 1;
+    }
+
+    fn blank(&mut self) {
+        self.group += 1;
+        self.lines.push(Line { indent: 0, content: Content::Blank, comment: None, group: self.group });
+        self.group += 1;
+    }
+
+    fn push(&mut self, content: Content, comment: Option<usize>) {
+        let comment = comment.map(|token| self.tokens[token].text(self.text).to_string());
+        self.push_line(content, comment);
+    }
+
+    fn push_line(&mut self, content: Content, comment: Option<String>) {
+        self.lines.push(Line { indent: INDENT * self.level, content, comment, group: self.group });
+    }
+
+    fn declaration(&mut self, tokens: Range<usize>, comment: Option<usize>) {
+        let all = pieces(self.text, &self.tokens[tokens]);
+        let line = self.one_line(&all);
+        let is_plain = !has_comment(&all);
+        if is_plain && INDENT * self.level + joined(&line).chars().count() <= WIDTH {
+            return self.push(content(&line), comment);
+        }
+        let braces =
+            braces(&all).filter(|braces| !has_comment(&all[..braces.start]) && !has_comment(&all[braces.end..]));
+        self.alone(|layout| match braces {
+            Some(braces) => layout.fields(&all, braces, comment),
+            None if is_plain && !all.iter().any(|piece| piece.role == Role::LineEnd) => {
+                layout.push(content(&line), comment)
+            }
+            None => layout.as_written(&all, comment),
+        });
+    }
+
+    /// A word that starts a field.
+    fn is_field(&self, piece: &Piece) -> bool {
+        self.tree.fields.binary_search_by_key(&piece.at, |field| field.key.start()).is_ok()
+    }
+
+    /// The pieces without line ends, fields separated by commas.
+    fn one_line(&self, all: &[Piece]) -> Vec<Piece> {
+        let comma = || Piece { text: ",".into(), role: Role::Comma, at: 0 };
+        let mut line: Vec<Piece> = Vec::with_capacity(all.len());
+        let mut open = Vec::new();
+        for piece in all {
+            match piece.role {
+                Role::Open(bracket) => open.push(bracket),
+                Role::Close => drop(open.pop()),
+                _ => {}
+            }
+            let separates = piece.role == Role::Comma && open.last() == Some(&'{');
+            if separates || matches!(piece.role, Role::LineEnd | Role::Comment) {
+                continue;
+            }
+            if self.is_field(piece) && line.last().is_some_and(|last| last.role != Role::Open('{')) {
+                line.push(comma());
+            }
+            line.push(piece.clone());
+        }
+        line
+    }
+
+    /// `body b {`, each field on a line of its own, `}`.
+    fn fields(&mut self, all: &[Piece], braces: Range<usize>, comment: Option<usize>) {
+        let mut at = braces.start + 1;
+        let head = joined(all[..at].iter().filter(|piece| piece.role != Role::LineEnd));
+        let beside = self.take_comment(all, &mut at);
+        self.push_line(Content::Plain(head), beside);
+        self.level += 1;
+        self.group += 1;
+        let last = braces.end - 1;
+        while at < last {
+            at = self.field_or_gap(all, at, last);
+        }
+        self.level -= 1;
+        self.group += 1;
+        let tail: Vec<Piece> = self.one_line(&all[last..]);
+        self.push(Content::Plain(joined(&tail)), comment);
+    }
+
+    /// What stands in braces at `at`: a field, a comment on a line of its own, or line ends; the place behind it.
+    fn field_or_gap(&mut self, all: &[Piece], mut at: usize, last: usize) -> usize {
+        let start = at;
+        match all[at].role {
+            Role::LineEnd => {
+                while at < last && all[at].role == Role::LineEnd {
+                    at += 1;
+                }
+                let first = self.lines.last().is_some_and(|line| line.indent < INDENT * self.level);
+                if at - start > 1 && at < last && !first {
+                    self.blank();
+                }
+                at
+            }
+            Role::Comma => at + 1,
+            Role::Comment => {
+                self.push_line(Content::Plain(String::new()), Some(all[at].text.clone()));
+                at + 1
+            }
+            _ => {
+                let next = (at + 1..last).find(|&next| self.is_field(&all[next])).unwrap_or(last);
+                let end = field_end(all, at, next);
+                self.field(&all[start..end], all, end)
+            }
+        }
+    }
+
+    fn field(&mut self, field: &[Piece], all: &[Piece], mut end: usize) -> usize {
+        if all[end].role == Role::Comma {
+            end += 1;
+        }
+        let beside = self.take_comment(all, &mut end);
+        if has_comment(field) {
+            self.alone(|layout| layout.written_lines(field, beside));
+            return end;
+        }
+        let line: Vec<Piece> = field.iter().filter(|piece| piece.role != Role::LineEnd).cloned().collect();
+        let content = match line.get(1) {
+            Some(sign) if sign.text == "=" => {
+                let (name, rest) = (line[0].text.clone(), joined(&line[1..]));
+                Content::Named { keyword: String::new(), name, sort: Sort::Value, rest }
+            }
+            _ => Content::Plain(joined(&line)),
+        };
+        self.push_line(content, beside);
+        end
+    }
+
+    /// The comment on the line at hand.
+    fn take_comment(&self, all: &[Piece], at: &mut usize) -> Option<String> {
+        let comment = all.get(*at).filter(|piece| piece.role == Role::Comment)?;
+        *at += 1;
+        Some(comment.text.clone())
+    }
+
+    /// In the lines in which it was written, with the layout's blanks and indents.
+    fn as_written(&mut self, all: &[Piece], comment: Option<usize>) {
+        let comment = comment.map(|token| self.tokens[token].text(self.text).to_string());
+        self.written_lines(all, comment);
+    }
+
+    fn written_lines(&mut self, all: &[Piece], comment: Option<String>) {
+        let mut depth = 0_usize;
+        let lines: Vec<&[Piece]> =
+            all.split(|piece| piece.role == Role::LineEnd).filter(|line| !line.is_empty()).collect();
+        for (number, line) in lines.iter().enumerate() {
+            let closes = line.iter().take_while(|piece| piece.role == Role::Close).count();
+            let inner = depth.saturating_sub(closes) + usize::from(number > 0 && closes == 0 && depth == 0);
+            depth = line.iter().fold(depth, |depth, piece| match piece.role {
+                Role::Open(_) => depth + 1,
+                Role::Close => depth.saturating_sub(1),
+                _ => depth,
+            });
+            let (code, beside) = match line.split_last() {
+                Some((last, code)) if last.role == Role::Comment => (code, Some(last.text.clone())),
+                _ => (*line, None),
+            };
+            let beside = if number + 1 == lines.len() { comment.clone().or(beside) } else { beside };
+            self.level += inner;
+            self.push_line(Content::Plain(joined(code)), beside);
+            self.level -= inner;
+        }
+    }
+}
+
+fn has_comment(pieces: &[Piece]) -> bool {
+    pieces.iter().any(|piece| piece.role == Role::Comment)
+}
+
+/// From the `{` of a declaration's fields to behind their `}`.
+fn braces(all: &[Piece]) -> Option<Range<usize>> {
+    let start = all.iter().position(|piece| piece.role == Role::Open('{'))?;
+    let end = all[start..].iter().position(|piece| piece.text == "}")?;
+    Some(start..start + end + 1)
+}
+
+/// A field ends with its last visible piece before the next one.
+fn field_end(all: &[Piece], start: usize, next: usize) -> usize {
+    let gap = |piece: &Piece| matches!(piece.role, Role::LineEnd | Role::Comment | Role::Comma);
+    let visible = all[start..next].iter().rposition(|piece| !gap(piece)).unwrap_or(0);
+    start + visible + 1
+}
+
+/// A declaration's one line, cut where columns may be.
+fn content(line: &[Piece]) -> Content {
+    let cut =
+        line.iter().position(|piece| piece.role == Role::Colon || piece.role == Role::Open('{') || piece.text == "=");
+    let named = line.first().is_some_and(|keyword| is_named(&keyword.text));
+    let Some(cut) = cut.filter(|cut| named && *cut > 1) else { return Content::Plain(joined(line)) };
+    let (sort, rest) = match line[cut].role {
+        Role::Colon => (Sort::Ends, cut + 1),
+        Role::Relation => (Sort::Value, cut),
+        _ => (Sort::Fields, cut),
+    };
+    debug_assert!(apart(&line[0], &line[1]), "a blank stands after a keyword");
+    let (keyword, name) = (line[0].text.clone(), joined(&line[1..cut]));
+    Content::Named { keyword, name, sort, rest: joined(&line[rest..]) }
+}
+
+/// A keyword that a name follows, and with it what has columns.
+fn is_named(keyword: &str) -> bool {
+    !matches!(keyword, "model" | "gravity" | "damping" | "rest" | "repeat" | "solve" | "require")
+}

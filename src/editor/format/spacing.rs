@@ -1,0 +1,183 @@
+//! Where blanks stand in a line. Clause: spec.md, "Layout".
+//!
+//! One blank around operators, after a comma and a colon and inside braces; none inside `( )` and `[ ]`, around `.`, `@`
+//! and `^`, after the sign of a value. Indices and the range of a `repeat` are written close: `m[i-1]`, `2..n-1`.
+
+use crate::editor::tokens::{Token, TokenKind};
+
+/// A token as it is written in a line.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub text: String,
+    pub role: Role,
+    /// Where the token starts in the text.
+    pub at: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Word,
+    /// A word after which a value starts: a blank stands before its bracket.
+    Keyword,
+    Value {
+        unit: bool,
+    },
+    Open(char),
+    Close,
+    Comma,
+    Colon,
+    /// `.`, `@`, `^`
+    Glue,
+    /// `-` before a value.
+    Minus,
+    Operator {
+        close: bool,
+    },
+    /// `--`, `=`, `->`, comparisons.
+    Relation,
+    Range {
+        close: bool,
+    },
+    Comment,
+    LineEnd,
+}
+
+/// The tokens of one declaration with what each of them is.
+pub(super) fn pieces(text: &str, tokens: &[Token]) -> Vec<Piece> {
+    let keyword = tokens.first().map_or("", |token| token.text(text));
+    let mut reader =
+        Reader { text, keyword, pieces: Vec::with_capacity(tokens.len()), open: Vec::new(), connected: false };
+    for token in tokens {
+        reader.token(token);
+    }
+    reader.pieces
+}
+
+/// A blank stands between these two.
+pub(super) fn apart(left: &Piece, right: &Piece) -> bool {
+    match (left.role, right.role) {
+        (_, Role::Comma | Role::Colon | Role::Glue) | (Role::Glue | Role::Minus, _) => false,
+        (Role::Open('(' | '['), _) | (_, Role::Open('[')) | (Role::Word, Role::Open('(')) => false,
+        (Role::Open(_), Role::Close) => false,
+        (_, Role::Close) => right.text == "}",
+        (Role::Operator { .. }, Role::Minus) => true,
+        (Role::Operator { close }, _) | (_, Role::Operator { close }) => !close,
+        (Role::Range { close }, _) | (_, Role::Range { close }) => !close,
+        _ => true,
+    }
+}
+
+/// The pieces in one line.
+pub(super) fn joined<'p>(pieces: impl IntoIterator<Item = &'p Piece>) -> String {
+    let mut line = String::new();
+    let mut last: Option<&Piece> = None;
+    for piece in pieces {
+        if last.is_some_and(|last| apart(last, piece)) {
+            line.push(' ');
+        }
+        line += &piece.text;
+        last = Some(piece);
+    }
+    line
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    /// What the declaration starts with.
+    keyword: &'a str,
+    pieces: Vec<Piece>,
+    open: Vec<char>,
+    /// The `--` between two ends has come.
+    connected: bool,
+}
+
+impl Reader<'_> {
+    fn token(&mut self, token: &Token) {
+        let text = token.text(self.text);
+        let role = match token.kind {
+            TokenKind::Word if self.is_keyword(text) => Role::Keyword,
+            TokenKind::Word | TokenKind::Text => Role::Word,
+            TokenKind::Number { .. } => return self.number(token),
+            TokenKind::Comment => Role::Comment,
+            TokenKind::LineEnd => Role::LineEnd,
+            TokenKind::Open => {
+                let bracket = text.chars().next().unwrap_or('(');
+                self.open.push(bracket);
+                Role::Open(bracket)
+            }
+            TokenKind::Close => {
+                self.open.pop();
+                Role::Close
+            }
+            TokenKind::Sign => return self.sign(token, text),
+        };
+        self.push(text, role, token.range.start);
+    }
+
+    fn push(&mut self, text: &str, role: Role, at: usize) {
+        self.pieces.push(Piece { text: text.into(), role, at });
+    }
+
+    fn is_keyword(&self, word: &str) -> bool {
+        self.visible().is_none() || matches!(word, "in" | "along" | "about" | "modal")
+    }
+
+    /// The piece before, line ends and comments left out.
+    fn visible(&self) -> Option<&Piece> {
+        self.pieces.iter().rev().find(|piece| !matches!(piece.role, Role::Comment | Role::LineEnd))
+    }
+
+    fn number(&mut self, token: &Token) {
+        let TokenKind::Number { number_len } = token.kind else { return };
+        let number = &self.text[token.range.start..token.range.start + number_len];
+        let (text, unit) = match token.unit(self.text) {
+            Some(unit) => (format!("{number} {}", &self.text[unit]), true),
+            None => (number.into(), false),
+        };
+        self.pieces.push(Piece { text, role: Role::Value { unit }, at: token.range.start });
+    }
+
+    fn sign(&mut self, token: &Token, text: &str) {
+        let at = token.range.start;
+        if text == "--" && !self.connects() {
+            self.minus(at);
+            return self.minus(at + 1);
+        }
+        let role = match text {
+            "," => Role::Comma,
+            ":" => Role::Colon,
+            "." | "@" | "^" => Role::Glue,
+            ".." => Role::Range { close: self.is_close() },
+            "-" => return self.minus(at),
+            "+" => Role::Operator { close: self.is_close() },
+            "*" | "/" => {
+                // Directly after a unit they would be part of it.
+                let unit = matches!(self.visible(), Some(Piece { role: Role::Value { unit: true }, .. }));
+                Role::Operator { close: self.is_close() && !unit }
+            }
+            _ => Role::Relation,
+        };
+        self.push(text, role, at);
+    }
+
+    fn minus(&mut self, at: usize) {
+        let after_value =
+            self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Value { .. } | Role::Close));
+        let role = if after_value { Role::Operator { close: self.is_close() } } else { Role::Minus };
+        self.push("-", role, at);
+    }
+
+    /// Indices and the range of a `repeat`.
+    fn is_close(&self) -> bool {
+        self.open.contains(&'[') || self.keyword == "repeat"
+    }
+
+    /// `--` at hand stands between the two ends of a part, and not for two signs of a value.
+    fn connects(&mut self) -> bool {
+        let has_ends = matches!(self.keyword, "spring" | "damper" | "pivot" | "slide" | "weld" | "force" | "torque");
+        let after_end = self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Close));
+        let connects = has_ends && after_end && self.open.is_empty() && !self.connected;
+        self.connected |= connects;
+        connects
+    }
+}
