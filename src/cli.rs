@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use vibc::analysis::Normalise;
+use vibc::analysis::{Band, Normalise, Request, Which};
 use vibc::base::unit::{self, Scale};
 use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 
@@ -61,6 +61,25 @@ pub struct Analyze {
     /// Print M, C and K however large they are
     #[arg(long)]
     pub matrices: bool,
+    /// Compute so many of the lowest modes; without it all, or 20 where all would take minutes
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub modes: Option<u32>,
+    /// Compute the modes with frequencies in this band, such as 10Hz..50Hz
+    #[arg(long, value_name = "FROM..TO", value_parser = range, conflicts_with = "modes")]
+    pub band: Option<(Number, Number)>,
+}
+
+impl Analyze {
+    /// What is asked of the analysis.
+    pub fn request(&self) -> Request {
+        let omega = |frequency: &Number| (&(frequency * &Number::from(2)) * &Number::pi()).to_f64();
+        let which = match (self.modes, &self.band) {
+            (Some(count), _) => Which::Lowest(count as usize),
+            (None, Some((from, to))) => Which::Within(Band { from: omega(from), to: omega(to) }),
+            (None, None) => Which::Usual,
+        };
+        Request { which, ..Request::default() }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -20,7 +20,7 @@ pub mod model;
 pub mod syntax;
 pub mod system;
 
-use analysis::{AnalysisError, History, Modes, Poles};
+use analysis::{AnalysisError, History, Modal, Modes, Poles, Request, Which};
 use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use lower::Lowered;
@@ -48,11 +48,16 @@ pub enum Failure {
     Limit,
 }
 
-/// From the text of a model to its modal report.
+/// From the text of a model to its modal report, as is usual for its size.
 pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<ModalAnswer> {
+    analyze_as(sources, model, overrides, &Request { which: Which::Usual, ..Request::default() })
+}
+
+/// From the text of a model to a modal report of what is asked for.
+pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
     let mut diagnostics = Diagnostics::new();
     let answer = lowered(sources, model, overrides, &mut diagnostics).and_then(|(name, lowered)| {
-        answer(name, lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+        answer(name, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
     });
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
@@ -69,7 +74,7 @@ pub struct Dynamics {
 
 /// From the text of a model to what transfer tables are computed from.
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
-    let analysis = analyze(sources, model, overrides);
+    let analysis = analyze_as(sources, model, overrides, &Request::default());
     let answer = analysis.answer.map(|answer| {
         let ModalAnswer { model, system, modes, poles, .. } = answer;
         Dynamics { model, system, modes, poles }
@@ -195,11 +200,9 @@ fn checked_scene(
     checked.scene.filter(|_| !broken)
 }
 
-fn answer(model: String, lowered: Lowered) -> Result<ModalAnswer, AnalysisError> {
+fn answer(model: String, lowered: Lowered, request: &Request) -> Result<ModalAnswer, AnalysisError> {
     let Lowered { system, rest } = lowered;
-    let modes = analysis::modes(&system)?;
-    let poles = analysis::poles(&system, &modes)?;
-    let stability = analysis::stability(&modes, &poles);
+    let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
     Ok(ModalAnswer { model, system, rest, modes, poles, stability })
 }
 

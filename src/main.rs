@@ -57,7 +57,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
-    let analysis = vibc::analyze(&input.sources, input.model, &input.overrides);
+    let analysis = vibc::analyze_as(&input.sources, input.model, &input.overrides, &options.request());
     let status = failure(analysis.failure());
     show(&input.sources, analysis.diagnostics, messages);
     let Some(answer) = &analysis.answer else { return status };

@@ -49,6 +49,46 @@ pub struct Modes {
     pub list: Vec<Mode>,
     /// Motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
     pub infinite: usize,
+    /// Modes below those of the list that were not asked for: counted, not computed.
+    pub before: Before,
+    /// The same above.
+    pub after: usize,
+}
+
+/// How many modes of each kind come before those of a list.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Before {
+    pub divergences: usize,
+    pub undetermined: usize,
+    pub rigid: usize,
+    pub oscillations: usize,
+}
+
+impl Before {
+    pub fn count(self) -> usize {
+        self.divergences + self.undetermined + self.rigid + self.oscillations
+    }
+
+    pub(in crate::analysis) fn plus(self, other: Before) -> Before {
+        Before {
+            divergences: self.divergences + other.divergences,
+            undetermined: self.undetermined + other.undetermined,
+            rigid: self.rigid + other.rigid,
+            oscillations: self.oscillations + other.oscillations,
+        }
+    }
+}
+
+impl Modes {
+    /// Every mode is in the list.
+    pub fn is_complete(&self) -> bool {
+        self.before.count() + self.after == 0
+    }
+
+    /// The modes with their numbers, counted from 1 for the lowest of all.
+    pub fn numbered(&self) -> impl Iterator<Item = (usize, &Mode)> {
+        (self.before.count() + 1..).zip(&self.list)
+    }
 }
 
 /// A mode of M q'' + K q = 0.
@@ -101,6 +141,8 @@ pub struct Poles {
     /// How many of two for each coordinate are infinite: motions without inertia.
     pub infinite: usize,
     pub list: Vec<Pole>,
+    /// How many were not computed, because not all modes were asked for.
+    pub left_out: usize,
 }
 
 #[derive(Clone, Debug)]

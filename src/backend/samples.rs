@@ -43,8 +43,8 @@ pub fn cart() -> ModalAnswer {
         model: "cart".into(),
         system,
         rest: as_drawn(2),
-        modes: Modes { list: modes, infinite: 0 },
-        poles: Poles { infinite: 0, list: poles },
+        modes: Modes { list: modes, infinite: 0, ..Modes::default() },
+        poles: Poles { infinite: 0, list: poles, left_out: 0 },
         stability: Stability::Stable,
     }
 }
@@ -76,8 +76,12 @@ pub fn free_pair() -> ModalAnswer {
         model: "free pair".into(),
         system,
         rest: as_drawn(2),
-        modes: Modes { list: vec![rigid, shaking], infinite: 0 },
-        poles: Poles { infinite: 0, list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)] },
+        modes: Modes { list: vec![rigid, shaking], infinite: 0, ..Modes::default() },
+        poles: Poles {
+            infinite: 0,
+            list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)],
+            left_out: 0,
+        },
         stability: Stability::Neutral,
     }
 }
@@ -101,11 +105,12 @@ pub fn upright_rod() -> ModalAnswer {
         proven: true,
         steps: 4,
     };
-    answer.modes = Modes { list: vec![falling], infinite: 0 };
+    answer.modes = Modes { list: vec![falling], infinite: 0, ..Modes::default() };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
     answer.poles = Poles {
         infinite: 0,
         list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)],
+        left_out: 0,
     };
     answer.stability = Stability::Unstable;
     answer

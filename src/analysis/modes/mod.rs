@@ -24,12 +24,13 @@ pub(in crate::analysis) mod structure;
 pub(in crate::analysis) mod terms;
 pub(in crate::analysis) mod tree;
 
-use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::answer::{Before, Mode, ModeKind, Modes};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::condense::{Condensed, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
-use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::modes::request::{FEW, Request, Which};
+use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::{Ball, Number};
@@ -38,10 +39,10 @@ use crate::system::{CoordinateId, Form, LinearSystem};
 /// Dense matrices of more coordinates than this would take minutes.
 pub const MAX_DENSE: usize = 400;
 /// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
-const MIN_SPARSE: usize = 100;
+pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 
 /// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
-const MAX_ALL: usize = 4000;
+pub(in crate::analysis) const MAX_ALL: usize = 4000;
 
 /// All undamped modes, ascending in omega^2.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
@@ -50,14 +51,15 @@ pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
 
 /// The undamped modes asked for, ascending in omega^2.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    let parts = independent_undamped(system);
+    let request = &Request { which: settled(request.which, system.n(), &parts), ..*request };
     if system.n() > MAX_ALL && request.which == Which::All {
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
     }
-    let parts = independent_undamped(system);
     let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
     let mut local = vec![0u32; system.n()];
-    let (mut pairs, mut infinite) = (Vec::new(), 0);
+    let (mut pairs, mut infinite, mut before) = (Vec::new(), 0, Before::default());
     for (index, part) in parts.iter().enumerate() {
         let found = if parts.len() == 1 {
             let whole = Forms { k: &system.k, m: &system.m, stiffness: &report.stiffness, masses: &report.masses };
@@ -69,18 +71,31 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
             part_pairs(system, part, &own, request)?
         };
         infinite += found.infinite;
+        before = before.plus(found.before);
         pairs.extend(found.pairs.into_iter().map(|pair| (pair, index)));
     }
     if parts.len() > 1 {
         pairs.sort_by(|a, b| ascending(&a.0.value, &b.0.value));
     }
-    pairs.truncate(request.which.limit());
+    // A cluster that goes on beyond the last mode asked for is one all the same.
     let numbers = cluster_numbers(&pairs);
+    pairs.truncate(request.which.limit());
+    let after = system.n() - infinite - before.count() - pairs.len();
     let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
         let x = pair.x.spread(&parts[part].coordinates, system.n());
         report.mode(&Pair { x, ..pair }, cluster)
     });
-    Ok(Modes { list: list.collect(), infinite })
+    Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
+}
+
+/// What is usual for a system of this size.
+fn settled(which: Which, n: usize, parts: &[Part]) -> Which {
+    let largest = parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
+    match which {
+        Which::Usual if n <= MAX_ALL && largest <= MAX_DENSE => Which::All,
+        Which::Usual => Which::Lowest(FEW),
+        which => which,
+    }
 }
 
 /// M and K of a part, as the model's numbers and as terms.
@@ -91,9 +106,10 @@ struct Forms<'a> {
     masses: &'a Terms,
 }
 
-/// The eigenpairs of a part, and how many of its motions have no inertia.
+/// The eigenpairs of a part, at least those asked for, how many come before them, and how many of its motions have no inertia.
 struct PartPairs {
     pairs: Vec<Pair>,
+    before: Before,
     infinite: usize,
 }
 
@@ -105,25 +121,23 @@ fn part_pairs(
     request: &Request,
 ) -> Result<PartPairs, AnalysisError> {
     let n = part.coordinates.len();
-    let limit = request.which.limit();
+    let in_part = request.which != Which::All && (n > MAX_DENSE || request.which.limit() < n / 4);
     if n > MIN_SPARSE
-        && limit < n / 4
-        && let Some(pairs) = sparse::lowest(forms.stiffness, forms.masses, n, limit, request.tolerance)
+        && in_part
+        && let Some(Found { pairs, before }) = sparse::some(forms.stiffness, forms.masses, n, request)
     {
-        return Ok(PartPairs { pairs, infinite: 0 });
+        return Ok(PartPairs { pairs, before, infinite: 0 });
     }
     let first = part.coordinates[0] as usize;
     if n > MAX_DENSE {
         return Err(AnalysisError::TooManyCoordinates { count: n, limit: MAX_DENSE, at: place(system, first) });
     }
-    match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
-        Ok(pairs) => Ok(PartPairs { pairs, infinite: 0 }),
-        Err(Failure::Range) => Err(AnalysisError::OutOfRange { at: place(system, first) }),
-        Err(Failure::Mass(at)) => {
-            let pairs = without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?;
-            Ok(PartPairs { infinite: n - pairs.len(), pairs })
-        }
-    }
+    let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
+        Ok(pairs) => pairs,
+        Err(Failure::Range) => return Err(AnalysisError::OutOfRange { at: place(system, first) }),
+        Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,
+    };
+    Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
 }
 
 /// The same if M is singular: exactly, or not at all.

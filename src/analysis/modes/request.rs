@@ -8,12 +8,26 @@ pub struct Request {
     pub tolerance: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Which {
+    /// All of them, or the lowest [`FEW`] where all would take minutes.
+    Usual,
     All,
     /// So many of the lowest, rigid motions included.
     Lowest(usize),
+    /// Those whose omega may lie in the band.
+    Within(Band),
 }
+
+/// From one omega to another, rad/s, ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    pub from: f64,
+    pub to: f64,
+}
+
+/// Modes of a large system that are computed where nothing is said.
+pub const FEW: usize = 20;
 
 impl Default for Request {
     fn default() -> Request {
@@ -21,10 +35,22 @@ impl Default for Request {
     }
 }
 
+impl Band {
+    /// Whether omega^2 within `radius` of `value` may be in the band.
+    pub(in crate::analysis) fn may_hold(self, value: f64, radius: f64) -> bool {
+        // Each end was rounded a few times, the value once.
+        let slack = 8.0 * f64::EPSILON;
+        let low = self.from * self.from * (1.0 - slack);
+        let high = self.to * self.to * (1.0 + slack);
+        value + radius >= low && value - radius <= high
+    }
+}
+
 impl Which {
     pub(in crate::analysis) fn limit(self) -> usize {
         match self {
-            Which::All => usize::MAX,
+            Which::All | Which::Within(_) => usize::MAX,
+            Which::Usual => FEW,
             Which::Lowest(count) => count,
         }
     }

@@ -1,23 +1,40 @@
-//! The lowest modes of large parts, by what their terms are: so far trees of bodies and springs.
+//! Some modes of large parts, by what their terms are: so far trees of bodies and springs.
 
-use crate::analysis::answer::Route;
+use crate::analysis::answer::{Before, Route};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::forest::Forest;
+use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::modes::tree;
 use crate::analysis::numeric::triple::Triple;
 
-/// The `wanted` lowest eigenpairs, rigid motions first; `None` if no sparse method suits the part.
-pub fn lowest(stiffness: &Terms, masses: &Terms, n: usize, wanted: usize, tolerance: f64) -> Option<Vec<Pair>> {
+/// Modes in a row: those computed, ascending, and how many come before them.
+pub struct Found {
+    pub pairs: Vec<Pair>,
+    pub before: Before,
+}
+
+/// The eigenpairs asked for; `None` if no sparse method suits the part.
+pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     let forest = Forest::of(masses, stiffness, n)?;
-    let mut pairs = Vec::with_capacity(wanted);
-    if forest.floats {
+    let rigid = usize::from(forest.floats);
+    let (before, modes) = match request.which {
+        Which::Within(band) => tree::within(&forest, band, request.tolerance)?,
+        which => (0, tree::lowest(&forest, which.limit().saturating_sub(rigid), request.tolerance)?),
+    };
+    let wants_rigid = match request.which {
+        Which::Within(band) => band.from == 0.0,
+        which => which.limit() > 0,
+    };
+    let mut pairs = Vec::with_capacity(modes.len() + 1);
+    if forest.floats && wants_rigid {
         let x = tree::rigid_motion(&forest).into_iter().map(Triple::from).collect();
         pairs.push(Pair { value: Eigenvalue::Zero, x: Displacements::Precise(x), route: Route::Exact });
     }
-    for mode in tree::lowest(&forest, wanted.saturating_sub(pairs.len()), tolerance)? {
+    for mode in modes {
         let value = Eigenvalue::Near { value: mode.lambda, radius: mode.radius, positive: true };
         pairs.push(Pair { value, x: mode.x, route: Route::Tree });
     }
-    Some(pairs)
+    let rigid = if wants_rigid { 0 } else { rigid };
+    Some(Found { pairs, before: Before { rigid, oscillations: before, ..Before::default() } })
 }

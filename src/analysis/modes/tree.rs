@@ -19,11 +19,13 @@
 
 use crate::analysis::modes::eigen::Displacements;
 use crate::analysis::modes::forest::{Forest, Node, counts, shape, taken, twisted};
+use crate::analysis::modes::request::Band;
 use crate::analysis::numeric::dense::Real;
 use crate::analysis::numeric::lanes::{Eight, Lane};
 use crate::analysis::numeric::pairwise::PairwiseSum;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use std::ops::Range;
 
 /// A mode of a tree.
 #[derive(Clone, Debug)]
@@ -56,17 +58,15 @@ const NARROW: [f64; 3] = [0.01, 1e-4, 1e-8];
 /// The `wanted` lowest modes that are not rigid, ascending; `None` if the tree is not for this method: frequencies too close
 /// to be told apart in binary64, or vectors out of range.
 pub fn lowest(forest: &Forest, wanted: usize, tolerance: f64) -> Option<Vec<TreeMode>> {
-    let elastic = forest.n() - usize::from(forest.floats);
-    let wanted = wanted.min(elastic);
+    Search::new(forest).modes(0..wanted, tolerance)
+}
+
+/// The modes that may lie in the band, rigid ones left out, ascending, and how many that are not rigid come before them.
+pub fn within(forest: &Forest, band: Band, tolerance: f64) -> Option<(usize, Vec<TreeMode>)> {
     let mut search = Search::new(forest);
-    for narrow in NARROW {
-        search.narrow((wanted + 1).min(elastic), narrow)?;
-        if let Some(vectors) = search.vectors(wanted) {
-            let certified = vectors.into_iter().enumerate().map(|(k, v)| search.certified(k, v, tolerance));
-            return certified.collect();
-        }
-    }
-    None
+    let wanted = search.numbers(band);
+    let before = wanted.start;
+    Some((before, search.modes(wanted, tolerance)?))
 }
 
 /// The rigid motion of a tree without ground: down from the root, each spring unstretched.
@@ -104,16 +104,52 @@ impl<'a> Search<'a> {
         Search { forest, nodes: forest.nodes_in(), tree, eta, points: Vec::new(), brackets: Vec::new() }
     }
 
-    /// Narrows the brackets of the first `wanted` frequencies that are not zero.
-    fn narrow(&mut self, wanted: usize, narrow: f64) -> Option<()> {
-        let from = i64::from(self.forest.floats);
-        let to = from + wanted as i64;
-        if self.points.is_empty() {
-            let highest = self.highest();
-            // No frequency of a model in the range of binary64 is below.
-            self.count(&[highest * 1e-140, highest]);
+    /// The modes with these numbers, counted from the first that is not rigid.
+    fn modes(&mut self, wanted: Range<usize>, tolerance: f64) -> Option<Vec<TreeMode>> {
+        let elastic = self.forest.n() - self.rigid() as usize;
+        let wanted = wanted.start.min(elastic)..wanted.end.min(elastic);
+        if wanted.is_empty() {
+            return Some(Vec::new());
         }
-        if self.points[0].1 != from {
+        // The neighbours on either side are bracketed too.
+        let bracketed = wanted.start.saturating_sub(1)..(wanted.end + 1).min(elastic);
+        let first = wanted.start - bracketed.start;
+        for narrow in NARROW {
+            self.narrow(&bracketed, narrow)?;
+            if let Some(vectors) = self.vectors(first..first + wanted.len()) {
+                let certified = (first..).zip(vectors).map(|(k, v)| self.certified(k, v, tolerance));
+                return certified.collect();
+            }
+        }
+        None
+    }
+
+    /// 1 if there is a rigid motion.
+    fn rigid(&self) -> i64 {
+        i64::from(self.forest.floats)
+    }
+
+    /// The numbers of the modes that may lie in the band.
+    fn numbers(&mut self, band: Band) -> Range<usize> {
+        let slack = 8.0 * self.eta;
+        let least = self.least();
+        let (low, high) = ((band.from * (1.0 - slack)).max(least), (band.to * (1.0 + slack)).max(least));
+        self.count(&[low, high]);
+        let below = |omega: f64| self.points.iter().find(|point| point.0 == omega).map_or(0, |point| point.1);
+        let number = |omega: f64| (below(omega) - self.rigid()).max(0) as usize;
+        number(low)..number(high).max(number(low))
+    }
+
+    /// No frequency of a model in the range of binary64 is below.
+    fn least(&self) -> f64 {
+        self.highest() * 1e-140
+    }
+
+    /// Narrows the brackets of the frequencies with these numbers, and encloses the first of all within a factor.
+    fn narrow(&mut self, wanted: &Range<usize>, narrow: f64) -> Option<()> {
+        let (from, to) = (self.rigid() + wanted.start as i64, self.rigid() + wanted.end as i64);
+        self.count(&[self.least(), self.highest()]);
+        if self.points[0].1 != self.rigid() {
             return None;
         }
         for _ in 0..MAX_PASSES {
@@ -127,7 +163,13 @@ impl<'a> Search<'a> {
         let single =
             self.points.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1 && (from..to).contains(&pair[0].1));
         self.brackets = single.map(|pair| Bracket { low: pair[0].0, high: pair[1].0 }).collect();
-        (self.brackets.len() == wanted).then_some(())
+        (self.brackets.len() == wanted.len()).then_some(())
+    }
+
+    /// A frequency below which there is none, and next to the first one.
+    fn below_all(&self) -> f64 {
+        let without = self.points.iter().take_while(|point| point.1 <= self.rigid());
+        without.last().map_or(0.0, |point| point.0)
     }
 
     /// Above all frequencies: omega^2 <= max (v + sum k |a| (|a| + |b|)) / m by Gershgorin's theorem on M^-1 K.
@@ -150,6 +192,7 @@ impl<'a> Search<'a> {
             self.points.extend(chunk.iter().copied().zip(counted));
         }
         self.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.points.dedup();
     }
 
     /// Intervals between points that hold wanted frequencies and are not narrow; `None` if some cannot be separated.
@@ -157,6 +200,11 @@ impl<'a> Search<'a> {
         let mut open = Vec::new();
         for i in 0..self.points.len() - 1 {
             let ((low, below), (high, above)) = (self.points[i], self.points[i + 1]);
+            let first = below <= self.rigid() && above > self.rigid();
+            if first && high > 1.1 * low {
+                open.push(i);
+                continue;
+            }
             if above <= from || below >= to || above <= below {
                 continue;
             }
@@ -192,10 +240,10 @@ impl<'a> Search<'a> {
     }
 
     /// Vectors of the brackets: Rayleigh quotient iteration on the elimination. `None` if one leaves its bracket.
-    fn vectors(&self, wanted: usize) -> Option<Vec<Vector>> {
-        let mut all = Vec::with_capacity(wanted);
+    fn vectors(&self, wanted: Range<usize>) -> Option<Vec<Vector>> {
+        let mut all = Vec::with_capacity(wanted.len());
         let mut room = (Vec::new(), Vec::new());
-        for chunk in self.brackets[..wanted].chunks(8) {
+        for chunk in self.brackets[wanted].chunks(8) {
             let (omega, settled) = self.iterate(chunk, &mut room);
             for (lane, bracket) in chunk.iter().enumerate() {
                 all.push(match settled[lane] {
@@ -289,7 +337,7 @@ impl<'a> Search<'a> {
         let square = |omega: f64| omega * omega;
         let above = |b: &Bracket| square(b.low * (1.0 - self.eta)) * (1.0 - 4.0 * f64::EPSILON);
         let below = |b: &Bracket| square(b.high * (1.0 + self.eta)) * (1.0 + 4.0 * f64::EPSILON);
-        let first = above(&self.brackets[0]);
+        let first = square(self.below_all() * (1.0 - self.eta)) * (1.0 - 4.0 * f64::EPSILON);
         let previous = if k > 0 { Some(below(&self.brackets[k - 1])) } else { self.forest.floats.then_some(0.0) };
         let holding = if self.forest.floats { first } else { 0.0 };
         let least = if self.forest.floats { holding } else { first };

@@ -196,7 +196,7 @@ impl PoleList {
             });
             *cluster = at as u32;
         }
-        Poles { infinite: (2 * coordinates).saturating_sub(self.list.len()), list: self.list }
+        Poles { infinite: (2 * coordinates).saturating_sub(self.list.len()), list: self.list, left_out: 0 }
     }
 }
 

@@ -60,6 +60,31 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     Ok(found.sorted(system.n()))
 }
 
+/// The poles of some of the modes, those listed: none where the modes do not decide them by themselves. `whole` is the system
+/// as one part.
+pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
+    let mut found = PoleList::default();
+    if system.c.is_empty() {
+        found.undamped(modes);
+    } else if let Some(damping) = proportional(system, whole) {
+        decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots));
+    }
+    let infinite = 2 * modes.infinite;
+    let poles = found.sorted(system.n());
+    Poles { infinite, left_out: 2 * system.n() - infinite - poles.list.len(), ..poles }
+}
+
+/// Each mode has poles of its own: nothing damps, or damping is proportional.
+pub fn are_of_modes(system: &LinearSystem, whole: &Part) -> bool {
+    system.c.is_empty() || proportional(system, whole).is_some()
+}
+
+/// s^2 + (alpha + beta omega^2) s + omega^2 for each mode.
+fn decoupled(modes: &Modes, damping: &Proportional) -> Vec<Roots> {
+    let quadratic = |omega_squared: Number| roots(&Number::ONE, &damping.of_mode(&omega_squared), &omega_squared);
+    modes.list.iter().map(|mode| quadratic(Number::Ball(mode.omega_squared))).collect()
+}
+
 /// An independent part of a system; `local` numbers the coordinates within their parts.
 struct Portion<'a> {
     system: &'a LinearSystem,
@@ -106,10 +131,8 @@ impl Portion<'_> {
         Ok(())
     }
 
-    /// s^2 + (alpha + beta omega^2) s + omega^2 for each mode.
     fn decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
-        let quadratic = |omega_squared: Number| roots(&Number::ONE, &damping.of_mode(&omega_squared), &omega_squared);
-        let list: Vec<Roots> = modes.list.iter().map(|mode| quadratic(Number::Ball(mode.omega_squared))).collect();
+        let list = decoupled(modes, damping);
         // The ball of omega^2 cannot tell whether the damping is critical.
         if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(modes, found) {
             return;

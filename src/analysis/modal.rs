@@ -1,0 +1,137 @@
+//! The modes asked for, their poles, and what they say about the rest. In: a linear system and a request. Out: all three.
+//!
+//! Where all modes are cheap, or where damping that joins the modes needs them all, everything is computed and what was asked
+//! for is cut out. Else the modes asked for are computed, and the poles are those of these modes. Clauses: spec.md 10.11, 11.10.
+
+use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stability};
+use crate::analysis::error::AnalysisError;
+use crate::analysis::modes::parts::{Part, independent};
+use crate::analysis::modes::request::{Band, Request, Which};
+use crate::analysis::modes::{MAX_ALL, MAX_DENSE, MIN_SPARSE, modes_as};
+use crate::analysis::poles::{poles, poles_of};
+use crate::analysis::stability::stability;
+use crate::base::Ball;
+use crate::system::LinearSystem;
+
+/// Modes and poles with the verdict on the rest.
+#[derive(Clone, Debug)]
+pub struct Modal {
+    pub modes: Modes,
+    pub poles: Poles,
+    pub stability: Stability,
+}
+
+/// The modes asked for, and what goes with them.
+pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
+    let whole = whole(system);
+    if !needs_all(system, &whole) {
+        let modes = modes_as(system, request)?;
+        if !modes.is_complete() {
+            let poles = poles_of(system, &whole, &modes);
+            let stability = match stability(&modes, &poles) {
+                // Whether a motion grows is in poles that were not computed.
+                Stability::Stable | Stability::Neutral if !is_dissipative(system) => Stability::Undetermined,
+                verdict => verdict,
+            };
+            return Ok(Modal { modes, poles, stability });
+        }
+    }
+    let modes = modes_as(system, &Request { which: Which::All, ..*request })?;
+    let poles = poles(system, &modes)?;
+    let stability = stability(&modes, &poles);
+    Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
+}
+
+/// All modes are cheap, or only together give the poles.
+fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
+    let n = system.n();
+    if n <= MIN_SPARSE {
+        return true;
+    }
+    let largest = || independent(system).iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
+    n <= MAX_ALL && !crate::analysis::poles::are_of_modes(system, whole) && largest() <= MAX_DENSE
+}
+
+/// The system as one part.
+fn whole(system: &LinearSystem) -> Part {
+    let all = |count: usize| (0..count as u32).collect();
+    Part {
+        coordinates: all(system.n()),
+        m: all(system.m.terms().len()),
+        c: all(system.c.terms().len()),
+        k: all(system.k.terms().len()),
+    }
+}
+
+/// No damper feeds energy in, so no oscillation grows.
+fn is_dissipative(system: &LinearSystem) -> bool {
+    system.c.terms().iter().all(|term| term.weight.is_positive())
+}
+
+impl Modes {
+    /// Those asked for, the others counted.
+    pub(in crate::analysis) fn cut(mut self, which: Which) -> Modes {
+        if let Which::Within(band) = which {
+            let (low, high) = self.range(band);
+            for mode in &self.list[..low] {
+                *self.before.of(mode.kind) += 1;
+            }
+            self.after += self.list.len() - high;
+            self.list.truncate(high);
+            self.list.drain(..low);
+        } else if let Which::Lowest(count) = which {
+            self.after += self.list.len().saturating_sub(count);
+            self.list.truncate(count);
+        }
+        self
+    }
+
+    /// Where the modes that may lie in the band begin and end.
+    fn range(&self, band: Band) -> (usize, usize) {
+        let square = |mode: &Mode| (mode.omega_squared.mid.hi, mode.omega_squared.rad);
+        let inside = |mode: &Mode| band.may_hold(square(mode).0, square(mode).1);
+        let low = self.list.iter().position(|mode| inside(mode) || square(mode).0 > band.to * band.to);
+        let low = low.unwrap_or(self.list.len());
+        (low, self.list.iter().rposition(inside).map_or(low, |last| last + 1))
+    }
+}
+
+impl Poles {
+    /// As many pairs as modes were asked for, of least |s|; or those with |s| in the band.
+    fn cut(mut self, which: Which) -> Poles {
+        let all = self.list.len();
+        match which {
+            Which::All | Which::Usual => {}
+            Which::Lowest(count) => {
+                let mut end = (2 * count).min(all);
+                let conjugate = |a: &Pole, b: &Pole| a.re.mid == b.re.mid && a.im.mid == -b.im.mid;
+                if end > 0 && end < all && conjugate(&self.list[end - 1], &self.list[end]) {
+                    end += 1;
+                }
+                self.list.truncate(end);
+            }
+            Which::Within(band) => self.list.retain(|pole| {
+                let square: Ball = pole.re.square() + pole.im.square();
+                band.may_hold(square.mid.hi, square.rad)
+            }),
+        }
+        self.left_out += all - self.list.len();
+        self
+    }
+}
+
+impl Before {
+    /// Whether any mode below is of this kind.
+    pub(in crate::analysis) fn has(mut self, kind: ModeKind) -> bool {
+        *self.of(kind) > 0
+    }
+
+    fn of(&mut self, kind: ModeKind) -> &mut usize {
+        match kind {
+            ModeKind::Divergence => &mut self.divergences,
+            ModeKind::Undetermined => &mut self.undetermined,
+            ModeKind::Rigid => &mut self.rigid,
+            ModeKind::Oscillation => &mut self.oscillations,
+        }
+    }
+}
