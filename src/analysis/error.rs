@@ -87,7 +87,7 @@ impl AnalysisError {
         match self {
             AnalysisError::TooManyCoordinates { count, limit, .. } => (
                 format!("the modes of {count} coordinates at once are too many: they are computed up to {limit}"),
-                "make the model smaller, or take parts apart that do not act on each other",
+                "ask for some of them: `--modes 20` for the lowest, `--band 10Hz..50Hz` for a band; damping by modes needs all",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (
                 format!(

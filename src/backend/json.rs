@@ -26,6 +26,7 @@ struct Report<'a> {
     rest: Rest<'a>,
     matrices: Option<Matrices>,
     normalisation: &'static str,
+    not_computed: NotComputed,
     modes: Vec<JsonMode<'a>>,
     poles: Vec<JsonPole>,
     solved: [(); 0],
@@ -40,6 +41,15 @@ struct Rest<'a> {
     residual: f64,
     proven: bool,
     steps: u32,
+}
+
+/// What a request or the size of the model left out.
+#[derive(serde::Serialize)]
+struct NotComputed {
+    modes_below: usize,
+    modes_above: usize,
+    poles: usize,
+    matrices: bool,
 }
 
 #[derive(serde::Serialize)]
@@ -112,10 +122,13 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, names: &'a [Stri
         rest: rest(answer, names),
         matrices: wanted.then(|| matrices(&answer.system)),
         normalisation: normalisation(options.normalise),
-        modes: (1..)
-            .zip(&answer.modes.list)
-            .map(|(number, mode)| json_mode(answer, options, names, number, mode))
-            .collect(),
+        not_computed: NotComputed {
+            modes_below: answer.modes.before.count(),
+            modes_above: answer.modes.after,
+            poles: answer.poles.left_out,
+            matrices: !wanted,
+        },
+        modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
         poles: answer.poles.list.iter().map(json_pole).collect(),
         solved: [],
         requirements: [],

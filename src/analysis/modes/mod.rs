@@ -121,7 +121,11 @@ fn part_pairs(
     request: &Request,
 ) -> Result<PartPairs, AnalysisError> {
     let n = part.coordinates.len();
-    let in_part = request.which != Which::All && (n > MAX_DENSE || request.which.limit() < n / 4);
+    let in_part = match request.which {
+        Which::All => false,
+        Which::Within(_) => true,
+        which => n > MAX_DENSE || which.limit() < n / 4,
+    };
     if n > MIN_SPARSE
         && in_part
         && let Some(Found { pairs, before }) = sparse::some(forms.stiffness, forms.masses, n, request)

@@ -45,13 +45,19 @@ fn title(answer: &ModalAnswer) -> String {
         Stability::Unstable => "an UNSTABLE rest",
         Stability::Undetermined => "a rest of UNDETERMINED stability",
     };
-    let rigid = answer.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
+    let rigid =
+        answer.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count() + answer.modes.before.rigid;
     let left = match rigid {
         0 => String::new(),
         1 => " · 1 rigid motion".to_string(),
         _ => format!(" · {rigid} rigid motions"),
     };
     format!("{} · {freedoms}, linearised about {verdict}{left}", readable(&answer.model))
+}
+
+/// `1 mode`, `3 modes`
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// A line of text of a section.

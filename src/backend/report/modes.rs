@@ -4,7 +4,7 @@ use super::super::decimal::{Decimal, certain, upper};
 use super::super::json::{error_bound, per_turn};
 use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
-use super::{INDENT, WIDTH, carried_by, largest_shares, line, unit};
+use super::{INDENT, WIDTH, carried_by, counted, largest_shares, line, unit};
 use crate::analysis::{Mode, ModeKind, Normalise, normalise};
 use crate::base::{Ball, Dd};
 use crate::system::{Coordinate, CoordinateKind, LinearSystem};
@@ -18,7 +18,7 @@ const LARGEST: usize = 3;
 
 pub fn table(answer: &ModalAnswer, options: &ReportOptions) -> String {
     if answer.modes.list.is_empty() {
-        return String::new();
+        return left_out(answer);
     }
     let with_columns = filled(answer, options, true);
     let fits = answer.system.n() <= WIDTH / 10 && with_columns.width() + INDENT <= WIDTH;
@@ -65,7 +65,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
     } else {
         table = table.column("shape, largest entries", "", Align::Left);
     }
-    for (number, mode) in (1..).zip(&answer.modes.list).take(MOST) {
+    for (number, mode) in answer.modes.numbered().take(MOST) {
         let shape = normalise(mode, system, options.normalise);
         let mut cells = frequency_cells(number, mode);
         if columns {
@@ -123,20 +123,41 @@ fn remarks(answer: &ModalAnswer) -> String {
         let highest = list.last().map_or(String::new(), |mode| certain(&per_turn(mode.omega), 4));
         text += &line(format!("... and {} modes more, up to {highest} Hz (--format json has all)", list.len() - MOST));
     }
-    text + &clusters(list) + &sensitive(list)
+    text + &left_out(answer) + &clusters(answer) + &sensitive(answer)
+}
+
+/// The modes that were not asked for, or not computed because they are too many.
+fn left_out(answer: &ModalAnswer) -> String {
+    let (below, above) = (answer.modes.before.count(), answer.modes.after);
+    let told = match (below, above) {
+        (0, 0) => return String::new(),
+        (0, above) => format!("{} above", counted(above, "mode")),
+        (below, 0) => format!("{} below", counted(below, "mode")),
+        (below, above) => format!("{} below and {above} above", counted(below, "mode")),
+    };
+    let empty = if answer.modes.list.is_empty() { "no undamped mode is in the band; " } else { "" };
+    line(format!("{empty}not computed: {told} (--modes N and --band FROM..TO ask for others)"))
 }
 
 /// Modes that are certified together only.
-fn clusters(list: &[Mode]) -> String {
+fn clusters(answer: &ModalAnswer) -> String {
+    let (list, below) = (&answer.modes.list, answer.modes.before.count());
     let mut text = String::new();
     let mut seen = None;
     for (first, mode) in list.iter().enumerate().filter(|(_, mode)| mode.cluster.is_some()) {
         let members: Vec<usize> = (first..list.len()).filter(|i| list[*i].cluster == mode.cluster).collect();
-        if seen == mode.cluster || members.len() < 2 {
+        if seen == mode.cluster {
             continue;
         }
         seen = mode.cluster;
-        let range = range(members[0] + 1, members[members.len() - 1] + 1);
+        if members.len() == 1 {
+            let number = below + first + 1;
+            let text_of_one =
+                format!("mode {number}: one of a repeated frequency or a tight cluster that goes on above");
+            text += &line(text_of_one);
+            continue;
+        }
+        let range = range(below + members[0] + 1, below + members[members.len() - 1] + 1);
         text +=
             &line(format!("modes {range}: one repeated frequency or a tight cluster; their shapes span it together"));
     }
@@ -149,9 +170,10 @@ fn range(first: usize, last: usize) -> String {
 }
 
 /// Frequencies that the model's numbers do not fix as well as they are computed.
-fn sensitive(list: &[Mode]) -> String {
+fn sensitive(answer: &ModalAnswer) -> String {
     const WORTH_TELLING: f64 = 100.0;
-    let told = (1..).zip(list).filter(|(_, mode)| mode.input_condition.is_some_and(|factor| factor >= WORTH_TELLING));
+    let told =
+        answer.modes.numbered().filter(|(_, mode)| mode.input_condition.is_some_and(|factor| factor >= WORTH_TELLING));
     told.take(MOST)
         .map(|(number, mode)| {
             let factor = upper(mode.input_condition.unwrap_or(f64::INFINITY));
@@ -162,7 +184,7 @@ fn sensitive(list: &[Mode]) -> String {
 
 /// Which mode is which: what moves in it, and what holds it.
 pub fn shares(answer: &ModalAnswer) -> String {
-    if answer.system.n() < 2 {
+    if answer.system.n() < 2 || answer.modes.list.is_empty() {
         return String::new();
     }
     let system = &answer.system;
@@ -170,7 +192,7 @@ pub fn shares(answer: &ModalAnswer) -> String {
         .column("mode", "", Align::Right)
         .column("moves (share of kinetic energy)", "", Align::Left)
         .column("is held by (share of strain energy)", "", Align::Left);
-    for (number, mode) in (1..).zip(&answer.modes.list).take(MOST) {
+    for (number, mode) in answer.modes.numbered().take(MOST) {
         let held = match mode.kind {
             ModeKind::Rigid => "nothing".into(),
             _ => largest_shares(&mode.strain, |of| system.display(of)),

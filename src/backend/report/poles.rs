@@ -5,7 +5,7 @@ use super::super::decimal::{certain, upper};
 use super::super::json::{modulus, per_turn, pole_error_bound};
 use super::modes::MOST;
 use super::table::{Align, Table};
-use super::{INDENT, line};
+use super::{INDENT, counted, line};
 use crate::analysis::{Pole, PoleKind, Stability};
 use crate::base::Ball;
 
@@ -13,8 +13,8 @@ const DIGITS: usize = 6;
 const FEW: usize = 4;
 
 pub fn text(answer: &ModalAnswer) -> String {
-    if answer.poles.list.is_empty() {
-        return String::new();
+    if answer.poles.list.is_empty() && !answer.system.c.is_empty() {
+        return left_out(answer);
     }
     if answer.system.c.is_empty() {
         let poles = if answer.stability == Stability::Unstable {
@@ -40,7 +40,7 @@ pub fn text(answer: &ModalAnswer) -> String {
     }
     let left = shown.len().saturating_sub(MOST);
     let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
-    line("damped motion") + &table.text(INDENT) + &more + &clusters(&shown) + &infinite(answer)
+    line("damped motion") + &table.text(INDENT) + &more + &clusters(&shown) + &infinite(answer) + &left_out(answer)
 }
 
 /// Poles that are equal or are certified only together.
@@ -64,6 +64,18 @@ fn clusters(shown: &[(usize, &Pole)]) -> String {
         });
     }
     text
+}
+
+/// Poles that were not computed.
+fn left_out(answer: &ModalAnswer) -> String {
+    match (answer.poles.left_out, answer.poles.list.is_empty()) {
+        (0, _) => String::new(),
+        (count, false) => line(format!("not computed: {} of other modes", counted(count, "pole"))),
+        (count, true) => line(format!(
+            "not computed: {}; this damping joins the modes, so their poles come with all modes or not at all",
+            counted(count, "pole")
+        )),
+    }
 }
 
 /// What follows without inertia has no pole of its own.

@@ -3,8 +3,8 @@
 use super::super::ModalAnswer;
 use super::super::decimal::{certain, certain_number, upper};
 use super::table::{Align, Table};
-use super::{INDENT, carried_by, line, poles, unit};
-use crate::analysis::{Mode, ModeKind, PoleKind};
+use super::{INDENT, carried_by, counted, line, poles, unit};
+use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::base::{Ball, Number};
 use crate::system::CoordinateKind;
 
@@ -68,7 +68,7 @@ fn degrees(angle: &Number) -> Ball {
 fn unstable(answer: &ModalAnswer) -> String {
     let damped = !answer.system.c.is_empty();
     let mut text = String::new();
-    for (number, mode) in (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Divergence) {
+    for (number, mode) in answer.modes.numbered().filter(|(_, mode)| mode.kind == ModeKind::Divergence) {
         let how_fast = if damped { String::new() } else { format!(": {}", growth(mode.omega)) };
         text += &line(format!("  mode {number} ({}) runs away{how_fast}", carried_by(&answer.system, mode)));
     }
@@ -81,13 +81,16 @@ fn unstable(answer: &ModalAnswer) -> String {
             _ => {}
         }
     }
+    if answer.modes.before.divergences > 0 {
+        text += &line(format!("  {} below those listed run away", counted(answer.modes.before.divergences, "mode")));
+    }
     if text.is_empty() { text } else { line("UNSTABLE: the scene does not stay at this rest") + &text }
 }
 
 /// What may grow or not: what was certified does not tell.
 fn undetermined(answer: &ModalAnswer) -> String {
     let mut text = String::new();
-    for (number, mode) in (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Undetermined) {
+    for (number, mode) in answer.modes.numbered().filter(|(_, mode)| mode.kind == ModeKind::Undetermined) {
         let carried = carried_by(&answer.system, mode);
         let bound = certain(&mode.omega, DIGITS);
         text += &line(format!("  mode {number} ({carried}) may hold or run away: |ω| or its growth is {bound} rad/s"));
@@ -97,6 +100,9 @@ fn undetermined(answer: &ModalAnswer) -> String {
             let bound = certain(&pole.re, DIGITS);
             text += &line(format!("  pole {number} may decay or grow: |re s| is {bound} 1/s"));
         }
+    }
+    if text.is_empty() && answer.stability == Stability::Undetermined {
+        text += &line("  some damper feeds energy in, and the poles that would tell are not computed");
     }
     if text.is_empty() {
         text
@@ -112,12 +118,15 @@ fn growth(rate: Ball) -> String {
 
 /// The motions that nothing holds back.
 fn neutral(answer: &ModalAnswer) -> String {
-    let rigid: Vec<(usize, &Mode)> =
-        (1..).zip(&answer.modes.list).filter(|(_, mode)| mode.kind == ModeKind::Rigid).collect();
-    if rigid.is_empty() {
+    let rigid: Vec<(usize, &Mode)> = answer.modes.numbered().filter(|(_, mode)| mode.kind == ModeKind::Rigid).collect();
+    let below = answer.modes.before.rigid;
+    if rigid.is_empty() && below == 0 {
         return String::new();
     }
     let mut text = line("NEUTRAL: nothing holds these motions back");
+    if below > 0 {
+        text += &line(format!("  {} below those listed", counted(below, "rigid motion")));
+    }
     for (number, mode) in rigid {
         text += &line(format!("  mode {number}: {}", carried_by(&answer.system, mode)));
     }

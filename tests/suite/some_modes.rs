@@ -1,0 +1,117 @@
+//! Some of the modes: the lowest, or those in a band, of small systems and of large ones. Clauses: spec.md 10.10 to 10.12.
+
+use serde_json::Value;
+use vibc::analysis::{Band, Request, Which};
+use vibc::backend::{ReportOptions, json, report};
+use vibc::base::{SourceFile, Sources};
+use vibc::model::Overrides;
+
+fn asked(model: &str, which: Which) -> (Value, String) {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("scene.vib", model));
+    let request = Request { which, ..Request::default() };
+    let outcome = vibc::analyze_as(&sources, file, &Overrides::default(), &request);
+    let answer = outcome.answer.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics));
+    let object = json::json(&answer, &ReportOptions::default());
+    (serde_json::from_str(&object).expect("JSON"), report::text(&answer, &ReportOptions::default()))
+}
+
+fn numbers(answer: &Value, list: &str, field: &str) -> Vec<f64> {
+    answer[list].as_array().expect("a list").iter().map(|item| item[field].as_f64().expect("a number")).collect()
+}
+
+/// A chain that is held at its first mass, if at all; masses and springs of many sizes.
+fn chain(n: usize, held: bool, more: &str) -> String {
+    let first = if held { "spring k[1]: ground -- m[1] { k = 977 N/m }" } else { "" };
+    format!(
+        "body m[1] {{ mass = 1.7 kg, moves x }}\n{first}\nrepeat i in 2..{n} {{\n\
+         body m[i] {{ mass = 1.3 kg + 0.1 kg * i / {n}, moves x }}\n\
+         spring k[i]: m[i-1] -- m[i] {{ k = 1e3 N/m + i * 7.3 N/m }}\n}}\n{more}\n"
+    )
+}
+
+const DAMPED: &str = "damper d: ground -- m[2] { c = 3 N*s/m }";
+
+#[test]
+fn the_lowest_modes_of_a_small_scene_are_the_first_of_all() {
+    let (all, _) = asked(&chain(6, true, DAMPED), Which::All);
+    let (some, text) = asked(&chain(6, true, DAMPED), Which::Lowest(2));
+    for (list, field, count) in [("modes", "omega", 2), ("poles", "im", 4), ("poles", "re", 4)] {
+        assert_eq!(numbers(&some, list, field), numbers(&all, list, field)[..count]);
+    }
+    assert_eq!(some["not_computed"]["modes_above"], 4);
+    assert_eq!(some["not_computed"]["poles"], 8);
+    assert_eq!(all["not_computed"]["poles"], 0);
+    assert!(text.contains("not computed: 4 modes above"), "{text}");
+    assert!(text.contains("not computed: 8 poles of other modes"), "{text}");
+}
+
+#[test]
+fn a_band_has_its_modes_and_counts_the_others() {
+    let (all, _) = asked(&chain(9, false, ""), Which::All);
+    let omega = numbers(&all, "modes", "omega");
+    // The ends count as inside.
+    let (some, text) = asked(&chain(9, false, ""), Which::Within(Band { from: omega[3], to: omega[5] }));
+    assert_eq!(numbers(&some, "modes", "omega"), omega[3..=5]);
+    assert_eq!(numbers(&some, "modes", "mode"), [4.0, 5.0, 6.0]);
+    assert_eq!(some["not_computed"]["modes_below"], 3);
+    assert_eq!(some["not_computed"]["modes_above"], 3);
+    assert_eq!(some["rest"]["kind"], "neutral");
+    assert!(text.contains("1 rigid motion below those listed"), "{text}");
+    let gap = Band { from: omega[3] * 1.001, to: omega[4] * 0.999 };
+    let (none, text) = asked(&chain(9, false, ""), Which::Within(gap));
+    assert_eq!(none["modes"].as_array().map(Vec::len), Some(0));
+    assert_eq!(none["not_computed"]["modes_below"], 4);
+    assert!(text.contains("no undamped mode is in the band"), "{text}");
+    let (rigid, _) = asked(&chain(9, false, ""), Which::Within(Band { from: 0.0, to: omega[1] }));
+    assert_eq!(rigid["modes"][0]["kind"], "rigid");
+    assert_eq!(rigid["modes"].as_array().map(Vec::len), Some(2));
+}
+
+/// The road for large trees against the road for all modes.
+#[test]
+fn large_trees_give_the_same_lowest_modes_and_bands() {
+    for held in [true, false] {
+        let model = chain(120, held, "");
+        let (all, _) = asked(&model, Which::All);
+        let omega = numbers(&all, "modes", "omega");
+        let band = Band { from: 0.5 * (omega[6] + omega[7]), to: 0.5 * (omega[10] + omega[11]) };
+        for (which, range) in [(Which::Lowest(5), 0..5), (Which::Within(band), 7..11)] {
+            let (some, _) = asked(&model, which);
+            assert_eq!(some["modes"][range.len() - 1]["route"], "tree");
+            assert_eq!(numbers(&some, "modes", "mode")[0] as usize, range.start + 1);
+            let found = numbers(&some, "modes", "omega");
+            assert_eq!(found.len(), range.len());
+            let bounds = numbers(&some, "modes", "omega_error_bound");
+            for ((found, known), bound) in found.iter().zip(&omega[range]).zip(bounds) {
+                assert!((found - known).abs() <= (bound + 3e-16) * known, "{found} {known} {bound:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_large_scene_gives_its_lowest_modes_unasked_and_says_so() {
+    let (answer, text) = asked(&chain(500, true, ""), Which::Usual);
+    assert_eq!(answer["modes"].as_array().map(Vec::len), Some(20));
+    assert_eq!(answer["poles"].as_array().map(Vec::len), Some(40));
+    assert_eq!(answer["not_computed"]["modes_above"], 480);
+    assert_eq!(answer["rest"]["stable"], true);
+    assert!(text.contains("not computed: 480 modes above (--modes N and --band FROM..TO ask for others)"), "{text}");
+}
+
+#[test]
+fn poles_that_need_all_modes_are_said_to_be_missing() {
+    let (answer, text) = asked(&chain(500, true, DAMPED), Which::Lowest(3));
+    assert_eq!(answer["modes"].as_array().map(Vec::len), Some(3));
+    assert_eq!(answer["not_computed"]["poles"], 1000);
+    assert!(text.contains("not computed: 1000 poles; this damping joins the modes"), "{text}");
+    let (proportional, _) = asked(&chain(500, true, "damping rayleigh(0.1 /s, 1e-4 s)"), Which::Lowest(3));
+    assert_eq!(proportional["not_computed"]["poles"], 994);
+    let ratios = numbers(&proportional, "poles", "damping_ratio");
+    let omega = numbers(&proportional, "modes", "omega");
+    for (i, zeta) in ratios.iter().enumerate() {
+        let expected = 0.5 * (0.1 / omega[i / 2] + 1e-4 * omega[i / 2]);
+        assert!((zeta - expected).abs() <= 1e-14 * expected);
+    }
+}
