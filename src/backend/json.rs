@@ -5,7 +5,7 @@
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{Mode, ModeKind, Normalise, Pole, Share, Stability, normalise};
 use crate::base::{Ball, Dd};
-use crate::system::{Form, LinearSystem};
+use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// Matrices of more coordinates are shown on demand only.
@@ -38,9 +38,27 @@ struct Rest<'a> {
     stable: bool,
     kind: &'static str,
     displacement: ByName<'a>,
+    distance: Distance,
     residual: f64,
     proven: bool,
     steps: u32,
+    tensions: Named,
+}
+
+/// How far the rest is from the drawing: the largest displacements of coordinates.
+#[derive(serde::Serialize)]
+struct Distance {
+    translation_m: f64,
+    rotation_rad: f64,
+}
+
+/// An object with a number for each name, where the names are their own.
+struct Named(Vec<(String, f64)>);
+
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
 }
 
 /// What a request or the size of the model left out.
@@ -146,14 +164,28 @@ fn normalisation(normalise: Normalise) -> &'static str {
 }
 
 fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
+    let tensions = answer.rest.tensions.iter();
+    let tensions = tensions.map(|found| (answer.system.display(found.spring), found.tension.to_f64() + 0.0));
     Rest {
         stable: answer.stability == Stability::Stable,
         kind: answer.stability.name(),
         displacement: ByName { names, values: answer.rest.displacement.iter().map(|q| q.to_f64() + 0.0).collect() },
+        distance: distance(answer),
         residual: answer.rest.residual,
         proven: answer.rest.proven,
         steps: answer.rest.steps,
+        tensions: Named(tensions.collect()),
     }
+}
+
+fn distance(answer: &ModalAnswer) -> Distance {
+    let largest = |kind: CoordinateKind| {
+        let coordinates = answer.system.coordinates.iter().zip(&answer.rest.displacement);
+        let sizes =
+            coordinates.filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value.to_f64().abs());
+        sizes.fold(0.0, f64::max)
+    };
+    Distance { translation_m: largest(CoordinateKind::Translation), rotation_rad: largest(CoordinateKind::Rotation) }
 }
 
 fn matrices(system: &LinearSystem) -> Matrices {

@@ -104,6 +104,7 @@ pub fn upright_rod() -> ModalAnswer {
         residual: 3e-17,
         proven: true,
         steps: 4,
+        tensions: Vec::new(),
     };
     answer.modes = Modes { list: vec![falling], infinite: 0, ..Modes::default() };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
@@ -149,7 +150,14 @@ impl With for Form {
 }
 
 fn as_drawn(n: usize) -> Rest {
-    Rest { displacement: vec![Number::ZERO; n], dependent: Vec::new(), residual: 0.0, proven: true, steps: 0 }
+    Rest {
+        displacement: vec![Number::ZERO; n],
+        dependent: Vec::new(),
+        residual: 0.0,
+        proven: true,
+        steps: 0,
+        tensions: Vec::new(),
+    }
 }
 
 fn oscillation(omega: f64, shape: &[f64], kinetic: &[(u32, f64)], strain: &[(Label, f64)]) -> Mode {

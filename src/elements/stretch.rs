@@ -67,11 +67,29 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// The squares of `tension grad^2 e`: tension / |d|^3 (d x delta)^2. None where the tension is zero.
-    pub fn tension_squares(&self, tension: &S) -> Option<[Square<S>; 3]> {
+    /// tension / |d|, the tension for each metre of the element; of a torsion the tension itself.
+    ///
+    /// It is rational where the tension that holds a rational drawing is not.
+    pub fn rate(&self, tension: &S) -> S {
         match self {
-            Stretched::Displacement { direction, length_squared, curved: true, .. } if !tension.is_zero() => {
-                let weight = tension.over(&length_squared.times(&length_squared.root()));
+            Stretched::Displacement { length_squared, .. } => over_length(tension.clone(), length_squared),
+            Stretched::Turn { .. } => tension.clone(),
+        }
+    }
+
+    /// The tension of a rate.
+    pub fn tension_of(&self, rate: &S) -> S {
+        match self {
+            Stretched::Displacement { length_squared, .. } if !rate.is_zero() => rate.times(&length_squared.root()),
+            _ => rate.clone(),
+        }
+    }
+
+    /// The squares of `tension grad^2 e`: rate / |d|^2 (d x delta)^2. None where the tension is zero.
+    pub fn tension_squares(&self, rate: &S) -> Option<[Square<S>; 3]> {
+        match self {
+            Stretched::Displacement { direction, length_squared, curved: true, .. } if !rate.is_zero() => {
+                let weight = rate.over(length_squared);
                 Some(direction.cross_rows().map(|direction| Square { weight: weight.clone(), direction }))
             }
             _ => None,
@@ -79,11 +97,9 @@ impl<S: Scalar> Stretched<S> {
     }
 
     /// tension grad e: the force on the second end against the stretch, with the opposite sign. `None` for a torsion.
-    pub fn force(&self, tension: &S) -> Option<Vector<S>> {
+    pub fn force(&self, rate: &S) -> Option<Vector<S>> {
         match self {
-            Stretched::Displacement { direction, length_squared, .. } => {
-                Some(direction.scaled(&over_length(tension.clone(), length_squared)))
-            }
+            Stretched::Displacement { direction, .. } => Some(direction.scaled(rate)),
             Stretched::Turn { .. } => None,
         }
     }
@@ -115,10 +131,11 @@ mod tests {
         let at = |x: f64, y: f64| *stretch.at(&vector(x, y), &0.0).change();
         let (x, y, h) = (0.2, 0.4, 1e-5);
         let state = stretch.at(&vector(x, y), &0.0);
-        let force = state.force(&1.0).expect("a line pulls");
+        let rate = state.rate(&1.0);
+        let force = state.force(&rate).expect("a line pulls");
         assert!((force.x - (at(x + h, y) - at(x - h, y)) / (2.0 * h)).abs() < 1e-9);
         assert!((force.y - (at(x, y + h) - at(x, y - h)) / (2.0 * h)).abs() < 1e-9);
-        let squares = state.tension_squares(&1.0).expect("a line is curved");
+        let squares = state.tension_squares(&rate).expect("a line is curved");
         let curvature: f64 = squares.iter().map(|s| s.weight * s.direction.x * s.direction.x).sum();
         // The second difference: eps/h^2 is 1e-6.
         assert!((curvature - (at(x + h, y) - 2.0 * at(x, y) + at(x - h, y)) / (h * h)).abs() < 1e-5);

@@ -11,10 +11,10 @@ use super::error::LowerError;
 use super::initial;
 use super::kinematics::{End, Freely, Index, Kinematics, Path, Reach, State};
 use super::loads::{self, Between};
-use super::rest::survey;
+use super::rest::{Held, survey};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
-use crate::elements::{Damper, Spring, Stretch, Stretched, Vector};
+use crate::elements::{Damper, Stretch, Stretched, Vector};
 use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Law, Motion, MotionTerm, Output, Scene};
 use crate::system::{self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
 
@@ -31,19 +31,20 @@ enum Order {
     Acceleration = 2,
 }
 
-/// The linear system about a state that is a rest.
+/// The linear system about a state that is a rest; `held` are the tensions found for `rest as drawn`.
 pub fn assemble(
     scene: &Scene,
     kinematics: &Kinematics,
     constraints: &Constraints,
     reduction: &Reduction,
     state: &State<Number>,
+    held: Option<&Held>,
 ) -> Result<LinearSystem, Vec<LowerError>> {
-    let mut assembly = Assembly::new(scene, kinematics, reduction, state);
+    let mut assembly = Assembly::new(scene, kinematics, reduction, state, held);
     assembly.inertia();
     assembly.gravity();
-    for element in &scene.elements {
-        assembly.element(element);
+    for (number, element) in scene.elements.iter().enumerate() {
+        assembly.element(number, element);
     }
     assembly.reactions(constraints);
     assembly.every_freedom_is_determined()?;
@@ -64,6 +65,7 @@ pub struct Assembly<'a> {
     kinematics: &'a Kinematics,
     reduction: &'a Reduction,
     state: &'a State<Number>,
+    held: Option<&'a Held>,
     words: Words,
     m: Form,
     c: Form,
@@ -81,6 +83,7 @@ impl<'a> Assembly<'a> {
         kinematics: &'a Kinematics,
         reduction: &'a Reduction,
         state: &'a State<Number>,
+        held: Option<&'a Held>,
     ) -> Assembly<'a> {
         let mut m = Form::new();
         let mut k = Form::new();
@@ -91,6 +94,7 @@ impl<'a> Assembly<'a> {
             kinematics,
             reduction,
             state,
+            held,
             words: scene.words.clone(),
             m,
             c: Form::new(),
@@ -193,7 +197,7 @@ impl<'a> Assembly<'a> {
         self.curvature(source, &Vector::of(&self.scene.gravity).negated());
     }
 
-    fn element(&mut self, element: &Element) {
+    fn element(&mut self, number: usize, element: &Element) {
         match &element.law {
             Law::Spring { stiffness, rest } => {
                 let law = (stiffness, rest);
@@ -201,7 +205,9 @@ impl<'a> Assembly<'a> {
                 let stretched = self.stretched(&spring.stretch);
                 let source = self.k.source(plain(element.name));
                 self.slope_square(Order::Displacement, source, &spring.stiffness, &stretched);
-                self.tension(source, &spring, &stretched);
+                let found = self.held.and_then(|held| held.rate(number));
+                let rate = found.map_or_else(|| stretched.rate(&spring.tension(&stretched)), Number::clone);
+                self.tension(source, &rate, &stretched);
             }
             Law::Damper { damping } => {
                 let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
@@ -221,16 +227,7 @@ impl<'a> Assembly<'a> {
 
     /// grad e as a row, to be divided by the root of the number returned.
     fn slope(&mut self, stretched: &Stretched<Number>) -> Number {
-        match stretched {
-            Stretched::Displacement { direction, length_squared, .. } => {
-                self.reach.row(direction, &mut self.row);
-                length_squared.clone()
-            }
-            Stretched::Turn { .. } => {
-                self.between.turn_row(&mut self.row);
-                Number::ONE
-            }
-        }
+        loads::slope(stretched, &self.reach, &self.between, &mut self.row)
     }
 
     /// w (grad e)(grad e)^T.
@@ -242,13 +239,12 @@ impl<'a> Assembly<'a> {
     }
 
     /// T grad^2 e: of the stretch, and of the ways of its ends.
-    fn tension(&mut self, source: u32, spring: &Spring<Number>, stretched: &Stretched<Number>) {
-        let tension = spring.tension(stretched);
-        for square in stretched.tension_squares(&tension).into_iter().flatten() {
+    fn tension(&mut self, source: u32, rate: &Number, stretched: &Stretched<Number>) {
+        for square in stretched.tension_squares(rate).into_iter().flatten() {
             self.reach.row(&square.direction, &mut self.row);
             self.square(Order::Displacement, source, Nature::Geometric, &square.weight);
         }
-        if let Some(force) = stretched.force(&tension).filter(|force| !force.is_zero()) {
+        if let Some(force) = stretched.force(rate).filter(|force| !force.is_zero()) {
             self.curvature(source, &force);
         }
     }
@@ -368,7 +364,7 @@ impl<'a> Assembly<'a> {
             InputKind::ForceBetween { ends } => {
                 let spring = loads::push(self.kinematics, ends, &load, &mut self.between);
                 let stretched = self.stretched(&spring.stretch);
-                self.tension(source, &spring, &stretched);
+                self.tension(source, &stretched.rate(&spring.tension(&stretched)), &stretched);
             }
             InputKind::Torque { .. } | InputKind::Base { .. } => {}
         }
@@ -379,7 +375,10 @@ impl<'a> Assembly<'a> {
         if constraints.is_empty() {
             return;
         }
-        let forces = survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn());
+        let forces = match self.held {
+            Some(held) => held.slopes.clone(),
+            None => survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn()),
+        };
         let multipliers = self.reduction.multipliers(&forces, constraints.list.len());
         for (constraint, multiplier) in constraints.list.iter().zip(&multipliers) {
             if multiplier.is_zero() {

@@ -24,6 +24,8 @@ pub const NOT_AVAILABLE: Code = Code("vib::feature::not_available");
 pub const TOO_DEEP: Code = Code("vib::limit::depth");
 /// No static rest.
 pub const NO_REST: Code = Code("vib::rest::not_found");
+/// A drawing that is declared to be the rest, and cannot be.
+pub const UNHELD: Code = Code("vib::rest::unbalanced");
 /// Initial motions that contradict each other or do not say enough.
 pub const INITIAL: Code = Code("vib::initial::undetermined");
 
@@ -74,6 +76,12 @@ pub enum LowerError {
         span: Span,
         left: Vec<Unbalanced>,
         reason: NoRestReason,
+    },
+    /// `rest as drawn` where no tension of springs balances these; the place of a spring whose tension is given.
+    Unheld {
+        declared: Span,
+        left: Vec<Unbalanced>,
+        given: Option<Span>,
     },
     Initial {
         span: Span,
@@ -136,6 +144,7 @@ impl LowerError {
             .label("bodies hang one under another down to here")
             .help("use fewer links, or let bodies stand on the ground with a freedom clause"),
             LowerError::NoRest { span, left, reason } => no_rest(*span, left, *reason),
+            LowerError::Unheld { declared, left, given } => unheld(*declared, left, *given),
             LowerError::Initial { span, message, help } => {
                 Diagnostic::error(INITIAL, *span, message.clone()).help(*help)
             }
@@ -223,11 +232,7 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
 }
 
 fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {
-    let forces: Vec<String> = left
-        .iter()
-        .take(SHOWN)
-        .map(|u| format!("`{}`: {:.3e} {}", u.coordinate, u.force, if u.turns { "N*m" } else { "N" }))
-        .collect();
+    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::told).collect();
     let message = match reason {
         NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
         NoRestReason::NotSettled => format!("no rest found: {} did not settle", listed(&names(left))),
@@ -235,12 +240,50 @@ fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic 
     let mut diagnostic = Diagnostic::error(NO_REST, left.first().map_or(span, |u| u.span), message)
         .label(format!("force left: {}", forces.join(", ")));
     for unbalanced in left.iter().skip(1).take(SHOWN) {
-        diagnostic = diagnostic.related(unbalanced.span, format!("{:.3e} left on this one", unbalanced.force));
+        diagnostic = diagnostic.related(unbalanced.span, format!("{} left on this one", unbalanced.size()));
     }
     diagnostic.help(match reason {
         NoRestReason::Falls => "hold it with a spring or a joint, or take away the load on it",
         NoRestReason::NotSettled => "draw the scene nearer to its rest",
     })
+}
+
+fn unheld(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnostic {
+    let message = format!("no tension of the springs holds {} as drawn", listed(&names(left)));
+    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::told).collect();
+    let mut diagnostic = Diagnostic::error(UNHELD, left.first().map_or(declared, |u| u.span), message)
+        .label(format!("nothing balances {}", forces.join(", ")))
+        .related(declared, "the drawing is declared to be the rest here");
+    if let Some(given) = given {
+        diagnostic = diagnostic.related(given, "this one's tension is given, so it is not looked for");
+    }
+    diagnostic.help("draw the scene at its rest, add a spring that can hold it, or leave `rest as drawn` out: the rest is searched for then")
+}
+
+impl Unbalanced {
+    /// `block.y`: -9.81 N
+    fn told(&self) -> String {
+        format!("`{}`: {}", self.coordinate, self.size())
+    }
+
+    fn size(&self) -> String {
+        format!("{} {}", four_digits(self.force), if self.turns { "N*m" } else { "N" })
+    }
+}
+
+/// Four digits, without zeros at the end: -9.81, 4905, 1.2e-7.
+fn four_digits(value: f64) -> String {
+    let scientific = format!("{value:.3e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |text: &str| match text.split_once('.') {
+        Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        None => text.to_string(),
+    };
+    match exponent {
+        -3..=6 => trimmed(&format!("{value:.*}", usize::try_from(3 - exponent).unwrap_or(0))),
+        _ => format!("{}e{exponent}", trimmed(mantissa)),
+    }
 }
 
 fn names(left: &[Unbalanced]) -> Vec<String> {
@@ -256,5 +299,16 @@ fn listed(names: &[String]) -> String {
         ([one], 0) => one.clone(),
         ([most @ .., last], 0) => format!("{} and {last}", most.join(", ")),
         (all, more) => format!("{} and {more} more", all.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::four_digits;
+
+    #[test]
+    fn forces_are_told_with_four_digits() {
+        let told: Vec<String> = [-9.81, 4905.0, 0.002, 123456.0, 1.25e-7, -1e30].map(four_digits).into();
+        assert_eq!(told, ["-9.81", "4905", "0.002", "123456", "1.25e-7", "-1e30"]);
     }
 }

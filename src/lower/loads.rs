@@ -1,10 +1,10 @@
 //! What the elements of a scene do between which ends: made ready once, measured at any state.
 //! Clause: spec.md, "Linearisation".
 
-use super::kinematics::{End, Index, Kinematics, Path, State};
+use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
 use crate::base::{Number, Vec3};
 use crate::elements::stretch::over_length;
-use crate::elements::{Pull, Scalar, Spring, Stretch, Vector};
+use crate::elements::{Pull, Scalar, Spring, Stretch, Stretched, Vector};
 use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Signal, SpringRest};
 
 /// The way between two ends, and the angles of the two.
@@ -123,6 +123,25 @@ pub fn spring(
     let stretch = between.connect(kinematics, ends, geometry);
     let preload = preload(&stretch, ends, geometry, stiffness, rest);
     Spring { stretch, stiffness: stiffness.clone(), preload }
+}
+
+/// grad e of a stretch whose way is in `reach`, as a row to be divided by the root of the number returned.
+pub fn slope<S: Scalar>(
+    stretched: &Stretched<S>,
+    reach: &Reach<S>,
+    between: &Between<S>,
+    row: &mut Vec<(Index, S)>,
+) -> S {
+    match stretched {
+        Stretched::Displacement { direction, length_squared, .. } => {
+            reach.row(direction, row);
+            length_squared.clone()
+        }
+        Stretched::Turn { .. } => {
+            between.turn_row(row);
+            S::one()
+        }
+    }
 }
 
 /// The way of a point against the ground.

@@ -19,7 +19,7 @@ pub mod rest;
 pub mod tree;
 
 pub use drives::drives;
-pub use rest::{Dependent, Rest};
+pub use rest::{Dependent, Rest, Tension};
 
 use crate::base::{Diagnostic, Diagnostics};
 use crate::model::CheckedScene;
@@ -59,7 +59,6 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
 }
 
 fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
-    refuse(scene)?;
     let tree = tree::build(scene)?;
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;
@@ -67,16 +66,8 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let found = rest::find(scene, &kinematics, &constraints)?;
     let reduction = constraints.reduction(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
-    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state)?;
+    let held = found.held.as_ref();
+    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, held)?;
     let rest = found.finish(scene, &kinematics, &reduction, &system)?;
     Ok((Lowered { system, rest }, notes))
-}
-
-/// What is declared and not built yet.
-fn refuse(scene: &Scene) -> Result<(), Vec<LowerError>> {
-    let mut refused = Vec::new();
-    if let Some(span) = scene.rest_as_drawn {
-        refused.push(LowerError::NotAvailable { what: "`rest as drawn`", span });
-    }
-    if refused.is_empty() { Ok(()) } else { Err(refused) }
 }

@@ -10,10 +10,9 @@ use crate::base::Span;
 /// What it is called, and where a scene has it first.
 type Feature = (&'static str, fn(&Scene) -> Option<Span>);
 
-const NOT_AVAILABLE: [Feature; 3] = [
+const NOT_AVAILABLE: [Feature; 2] = [
     ("`solve`", |scene| scene.solves.first().map(|solve| solve.span)),
     ("`require`", |scene| scene.requires.first().map(|require| require.span)),
-    ("`rest as drawn`", |scene| scene.rest_as_drawn),
 ];
 
 impl Check<'_> {

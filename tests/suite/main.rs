@@ -26,6 +26,7 @@ mod published;
 mod readme;
 mod reports;
 mod response;
+mod rest;
 mod some_modes;
 mod specification;
 mod systems;

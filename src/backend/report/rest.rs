@@ -6,11 +6,13 @@ use super::table::{Align, Table};
 use super::{INDENT, carried_by, counted, line, poles, unit};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::base::{Ball, Number};
+use crate::lower::Tension;
 use crate::system::CoordinateKind;
 
 /// Displaced coordinates that are listed; the largest ones.
 const MOST: usize = 12;
 const DIGITS: usize = 6;
+const DISTANCE: usize = 3;
 
 pub fn text(answer: &ModalAnswer) -> String {
     displacement(answer) + &unstable(answer) + &undetermined(answer) + &neutral(answer)
@@ -20,7 +22,7 @@ fn displacement(answer: &ModalAnswer) -> String {
     let rest = &answer.rest;
     let mut moved: Vec<usize> = (0..rest.displacement.len()).filter(|i| !rest.displacement[*i].is_zero()).collect();
     if moved.is_empty() {
-        return line("rest: as drawn");
+        return as_drawn(answer);
     }
     let size = |i: &usize| rest.displacement[*i].to_f64().abs();
     moved.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
@@ -42,9 +44,53 @@ fn displacement(answer: &ModalAnswer) -> String {
         let unit = format!("{unit} {degrees}");
         table.row(vec![answer.system.display(coordinate.name), certain_number(value, DIGITS), unit]);
     }
-    let mut text = line(format!("rest: displaced from the drawing{}", trust(answer))) + &table.text(INDENT);
+    let far = farthest(answer);
+    let mut text =
+        line(format!("rest: displaced from the drawing by up to {far}{}", trust(answer))) + &table.text(INDENT);
     if left > 0 {
         text += &line(format!("... and {left} smaller ones (--format json has all)"));
+    }
+    text
+}
+
+/// The largest translation and the largest turn: `0.0245 m and 1.4°`.
+fn farthest(answer: &ModalAnswer) -> String {
+    let largest = |kind: CoordinateKind| {
+        let coordinates = answer.system.coordinates.iter().zip(&answer.rest.displacement);
+        let values = coordinates.filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value);
+        values.filter(|value| !value.is_zero()).max_by(|a, b| a.to_f64().abs().total_cmp(&b.to_f64().abs()))
+    };
+    let moved = largest(CoordinateKind::Translation).map(|x| format!("{} m", certain_number(&x.abs(), DISTANCE)));
+    let turned = largest(CoordinateKind::Rotation).map(|x| format!("{}°", certain(&degrees(&x.abs()), DISTANCE)));
+    [moved, turned].into_iter().flatten().collect::<Vec<_>>().join(" and ")
+}
+
+/// The drawing is the rest: what holds it there, where that was found.
+fn as_drawn(answer: &ModalAnswer) -> String {
+    let rest = &answer.rest;
+    let trust = if rest.proven && rest.residual == 0.0 { String::new() } else { trust(answer) };
+    let mut pulling: Vec<&Tension> = rest.tensions.iter().filter(|found| !found.tension.is_zero()).collect();
+    if pulling.is_empty() {
+        return line(format!("rest: as drawn{trust}"));
+    }
+    let size = |found: &&Tension| found.tension.to_f64().abs();
+    let all = pulling.len();
+    let mut largest = pulling.clone();
+    largest.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    if let Some(least) = largest.get(MOST - 1) {
+        let least = size(least);
+        pulling.retain(|found| size(found) >= least);
+        pulling.truncate(MOST);
+    }
+    let columns = [("spring", Align::Left), ("tension", Align::Point), ("", Align::Left)];
+    let mut table = columns.into_iter().fold(Table::new(), |table, (name, align)| table.column(name, "", align));
+    for found in &pulling {
+        let unit = if found.turns { "N*m" } else { "N" };
+        table.row(vec![answer.system.display(found.spring), certain_number(&found.tension, DIGITS), unit.into()]);
+    }
+    let mut text = line(format!("rest: as drawn, held by the tensions below{trust}")) + &table.text(INDENT);
+    if all > pulling.len() {
+        text += &line(format!("... and {} smaller ones (--format json has all)", all - pulling.len()));
     }
     text
 }

@@ -285,7 +285,7 @@ fn residual(part: &Refinement, drawn: &Energy<Number>, energy: &Energy<Number>) 
     };
     let (pull, torque) = (largest(false), largest(true));
     let scale = |turning: bool| if turning { torque.max(pull * part.length) } else { pull.max(torque / part.length) };
-    let relative = |(place, force): (usize, &Number)| match force.to_f64().abs() {
+    let relative = |(place, force): (usize, &Number)| match force.to_ball().magnitude() {
         0.0 => 0.0,
         left => left / scale(turns(place)),
     };

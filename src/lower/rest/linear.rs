@@ -22,8 +22,8 @@ pub struct Solved {
 /// Coordinates on which a force is left that nothing balances, N or N m.
 pub type Left = Vec<(Index, f64)>;
 
-/// The squares of K that belong to one part: weights and rows in local numbers.
-struct Stiffness {
+/// A symmetric matrix as a sum of squares: weights and rows in local numbers.
+pub struct Squares {
     n: usize,
     weights: Vec<Ball>,
     starts: Vec<usize>,
@@ -39,7 +39,7 @@ pub fn solve(
     survey: &Survey,
     parts: &[&Part],
 ) -> Vec<Result<Solved, Left>> {
-    let mut stiffness: Vec<Stiffness> = parts.iter().map(|part| Stiffness::new(part.coordinates.len())).collect();
+    let mut stiffness: Vec<Squares> = parts.iter().map(|part| Squares::new(part.coordinates.len())).collect();
     let mut part_of = vec![usize::MAX; kinematics.n()];
     for (number, part) in parts.iter().enumerate() {
         for coordinate in &part.coordinates {
@@ -66,11 +66,26 @@ fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
     }
 }
 
-fn solve_part(part: &Part, stiffness: &Stiffness, forces: Vec<Ball>) -> Result<Solved, Left> {
-    let factors = stiffness.factors().map_err(|row| vec![(part.coordinates[row], forces[row].to_f64())])?;
+fn solve_part(part: &Part, stiffness: &Squares, forces: Vec<Ball>) -> Result<Solved, Left> {
+    let solution = solved(stiffness, &forces).map_err(|row| vec![(part.coordinates[row], forces[row].to_f64())])?;
+    let displacement = part.coordinates.iter().zip(&solution.values).map(|(i, value)| (*i, Number::Ball(*value)));
+    Ok(Solved { displacement: displacement.collect(), residual: solution.residual, proven: solution.proven })
+}
+
+/// The solution of K q = f.
+pub struct Solution {
+    pub values: Vec<Ball>,
+    /// Largest force that is left, relative to the largest that acts.
+    pub residual: f64,
+    pub proven: bool,
+}
+
+/// Solves K q = f, or names the row of a pivot that is rounding only.
+pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
+    let factors = stiffness.factors()?;
     let mut middle = vec![Dd::ZERO; forces.len()];
     let mut last = f64::INFINITY;
-    let mut left = stiffness.left(&forces, &middle);
+    let mut left = stiffness.left(forces, &middle);
     for _ in 0..MAX_REFINEMENTS {
         let mut step: Vec<f64> = left.iter().map(Ball::to_f64).collect();
         factors.solve(&mut step);
@@ -82,24 +97,23 @@ fn solve_part(part: &Part, stiffness: &Stiffness, forces: Vec<Ball>) -> Result<S
         for (at, step) in middle.iter_mut().zip(&step) {
             *at += Dd::from(*step);
         }
-        left = stiffness.left(&forces, &middle);
+        left = stiffness.left(forces, &middle);
     }
     let bounds = stiffness.error_bounds(&factors, &left);
     // Without a proof: what another step of refinement would change is far below what the last one did.
     let radius = |i: usize| bounds.as_ref().map_or(last, |bounds| bounds[i]);
-    let ball = |i: usize| Number::Ball(Ball::new(middle[i], radius(i)));
-    let displacement = part.coordinates.iter().enumerate().map(|(i, coordinate)| (*coordinate, ball(i))).collect();
+    let values = middle.iter().enumerate().map(|(i, middle)| Ball::new(*middle, radius(i))).collect();
     let largest = forces.iter().map(Ball::magnitude).fold(0.0, f64::max);
     let residual = left.iter().map(|left| left.mid.hi.abs()).fold(0.0, f64::max) / largest;
-    Ok(Solved { displacement, residual, proven: bounds.is_some() })
+    Ok(Solution { values, residual, proven: bounds.is_some() })
 }
 
-impl Stiffness {
-    fn new(n: usize) -> Stiffness {
-        Stiffness { n, weights: Vec::new(), starts: vec![0], entries: Vec::new() }
+impl Squares {
+    pub fn new(n: usize) -> Squares {
+        Squares { n, weights: Vec::new(), starts: vec![0], entries: Vec::new() }
     }
 
-    fn push(&mut self, weight: Ball, row: impl Iterator<Item = (u32, Ball)>) {
+    pub fn push(&mut self, weight: Ball, row: impl Iterator<Item = (u32, Ball)>) {
         self.weights.push(weight);
         self.entries.extend(row);
         self.starts.push(self.entries.len());

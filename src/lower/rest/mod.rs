@@ -7,6 +7,7 @@
 //! 4. [`enclosure`]: refined, and proven
 //! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms
 
+pub mod drawn;
 pub mod enclosure;
 pub mod exact;
 pub mod linear;
@@ -21,7 +22,8 @@ use super::{assembly, loads};
 use crate::base::Number;
 use crate::elements::Scalar;
 use crate::model::scene::Scene;
-use crate::system::{Coordinate, CoordinateKind, LinearSystem};
+use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
+pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refinement};
 use newton::{Descended, Descent};
 use survey::{Part, Survey};
@@ -41,6 +43,17 @@ pub struct Rest {
     pub proven: bool,
     /// Newton steps that were taken; 0 where the drawing is the rest.
     pub steps: u32,
+    /// The springs whose tension `rest as drawn` found, in order of declaration.
+    pub tensions: Vec<Tension>,
+}
+
+/// A tension that holds the drawing.
+#[derive(Clone, Debug)]
+pub struct Tension {
+    pub spring: Label,
+    /// Pull is positive, N; a torque in N m for a spring that turns.
+    pub tension: Number,
+    pub turns: bool,
 }
 
 /// A coordinate that depends on others, and where it rests, measured from the drawing.
@@ -57,13 +70,25 @@ pub struct Found {
     /// All coordinates at rest, but those of large linear parts as drawn: no term depends on them.
     pub state: State<Number>,
     survey: Option<Survey>,
+    /// The tensions that hold the drawing, where it is declared to be the rest.
+    pub held: Option<Held>,
 }
 
 /// The rest of a scene.
 pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<Found, Vec<LowerError>> {
     let state = loads::drawn(scene, kinematics);
-    let rest = Rest { displacement: Vec::new(), dependent: Vec::new(), residual: 0.0, proven: true, steps: 0 };
-    let mut found = Found { rest, state, survey: None };
+    let rest = Rest {
+        displacement: Vec::new(),
+        dependent: Vec::new(),
+        residual: 0.0,
+        proven: true,
+        steps: 0,
+        tensions: Vec::new(),
+    };
+    let mut found = Found { rest, state, survey: None, held: None };
+    if scene.rest_as_drawn.is_some() {
+        return found.held_as_drawn(scene, kinematics, constraints);
+    }
     if !is_loaded(scene) {
         return Ok(found);
     }
@@ -94,6 +119,28 @@ fn is_loaded(scene: &Scene) -> bool {
 }
 
 impl Found {
+    /// The drawing is the rest: only what holds it there is looked for.
+    fn held_as_drawn(
+        mut self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        constraints: &Constraints,
+    ) -> Result<Found, Vec<LowerError>> {
+        let reduction = constraints.reduction(scene, kinematics, &self.state)?;
+        if !constraints.hold_exactly(kinematics, &self.state) {
+            let span = constraints.list[0].source.span(scene);
+            return Err(vec![LowerError::NotAvailable {
+                what: "`rest as drawn` with a loop that a base has moved",
+                span,
+            }]);
+        }
+        let held = drawn::hold(scene, kinematics, &reduction, &self.state)?;
+        (self.rest.residual, self.rest.proven) = (held.residual, held.proven);
+        self.rest.tensions.clone_from(&held.tensions);
+        self.held = Some(held);
+        Ok(self)
+    }
+
     /// Every part but the large linear ones.
     fn search(&mut self, scene: &Scene, kinematics: &Kinematics, survey: &mut Survey) -> Result<(), Vec<LowerError>> {
         let mut steering: State<f64> = self.state.converted(kinematics);
@@ -123,7 +170,7 @@ impl Found {
         reduction: &Reduction,
         system: &LinearSystem,
     ) -> Result<Rest, Vec<LowerError>> {
-        let Found { mut rest, state, survey } = self;
+        let Found { mut rest, state, survey, .. } = self;
         let moved = |coordinate: Index| measured(kinematics, coordinate, state.value(coordinate));
         rest.displacement = (0..reduction.n()).map(|place| moved(reduction.at(place))).collect();
         rest.dependent = reduction

@@ -2,9 +2,9 @@
 //! in [`Number`](crate::base::Number) for what is kept. Clause: spec.md, "Rest".
 
 use crate::base::Number;
-use crate::elements::{DeadForce, Scalar, Spring, Stretch, Stretched, Vector};
+use crate::elements::{DeadForce, Scalar, Spring, Stretch, Vector};
 use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
-use crate::lower::loads::Between;
+use crate::lower::loads::{self, Between};
 
 /// What gives a set of coordinates its energy.
 #[derive(Clone, Debug)]
@@ -119,10 +119,10 @@ impl<'a, S: Scalar> Sum<'a, S> {
         let stretched = spring.stretch.at(&self.reach.displacement, &between.turn(self.state));
         self.value(spring.energy(&stretched));
         let tension = spring.tension(&stretched);
-        let length_squared = self.slope(&stretched, between);
-        let rate = crate::elements::stretch::over_length(tension.clone(), &length_squared);
+        let rate = stretched.rate(&tension);
+        let length_squared = loads::slope(&stretched, &self.reach, between, &mut self.row);
         self.force(&rate);
-        if let Some(force) = stretched.force(&tension) {
+        if let Some(force) = stretched.force(&rate) {
             self.sizes(&force);
         } else {
             self.turn_sizes(&tension);
@@ -131,26 +131,12 @@ impl<'a, S: Scalar> Sum<'a, S> {
             return;
         }
         self.square(&spring.stiffness.over(&length_squared));
-        for square in stretched.tension_squares(&tension).into_iter().flatten() {
+        for square in stretched.tension_squares(&rate).into_iter().flatten() {
             self.reach.row(&square.direction, &mut self.row);
             self.square(&square.weight);
         }
-        if let Some(force) = stretched.force(&tension) {
+        if let Some(force) = stretched.force(&rate) {
             self.curvature(&force);
-        }
-    }
-
-    /// Puts grad e into the row, to be divided by the root of the number returned.
-    fn slope(&mut self, stretched: &Stretched<S>, between: &Between<S>) -> S {
-        match stretched {
-            Stretched::Displacement { direction, length_squared, .. } => {
-                self.reach.row(direction, &mut self.row);
-                length_squared.clone()
-            }
-            Stretched::Turn { .. } => {
-                between.turn_row(&mut self.row);
-                S::one()
-            }
         }
     }
 

@@ -4,7 +4,7 @@
 //! Two coordinates hang together where one spring feels both, or where a slide turns with an angle. A set is linear where
 //! its energy is quadratic: no loaded arm turns and every spring acts along a fixed direction.
 
-use super::potential::{Detail, ELSEWHERE, Potential, Sum};
+use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
 use crate::base::Number;
 use crate::elements::{DeadForce, Stretch};
 use crate::lower::kinematics::{Index, Kinematics, Path, State};
@@ -35,15 +35,26 @@ pub struct Survey {
 
 /// dV/dq of all free coordinates at a state, summed over what `loaded_only` lets through.
 pub fn forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loaded_only: bool) -> Vec<Number> {
+    energy(scene, kinematics, state, loaded_only, Detail::Gradient).gradient
+}
+
+/// The energy of what `loaded_only` lets through, at a state, over all free coordinates.
+pub fn energy(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    state: &State<Number>,
+    loaded_only: bool,
+    detail: Detail,
+) -> Energy<Number> {
     let mut local: Vec<u32> = (0..kinematics.total() as u32).collect();
     local[kinematics.n()..].fill(ELSEWHERE);
-    let mut sum = Sum::new(kinematics, state, &local, kinematics.n(), Detail::Gradient);
+    let mut sum = Sum::new(kinematics, state, &local, kinematics.n(), detail);
     loads::visit(scene, kinematics, loaded_only, |load| match load {
         Load::Spring(spring, between) => sum.spring(spring, between),
         Load::Dead(force, path) => sum.dead(&DeadForce { force: force.clone() }, path),
         Load::Torque(angle, torque) => sum.torque(angle, torque),
     });
-    sum.energy.gradient
+    sum.energy
 }
 
 /// The parts on which `forces` leave a load.

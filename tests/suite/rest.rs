@@ -1,0 +1,379 @@
+//! Where scenes rest: drawings declared to be the rest, rests far from the drawing, published cases drawn turned.
+
+use super::ask::{Answer, ask, try_ask};
+use vibc::base::{Diagnostic, Number, Rational};
+use vibc::system::Form;
+
+/// The exact entries of a matrix, written as fractions.
+fn entries(form: &Form, n: usize) -> Vec<Vec<String>> {
+    let written = |entry: &Number| match entry.exact().and_then(Rational::to_fraction) {
+        Some((n, 1)) => n.to_string(),
+        Some((n, d)) => format!("{n}/{d}"),
+        None => format!("about {}", entry.to_f64()),
+    };
+    form.entries(n).iter().map(|row| row.iter().map(written).collect()).collect()
+}
+
+fn tensions(answer: &Answer) -> Vec<f64> {
+    answer.lowered.rest.tensions.iter().map(|found| found.tension.to_f64()).collect()
+}
+
+fn close(found: &[f64], truth: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), truth.len());
+    for (found, truth) in found.iter().zip(truth) {
+        assert!((found - truth).abs() <= tolerance * truth.abs().max(1e-3), "{found:e} against {truth:e}");
+    }
+}
+
+fn errors(text: &str) -> Vec<Diagnostic> {
+    match try_ask(text) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(found) => found.into_iter().filter(Diagnostic::is_error).collect(),
+    }
+}
+
+/// A weight of 2 g between two slanted springs and an upright one: with the unit vectors (-+1, 1)/sqrt(2) and (0, 1), the
+/// least squares are t = (1/2, 1/2, 1/sqrt 2) times what balances 19.62 N.
+const HELD: &str = "gravity 9.81 m/s^2
+    rest as drawn
+    body m { mass = 2 kg, at = (0, 0), moves x y }
+    spring a: ground@(-1 m, 1 m) -- m { k = 100 N/m }
+    spring b: ground@(1 m, 1 m) -- m { k = 100 N/m }
+    spring c: ground@(0, 1 m) -- m { k = 300 N/m }";
+
+#[test]
+fn the_least_tensions_hold_a_drawing_exactly() {
+    let answer = ask(HELD);
+    let rest = &answer.lowered.rest;
+    assert!(rest.proven && rest.residual == 0.0 && rest.displacement.iter().all(Number::is_zero));
+    close(&tensions(&answer), &[9.81 / 2f64.sqrt(), 9.81 / 2f64.sqrt(), 9.81], 1e-15);
+    // k/2 of each slanted spring; T/L across: 9.81 (1/2)(1/sqrt 2) N/m of each slanted one along x and y, 9.81 N/m of the
+    // upright one along x. All of it is rational, though the tensions are not.
+    let (x, y) = (Rational::new(100_000 + 4905 + 9810, 1000), Rational::new(100_000 + 4905 + 300_000, 1000));
+    let expected = |value: &Rational| {
+        let (n, d) = value.to_fraction().expect("small numbers");
+        if d == 1 { n.to_string() } else { format!("{n}/{d}") }
+    };
+    assert_eq!(entries(&answer.lowered.system.k, 2), [[expected(&x), "0".into()], ["0".into(), expected(&y)]]);
+}
+
+/// The same scene with those tensions as preloads: found as drawn by the ordinary road.
+#[test]
+fn the_tensions_found_are_those_that_preloads_would_be() {
+    let preloaded = HELD
+        .replace("rest as drawn", "")
+        .replace("k = 100 N/m", "k = 100 N/m, preload = 9.81 N / sqrt(2)")
+        .replace("k = 300 N/m", "k = 300 N/m, preload = 9.81 N");
+    close(&ask(HELD).omegas(), &ask(&preloaded).omegas(), 1e-15);
+}
+
+/// Against the pseudo-inverse of the matrix of unit vectors (singular values, binary64).
+#[test]
+fn tensions_have_the_least_norm() {
+    let anchors = [(3.0, 4.0), (-2.0, 1.0), (0.5, -2.0), (1.0, 1.0), (-4.0, -3.0), (0.25, 2.0)];
+    let mut text =
+        String::from("gravity (1 m/s^2, -9.81 m/s^2)\nrest as drawn\nbody m { mass = 3 kg, at = (0, 0), moves x y }\n");
+    for (i, (x, y)) in anchors.iter().enumerate() {
+        text += &format!("spring s{i}: m -- ground@({x} m, {y} m) {{ k = 1000 N/m }}\n");
+    }
+    // A tension pulls the mass towards the anchor: the sum of pulls balances the weight.
+    let unit = |i: usize, axis: usize| {
+        let (x, y): (f64, f64) = anchors[i];
+        [x, y][axis] / x.hypot(y)
+    };
+    let pulls = nalgebra::DMatrix::from_fn(2, anchors.len(), |axis, i| unit(i, axis));
+    let weight = nalgebra::DVector::from_column_slice(&[-3.0, 3.0 * 9.81]);
+    let least = pulls.svd(true, true).solve(&weight, 1e-12).expect("a least solution");
+    close(&tensions(&ask(&text)), least.as_slice(), 1e-13);
+}
+
+/// A rod on its hinge, held level by a spring at its end: T = m g / 2, and its curvature cancels that of gravity.
+#[test]
+fn a_turning_body_is_held_as_drawn() {
+    let answer = ask("gravity 9.81 m/s^2
+        rest as drawn
+        body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }
+        pivot p: ground@(0, 0) -- rod
+        spring s: rod@(1 m, 0) -- ground@(1 m, 1 m) { k = 3 N/m }");
+    close(&tensions(&answer), &[4.905], 1e-16);
+    assert_eq!(entries(&answer.lowered.system.k, 1), [["3"]]);
+}
+
+/// A four-bar under its weight, held by a diagonal: the tension found is the preload that makes the drawing a rest, and the
+/// reactions of the closing joint count alike.
+#[test]
+fn a_loop_is_held_as_drawn() {
+    let bars = "gravity 9.81 m/s^2
+        body left  { mass = 1 kg, shape = rod((0, 0), (0.5 m, 1 m)) }
+        body top   { mass = 2 kg, shape = rod((0.5 m, 1 m), (2 m, 1.5 m)) }
+        body right { mass = 1 kg, shape = rod((2 m, 1.5 m), (2.5 m, 0)) }
+        pivot a: ground@(0, 0) -- left
+        pivot b: left@(0.5 m, 1 m) -- top
+        pivot c: top@(2 m, 1.5 m) -- right
+        pivot d: right@(2.5 m, 0) -- ground\n";
+    // As long as a fraction: the tension is one too, and as a preload it balances the drawing exactly.
+    let spring = "spring s: ground@(1.25 m, 0) -- top@(0.5 m, 1 m) { k = 500 N/m";
+    let found = ask(&format!("{bars}rest as drawn\n{spring} }}"));
+    let tension = found.lowered.rest.tensions[0].tension.exact().and_then(Rational::to_fraction);
+    let (n, d) = tension.expect("a fraction");
+    let preloaded = ask(&format!("{bars}{spring}, preload = {n} / {d} * 1 N }}"));
+    assert_eq!(entries(&found.lowered.system.k, 1), entries(&preloaded.lowered.system.k, 1));
+    assert!(!found.lowered.system.k.entries(1)[0][0].is_zero());
+}
+
+/// Springs with a tension of their own, constant forces and torques are taken as they are.
+#[test]
+fn given_tensions_and_constant_loads_count() {
+    let answer = ask("rest as drawn
+        body m { mass = 1 kg, moves x }
+        body wheel { inertia = 1 kg*m^2, turns }
+        spring a: ground -- m { k = 10 N/m }
+        spring b: m -- ground { k = 10 N/m, preload = 4 N }
+        spring t: ground -- wheel { k = 2 N*m/rad }
+        force F: m along x = constant(5 N)
+        torque T: wheel = constant(3 N*m)");
+    close(&tensions(&answer), &[9.0, 3.0], 1e-16);
+    assert!(answer.lowered.rest.displacement.iter().all(Number::is_zero));
+}
+
+#[test]
+fn a_drawing_with_irrational_numbers_is_held_within_bounds() {
+    let answer = ask("gravity 9.81 m/s^2
+        rest as drawn
+        param c = cos(20 deg)
+        param s = sin(20 deg)
+        body rod { mass = 1 kg, shape = rod((0, 0), (1 m * c, 1 m * s)) }
+        pivot p: ground@(0, 0) -- rod
+        spring t: ground -- rod { k = 30 N*m/rad }");
+    let rest = &answer.lowered.rest;
+    assert!(rest.proven);
+    let tension = rest.tensions[0].tension.to_ball();
+    let truth = 9.81 / 2.0 * 20f64.to_radians().cos();
+    assert!((tension.to_f64().abs() - truth).abs() < 1e-15 * truth && tension.rad < 1e-28);
+}
+
+#[test]
+fn what_no_tension_can_hold_is_named() {
+    let found = errors(
+        "gravity 9.81 m/s^2
+        rest as drawn
+        body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }
+        pivot p: ground@(0, 0) -- rod
+        body box { mass = 1 kg, moves y }
+        spring s: box -- ground { k = 3 N/m }",
+    );
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].code.0, "vib::rest::unbalanced");
+    assert!(found[0].message.contains("`rod.angle`") && !found[0].message.contains("box"), "{}", found[0].message);
+    // Two bodies on one spring that nothing holds: what is left on one of them is the weight of both.
+    let found = errors(
+        "gravity 10 m/s^2
+        rest as drawn
+        body a { mass = 1 kg, moves y }
+        body b { mass = 2 kg, moves y }
+        spring s: a -- b { k = 3 N/m }",
+    );
+    assert!(format!("{:?}", found[0].primary).contains("-30 N"), "{:?}", found[0].primary);
+}
+
+/// Whether sqrt(2) sqrt(2) is 2 cannot be seen from its digits.
+#[test]
+fn a_force_that_may_be_zero_is_not_told_as_balanced() {
+    let pendulum = "gravity 9.81 m/s^2
+        body bob { mass = 1 kg, at = (sqrt(2) * sqrt(2) * 1 m, -1 m), inertia = 0 kg*m^2 }
+        pivot p: ground@(2 m, 0) -- bob";
+    let searched = ask(pendulum).lowered.rest;
+    // Near the drawing, wherever the bob is: that much is proven, and that it is there is not said.
+    assert!(searched.proven && searched.residual > 0.0 && !searched.displacement[0].is_zero());
+    let declared = ask(&format!("rest as drawn\n{pendulum}")).lowered.rest;
+    assert!(!declared.proven && declared.residual > 0.0 && declared.residual < 1e-28, "{:e}", declared.residual);
+}
+
+/// Each of n springs carries the weights that follow it, pushed together: exact, and no more work than the chain is long.
+#[test]
+fn a_long_chain_is_held_exactly() {
+    let n = 20_000;
+    let answer = {
+        let text = format!(
+            "gravity 10 m/s^2\nrest as drawn\nparam n = {n}
+            body m[1] {{ mass = 1 kg, moves y }}
+            spring k[1]: ground -- m[1] {{ k = 100 N/m }}
+            repeat i in 2..n {{
+              body m[i] {{ mass = 1 kg, moves y }}
+              spring k[i]: m[i-1] -- m[i] {{ k = 100 N/m }}
+            }}"
+        );
+        lowered(&text)
+    };
+    assert!(answer.rest.proven && answer.rest.residual == 0.0);
+    let found = answer.rest.tensions.iter().map(|found| found.tension.exact().cloned());
+    assert!(found.zip((1..=n).rev()).all(|(found, below)| found == Some(Rational::from(-10 * below))));
+}
+
+/// The linear system alone, for scenes whose modes nobody asks for here.
+fn lowered(text: &str) -> vibc::lower::Lowered {
+    let mut sources = vibc::base::Sources::new();
+    let file = sources.add(vibc::base::SourceFile::model("scene.vib", text));
+    let parsed = vibc::syntax::parse(&sources, file);
+    let checked = vibc::model::check(&sources, &parsed.tree, &vibc::model::Overrides::default());
+    let scene = checked.scene.unwrap_or_else(|| panic!("a good model"));
+    vibc::lower::lower(&scene).lowered.unwrap_or_else(|| panic!("a rest"))
+}
+
+/// A grid of springs under transverse weights has more springs than coordinates: no elimination finds them one by one.
+#[test]
+fn a_large_net_is_held_within_a_residual() {
+    let n = 20;
+    let mut text = String::from("gravity (9.81 m/s^2, 0)\nrest as drawn\n");
+    for i in 0..n {
+        for j in 0..n {
+            text += &format!("body m[{i},{j}] {{ mass = 1 kg, moves x }}\n")
+                .replace("[", "_")
+                .replace("]", "")
+                .replace(",", "_")
+                .replace("kg_", "kg,");
+        }
+    }
+    for i in 0..n {
+        for j in 0..n {
+            if i + 1 < n {
+                text += &format!("spring a_{i}_{j}: m_{i}_{j} -- m_{}_{j} {{ k = 10 N/m }}\n", i + 1);
+            }
+            if j + 1 < n {
+                text += &format!("spring b_{i}_{j}: m_{i}_{j} -- m_{i}_{} {{ k = 10 N/m }}\n", j + 1);
+            }
+        }
+    }
+    text += "spring g: ground -- m_0_0 { k = 10 N/m }\n";
+    let rest = lowered(&text).rest;
+    assert!(rest.proven && rest.residual < 1e-20, "{} {:e}", rest.proven, rest.residual);
+    let at = |name: &str| rest.tensions.iter().position(|_| name == "g");
+    assert!(at("g").is_some());
+    let last = rest.tensions.last().expect("springs").tension.to_f64();
+    assert!((last - 400.0 * 9.81).abs() < 1e-9, "{last}");
+}
+
+// Published cases, drawn turned by 30 degrees about their support: the rest is found, and is the same.
+
+/// A turn by 30 degrees of what is written as (x, y).
+const TURN: &str = "param c = cos(30 deg)\nparam s = sin(30 deg)\n";
+
+fn turned(x: f64, y: f64) -> String {
+    format!("({x} m * c - {y} m * s, {x} m * s + {y} m * c)")
+}
+
+fn frequencies(text: &str, published: &[f64]) -> Answer {
+    let answer = ask(&(TURN.to_string() + text));
+    assert!(answer.lowered.rest.proven, "{text}");
+    assert_eq!(vibc::analysis::stability(&answer.modes, &answer.poles), vibc::analysis::Stability::Stable);
+    close(&answer.omegas(), published, 1e-13);
+    answer
+}
+
+fn pendulum(n: usize) -> String {
+    let mut text = String::from("gravity 9.81 m/s^2\n");
+    for i in 1..=n {
+        let above = if i == 1 { "ground".to_string() } else { format!("b{}", i - 1) };
+        text += &format!("body b{i} {{ mass = 1 kg, at = {}, inertia = 0 kg*m^2 }}\n", turned(0.0, -(i as f64)));
+        text += &format!("pivot p{i}: {above}@{} -- b{i}\n", turned(0.0, 1.0 - i as f64));
+    }
+    text
+}
+
+#[test]
+fn chains_of_pendulums_drawn_turned_hang_down() {
+    frequencies(&pendulum(2), &[2.3971993978641, 5.7873512980361]);
+    frequencies(&pendulum(3), &[2.0195911472489, 4.7441427396672, 7.8552123627319]);
+    let ten = [
+        1.1626495370499,
+        2.6750605844777,
+        4.2118694027798,
+        5.7765097226575,
+        7.3803785224083,
+        9.0398450454507,
+        10.779032380961,
+        12.637227517372,
+        14.689673475457,
+        17.132484866195,
+    ];
+    let answer = frequencies(&pendulum(10), &ten);
+    for angle in &answer.lowered.rest.displacement {
+        assert!((angle.to_f64() + std::f64::consts::FRAC_PI_6).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn rods_drawn_turned_hang_down() {
+    let end = |y: f64| turned(0.0, y);
+    let rod = format!(
+        "gravity 9.81 m/s^2\nbody rod {{ mass = 1 kg, shape = rod((0, 0), {}) }}\npivot p: ground@(0, 0) -- rod\n",
+        end(-1.0)
+    );
+    frequencies(&rod, &[14.715f64.sqrt()]);
+    // The hinge spring's own rest is 30 degrees back, where the rod hangs.
+    let hinge = "spring k: ground -- rod { k = 5 N*m/rad, free_length = -30 deg }";
+    frequencies(&(rod + hinge), &[29.715f64.sqrt()]);
+    let rods = format!(
+        "gravity 9.81 m/s^2
+        body upper {{ mass = 1 kg, shape = rod((0, 0), {one}) }}
+        body lower {{ mass = 1 kg, shape = rod({one}, {two}) }}
+        pivot a: ground@(0, 0) -- upper\npivot b: upper@{one} -- lower",
+        one = end(-1.0),
+        two = end(-2.0)
+    );
+    frequencies(&rods, &[2.6801140122534, 7.1886708702877]);
+    let cart = format!(
+        "gravity 9.81 m/s^2
+        body cart {{ mass = 2 kg, moves x }}
+        body rod {{ mass = 1 kg, shape = rod((0, 0), {}) }}
+        pivot p: cart@(0, 0) -- rod
+        spring k: ground -- cart {{ k = 40 N/m, along = x }}",
+        end(-1.0)
+    );
+    frequencies(&cart, &[3.0521263999316, 5.2992737442614]);
+}
+
+/// ANSYS VM91: L = 100 inch, g = 386 inch/s^2, drawn where it is let go, at (60, -80).
+#[test]
+fn the_simple_pendulum_hangs_down_from_where_it_is_let_go() {
+    frequencies(
+        "gravity 386 inch/s^2
+        body bob { mass = 1 lb, at = (60 inch, -80 inch), inertia = 0 kg*m^2 }
+        pivot p: ground@(0, 0) -- bob",
+        &[3.86f64.sqrt()],
+    );
+}
+
+/// VM9 with drawing and load turned: the displacement turns with them.
+#[test]
+fn vm9_turned() {
+    let answer = ask(&format!(
+        "{TURN}body p {{ mass = 1 lbf*s^2/inch, at = (0, 0), moves x y }}
+        spring lower: ground@(10 inch * s, -10 inch * c) -- p {{ k = 1 lbf/inch }}
+        spring upper: ground@(-10 inch * s, 10 inch * c) -- p {{ k = 8 lbf/inch }}
+        force fx: p along x = constant(5 lbf * c - 5 lbf * s)
+        force fy: p along y = constant(5 lbf * s + 5 lbf * c)"
+    ));
+    assert!(answer.lowered.rest.proven);
+    let (c, s) = (0.75f64.sqrt(), 0.5);
+    let inches: Vec<f64> = answer.lowered.rest.displacement.iter().map(|d| d.to_f64() / 0.0254).collect();
+    let (x, y) = (8.632066133347, 4.531906698982);
+    close(&inches, &[c * x - s * y, s * x + c * y], 1e-12);
+}
+
+/// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is told.
+#[test]
+fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
+    let strut = |height: &str| {
+        format!(
+            "body m {{ mass = 1 kg, at = (0, {height}), moves y }}
+            spring a: ground@(-1 m, 0) -- m {{ k = 100 N/m, free_length = 1.25 m }}
+            spring b: ground@(1 m, 0) -- m {{ k = 100 N/m, free_length = 1.25 m }}"
+        )
+    };
+    // Both springs are free of force at heights of +-3/4 m.
+    for (height, rest) in [("0.5 m", 0.25), ("-0.5 m", -0.25), ("0.01 m", 0.74)] {
+        let answer = ask(&strut(height));
+        close(&[answer.lowered.rest.displacement[0].to_f64()], &[rest], 1e-14);
+    }
+}
