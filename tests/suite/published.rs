@@ -415,6 +415,26 @@ fn friswell_five_discs() {
     );
 }
 
+/// Friswell 9.9: a drill string of 800 m with end discs, its inertia lumped at the ends of 5 and of 8 elements.
+#[test]
+fn friswell_drill_string() {
+    let string = |elements: usize| {
+        let last = elements - 1;
+        format!(
+            "let I = pi/32 * ((0.78 m)^4 - (0.65 m)^4)
+let element = 800 m / {elements}
+let half = 8000 kg/m^3 * I * element / 2
+body d[0] {{ inertia = 200 kg*m^2 + half, turns }}
+repeat i in 1..{last} {{ body d[i] {{ inertia = 2*half, turns }} }}
+body d[{elements}] {{ inertia = 10 kg*m^2 + half, turns }}
+repeat i in 1..{elements} {{ spring s[i]: d[i-1] -- d[i] {{ k = 75 GPa * I / element / 1 rad }} }}"
+        )
+    };
+    let lowest = |elements| ask(&string(elements)).frequencies()[..5].to_vec();
+    assert_all(&lowest(5), &["0", "1.87906359493", "3.57419386124", "4.9194669106", "5.78325029486"], "5 elements");
+    assert_all(&lowest(8), &["0", "1.89808116266", "3.72322106509", "5.40528201397", "6.87962626865"], "8 elements");
+}
+
 #[test]
 fn opentorsion_wind_turbine() {
     assert_hz(
