@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use vibc::analysis::{Band, Normalise, Request, Which};
+use vibc::analysis::{Band, Frequency, Normalise, Request, Which};
 use vibc::base::unit::{self, Scale};
 use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 
@@ -105,7 +105,7 @@ pub struct Transfer {
     pub linear: bool,
     /// This frequency alone, such as 30Hz; may be repeated
     #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
-    pub at: Vec<Readings<Number>>,
+    pub at: Vec<Readings<Frequency>>,
     /// The relative error that is good enough, such as 1e-12; every digit of a double without it
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
@@ -350,17 +350,17 @@ impl<T> Readings<T> {
     }
 }
 
-/// A frequency in Hz.
-fn frequency(text: &str) -> Result<Readings<Number>, String> {
+/// A frequency in cycles or radians: an exact `2rad/s` stays one.
+fn frequency(text: &str) -> Result<Readings<Frequency>, String> {
     Readings::of(|literals| frequency_as(text, literals))
 }
 
-fn frequency_as(text: &str, literals: Literals) -> Result<Number, String> {
+fn frequency_as(text: &str, literals: Literals) -> Result<Frequency, String> {
     let (value, angle) = quantity(text, Dimension::FREQUENCY, literals)?;
     match angle {
-        _ if value.is_zero() => Ok(value),
-        Angle::Cycles => Ok(value),
-        Angle::Radians => Ok(&value / &(&Number::pi() * &Number::from(2))),
+        Angle::Radians => Ok(Frequency::radians(&value)),
+        Angle::Cycles => Ok(Frequency::hertz(&value)),
+        Angle::Plain if value.is_zero() => Ok(Frequency::hertz(&value)),
         Angle::Plain => Err("write Hz for cycles or rad/s for radians".into()),
     }
 }
@@ -372,7 +372,7 @@ fn range(text: &str) -> Result<Readings<(Number, Number)>, String> {
 
 fn range_as(text: &str, literals: Literals) -> Result<(Number, Number), String> {
     let (from, to) = text.split_once("..").ok_or("write FROM..TO, such as 0.1Hz..100Hz")?;
-    let (from, to) = (frequency_as(from, literals)?, frequency_as(to, literals)?);
+    let (from, to) = (frequency_as(from, literals)?.hertz, frequency_as(to, literals)?.hertz);
     if (&to - &from).is_positive() {
         Ok((from, to))
     } else {

@@ -514,3 +514,11 @@ fn shells_and_man_know_every_command() {
     }
     assert_eq!(run(&["man", "nothing"]).status, 2);
 }
+
+/// A frequency in rad/s is exact, though it is not in Hz: the system's own one is met, not just missed.
+#[test]
+fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
+    let model = "body block { mass = 1 kg, moves x }\nspring s: ground -- block { k = 4 N/m }\nforce F: block along x\noutput x = block.x\n";
+    let told = run_with_input(&["transfer", "-", "--at", "2rad/s", "--format", "csv"], model.as_bytes());
+    assert!(told.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", told.out);
+}

@@ -240,7 +240,7 @@ fn tables_are_printed() {
     insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
     let modes = analysis::modes(&system).expect("a regular system");
     let poles = analysis::poles(&system, &modes).expect("poles");
-    let at = ["0", "1.5", "1.6"].map(number).to_vec();
+    let at = ["0", "1.5", "1.6"].map(|f| Frequency::hertz(&number(f))).to_vec();
     let sweep = Sweep { inputs: vec![0], outputs: vec![0, 1], at, ..Sweep::default() };
     let table = analysis::table(&Roads::of(&system, &modes), &poles, &sweep);
     insta::assert_snapshot!(vibc::backend::transfer::csv(&system, &table));
@@ -250,7 +250,12 @@ fn tables_are_printed() {
     let mut b = Builder::numbered(1);
     b.mass(0, &number("2"));
     let free = with_every_pair(b.finish());
-    let sweep = Sweep { inputs: vec![0], outputs: vec![0], at: vec![Number::ZERO, Number::ONE], ..Sweep::default() };
+    let sweep = Sweep {
+        inputs: vec![0],
+        outputs: vec![0],
+        at: [0, 1].map(|f| Frequency::hertz(&Number::from(f))).to_vec(),
+        ..Sweep::default()
+    };
     let modes = analysis::modes(&free).expect("a regular system");
     let poles = analysis::poles(&free, &modes).expect("poles");
     insta::assert_snapshot!(vibc::backend::transfer::csv(
@@ -266,7 +271,7 @@ fn sums_over_modes_agree_with_solutions() {
     let modes = analysis::modes(&system).expect("a regular system");
     let poles = analysis::poles(&system, &modes).expect("poles");
     let roads = Roads::of(&system, &modes);
-    let at: Vec<Number> = (1..40).map(|i| &Number::from(i) / &Number::from(2)).collect();
+    let at: Vec<Frequency> = (1..40).map(|i| Frequency::hertz(&(&Number::from(i) / &Number::from(2)))).collect();
     let table = |tolerance| {
         let sweep = Sweep { inputs: vec![0, 3], outputs: vec![3, 7], at: at.clone(), tolerance, ..Sweep::default() };
         analysis::table(&roads, &poles, &sweep)

@@ -40,6 +40,8 @@ pub struct Disc {
 /// A frequency: s = i omega.
 #[derive(Clone, Debug)]
 pub struct Frequency {
+    /// Hz
+    pub hertz: Number,
     /// rad/s
     pub omega: Ball,
     omega_squared: Ball,
@@ -86,14 +88,18 @@ const MOST_STEPS: usize = 40;
 impl Frequency {
     /// Cycles per second, exact or enclosed: omega = 2 pi f.
     pub fn hertz(f: &Number) -> Frequency {
-        Frequency::radians(&(&(&Number::pi() * &Number::from(2)) * f))
+        Frequency::of(&(&two_pi() * f), f.clone())
     }
 
-    /// Radians per second.
+    /// Radians per second: an exact number stays so, whatever it is in Hz.
     pub fn radians(omega: &Number) -> Frequency {
+        Frequency::of(omega, omega / &two_pi())
+    }
+
+    fn of(omega: &Number, hertz: Number) -> Frequency {
         let exact = omega.exact().map(|_| omega.clone());
         let omega = omega.to_ball();
-        Frequency { omega, omega_squared: omega * omega, exact }
+        Frequency { hertz, omega, omega_squared: omega * omega, exact }
     }
 
     pub fn exact(&self) -> Option<&Number> {
@@ -104,6 +110,10 @@ impl Frequency {
     pub(in crate::analysis) fn polynomial(&self, b: [Ball; 3]) -> Complex<Ball> {
         Complex::new(b[0] - self.omega_squared * b[2], self.omega * b[1])
     }
+}
+
+fn two_pi() -> Number {
+    &Number::pi() * &Number::from(2)
 }
 
 impl Gain {

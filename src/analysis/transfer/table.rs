@@ -20,8 +20,8 @@ pub struct Sweep {
     /// Points of the grid; the default grid is refined, one that is asked for is kept as it is.
     pub points: Option<usize>,
     pub linear: bool,
-    /// Frequencies asked for by themselves, Hz: then there is no grid.
-    pub at: Vec<Number>,
+    /// Frequencies asked for by themselves: then there is no grid.
+    pub at: Vec<Frequency>,
     /// The relative error that is good enough; without it every value is right to the last digits of binary64.
     pub tolerance: Option<f64>,
     /// Indices of inputs and outputs.
@@ -125,9 +125,9 @@ type Pairs = Vec<Vec<ModalPair>>;
 /// Computes a table.
 pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
     let pairs = roads.pairs(&sweep.inputs, &sweep.outputs);
-    let evaluate = |frequency: &Number| Row {
-        frequency: frequency.clone(),
-        gains: roads.gains(&pairs, sweep, &Frequency::hertz(frequency)),
+    let evaluate = |frequency: &Frequency| Row {
+        frequency: frequency.hertz.clone(),
+        gains: roads.gains(&pairs, sweep, frequency),
     };
     let mut rows: Vec<Row> = frequencies(poles, sweep).iter().map(evaluate).collect();
     let mut features = Vec::new();
@@ -149,7 +149,7 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
                 features.extend(pair.features(&rows, poles));
             }
         }
-        rows.extend(features.iter().map(|feature| evaluate(&feature.frequency)));
+        rows.extend(features.iter().map(|feature| evaluate(&Frequency::hertz(&feature.frequency))));
         sort(&mut rows);
     }
     Table { inputs: sweep.inputs.clone(), outputs: sweep.outputs.clone(), rows, refined, features }
@@ -161,10 +161,12 @@ fn sort(rows: &mut Vec<Row>) {
 }
 
 /// The frequencies of the grid, Hz, ascending.
-fn frequencies(poles: &Poles, sweep: &Sweep) -> Vec<Number> {
-    if !sweep.at.is_empty() {
-        return sweep.at.clone();
-    }
+fn frequencies(poles: &Poles, sweep: &Sweep) -> Vec<Frequency> {
+    if sweep.at.is_empty() { grid(poles, sweep).iter().map(Frequency::hertz).collect() } else { sweep.at.clone() }
+}
+
+/// Hz, ascending.
+fn grid(poles: &Poles, sweep: &Sweep) -> Vec<Number> {
     let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
     let points = sweep.points.unwrap_or(DEFAULT_POINTS);
     let mut list = if sweep.linear { linear(&low, &high, points) } else { logarithmic(&low, &high, points) };
