@@ -66,7 +66,13 @@ pub struct Analyze {
     pub modes: Option<u32>,
     /// Compute the modes with frequencies in this band, such as 10Hz..50Hz
     #[arg(long, value_name = "FROM..TO", value_parser = range, conflicts_with = "modes")]
-    pub band: Option<(Number, Number)>,
+    pub band: Option<Readings<(Number, Number)>>,
+    /// Print so many digits of frequencies and poles, as far as they are certain; up to 30 can be
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub digits: Option<u32>,
+    /// The relative error that every frequency and pole must be certain to, such as 1e-14; exit status 4 where one is not
+    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
 }
 
 impl Analyze {
@@ -75,10 +81,15 @@ impl Analyze {
         let omega = |frequency: &Number| (&(frequency * &Number::from(2)) * &Number::pi()).to_f64();
         let which = match (self.modes, &self.band) {
             (Some(count), _) => Which::Lowest(count as usize),
-            (None, Some((from, to))) => Which::Within(Band { from: omega(from), to: omega(to) }),
+            (None, Some(band)) => {
+                let (from, to) = band.of_literals(self.overrides.literals);
+                Which::Within(Band { from: omega(from), to: omega(to) })
+            }
             (None, None) => Which::Usual,
         };
-        Request { which, ..Request::default() }
+        let request = Request { which, ..Request::default() };
+        let request = self.tolerance.map_or(request, |tolerance| request.within(tolerance));
+        self.digits.map_or(request, |digits| request.to_digits(digits))
     }
 }
 

@@ -53,13 +53,28 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     analyze_as(sources, model, overrides, &Request { which: Which::Usual, ..Request::default() })
 }
 
-/// From the text of a model to a modal report of what is asked for.
+/// From the text of a model to a modal report of what is asked for. Where an accuracy that was asked for is not reached, the
+/// answer is there all the same, with the bounds that were.
 pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
     let mut diagnostics = Diagnostics::new();
-    let answer = lowered(sources, model, overrides, &mut diagnostics).and_then(|(name, lowered)| {
-        answer(name, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
-    });
+    let answer = answered(sources, model, overrides, request, &mut diagnostics);
+    if let Some(ModalAnswer { system, modes, poles, .. }) = &answer
+        && let Some(shortfall) = analysis::shortfall(system, modes, poles, request)
+    {
+        diagnostics.push(shortfall.to_diagnostic());
+    }
     Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+fn answered(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    request: &Request,
+    diagnostics: &mut Diagnostics,
+) -> Option<ModalAnswer> {
+    let (name, lowered) = lowered(sources, model, overrides, diagnostics)?;
+    answer(name, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
 /// A model with its poles, ready for transfer tables.
@@ -74,12 +89,13 @@ pub struct Dynamics {
 
 /// From the text of a model to what transfer tables are computed from.
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
-    let analysis = analyze_as(sources, model, overrides, &Request::default());
-    let answer = analysis.answer.map(|answer| {
+    let mut diagnostics = Diagnostics::new();
+    let answer = answered(sources, model, overrides, &Request::default(), &mut diagnostics);
+    let answer = answer.map(|answer| {
         let ModalAnswer { model, system, modes, poles, .. } = answer;
         Dynamics { model, system, modes, poles }
     });
-    Outcome { answer, diagnostics: analysis.diagnostics }
+    Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 
 /// A model's motion in time.
@@ -203,7 +219,8 @@ fn checked_scene(
 fn answer(model: String, lowered: Lowered, request: &Request) -> Result<ModalAnswer, AnalysisError> {
     let Lowered { system, rest } = lowered;
     let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
-    Ok(ModalAnswer { model, system, rest, modes, poles, stability })
+    let buckling = analysis::buckling(&system);
+    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling })
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.
@@ -220,8 +237,14 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 5] =
-    ["vib::rest::not_found", "vib::limit::modes", "vib::limit::range", "vib::limit::states", "vib::limit::signal"];
+const LIMITS: [&str; 6] = [
+    "vib::rest::not_found",
+    "vib::limit::modes",
+    "vib::limit::range",
+    "vib::limit::states",
+    "vib::limit::signal",
+    "vib::limit::tolerance",
+];
 
 /// What says that a file which the model names could not be read.
 const FILES: [&str; 1] = ["vib::table::unreadable"];

@@ -61,12 +61,14 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     let status = failure(analysis.failure());
     show(&input.sources, analysis.diagnostics, messages);
     let Some(answer) = &analysis.answer else { return status };
-    let wanted = ReportOptions { normalise: options.normalise.into(), matrices: options.matrices };
+    let wanted =
+        ReportOptions { normalise: options.normalise.into(), matrices: options.matrices, digits: options.digits };
     let text = match options.format {
         Format::Text => backend::report::text(answer, &wanted),
         Format::Json => backend::json::json(answer, &wanted),
     };
-    deliver(options.output.as_deref(), &text)
+    // An accuracy that was not reached is told beside the answer.
+    deliver(options.output.as_deref(), &text).max(status)
 }
 
 fn transfer(options: &Transfer, messages: &Messages) -> Status {

@@ -2,6 +2,7 @@
 //! error bound and the route that found it. Nothing here knows the language or the scene. Clause: spec.md, "Modes", "Poles",
 //! "Transfer", "Response".
 
+pub mod accuracy;
 pub mod answer;
 pub mod damping;
 pub mod error;
@@ -17,6 +18,7 @@ mod test_systems;
 pub mod transfer;
 
 pub use crate::system::Signal;
+pub use accuracy::shortfall;
 pub use answer::{Before, Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
 pub use error::AnalysisError;
 pub use measures::Measurement;
@@ -24,6 +26,7 @@ pub use modal::{Modal, modal};
 pub use modes::buckling::{Buckling, buckling};
 pub use modes::request::{Band, Request, Which};
 pub use modes::shape::{Normalise, normalise};
+pub use modes::splits::{Split, splits};
 pub use modes::{modes, modes_as};
 pub use poles::poles;
 pub use response::{History, grid, respond};

@@ -2,8 +2,9 @@
 //! shortest form that reads back the same; `null` for what is infinite or unknown. Fields may be added, never renamed.
 //! Clause: spec.md, "Report".
 
+use super::decimal::{certain, certain_digits};
 use super::{ModalAnswer, ReportOptions};
-use crate::analysis::{Mode, ModeKind, Normalise, Pole, Share, Stability, normalise};
+use crate::analysis::{Buckling, Mode, ModeKind, Normalise, Pole, Share, Split, Stability, normalise, splits};
 use crate::base::{Ball, Dd};
 use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -28,7 +29,9 @@ struct Report<'a> {
     normalisation: &'static str,
     not_computed: NotComputed,
     modes: Vec<JsonMode<'a>>,
+    splits: Vec<JsonSplit>,
     poles: Vec<JsonPole>,
+    buckling: Option<JsonBuckling<'a>>,
     solved: [(); 0],
     requirements: [(); 0],
 }
@@ -91,6 +94,38 @@ struct JsonMode<'a> {
     cluster: Option<u32>,
     input_condition: Option<f64>,
     route: &'static str,
+    /// Decimals of as many digits as were asked for, as far as they are certain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    omega_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_hz_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    growth_rate_digits: Option<String>,
+}
+
+/// Two neighbouring modes that are close, and how far apart they are.
+#[derive(serde::Serialize)]
+struct JsonSplit {
+    modes: [usize; 2],
+    omega: f64,
+    frequency_hz: f64,
+    error_bound: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    omega_digits: Option<String>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonBuckling<'a> {
+    load_factor: f64,
+    error_bound: f64,
+    /// The factor less one, which has digits of its own.
+    margin: f64,
+    margin_error_bound: f64,
+    shape: ByName<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load_factor_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    margin_digits: Option<String>,
 }
 
 #[derive(serde::Serialize)]
@@ -113,6 +148,12 @@ struct JsonPole {
     cluster: Option<u32>,
     defective: bool,
     route: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    re_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    im_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    damping_ratio_digits: Option<String>,
 }
 
 /// An object with a number for each name, in their order.
@@ -147,7 +188,9 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, names: &'a [Stri
             matrices: !wanted,
         },
         modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
-        poles: answer.poles.list.iter().map(json_pole).collect(),
+        splits: splits(&answer.modes).iter().map(|split| json_split(split, options)).collect(),
+        poles: answer.poles.list.iter().map(|pole| json_pole(pole, options)).collect(),
+        buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names)),
         solved: [],
         requirements: [],
     }
@@ -219,6 +262,39 @@ fn json_mode<'a>(
         cluster: mode.cluster,
         input_condition: mode.input_condition,
         route: mode.route.name(),
+        omega_digits: digits(&omega, options).filter(|_| settled && !diverges),
+        frequency_hz_digits: digits(&frequency, options).filter(|_| settled && !diverges),
+        growth_rate_digits: digits(&omega, options).filter(|_| diverges),
+    }
+}
+
+/// The digits asked for that are certain; nothing where none was asked for or none is.
+fn digits(value: &Ball, options: &ReportOptions) -> Option<String> {
+    let most = options.digits? as usize;
+    (value.is_zero() || certain_digits(value) > 0).then(|| certain(value, most))
+}
+
+fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {
+    let frequency = per_turn(split.omega);
+    JsonSplit {
+        modes: [split.lower, split.lower + 1],
+        omega: split.omega.to_f64(),
+        frequency_hz: frequency.to_f64(),
+        error_bound: error_bound(&split.omega).max(error_bound(&frequency)),
+        omega_digits: digits(&split.omega, options),
+    }
+}
+
+fn json_buckling<'a>(found: &Buckling, options: &ReportOptions, names: &'a [String]) -> JsonBuckling<'a> {
+    let (factor, margin) = (found.load_factor, found.load_factor - Ball::ONE);
+    JsonBuckling {
+        load_factor: factor.to_f64(),
+        error_bound: error_bound(&factor),
+        margin: margin.to_f64(),
+        margin_error_bound: error_bound(&margin),
+        shape: ByName { names, values: found.shape.clone() },
+        load_factor_digits: digits(&factor, options),
+        margin_digits: digits(&margin, options),
     }
 }
 
@@ -226,7 +302,7 @@ fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonS
     shares.iter().map(|share| JsonShare { of: name(share.of), share: share.part + 0.0 }).collect()
 }
 
-fn json_pole(pole: &Pole) -> JsonPole {
+fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
     let omega = modulus(pole);
     let (frequency, damped) = (per_turn(omega), per_turn(pole.im.abs()));
     JsonPole {
@@ -242,6 +318,9 @@ fn json_pole(pole: &Pole) -> JsonPole {
         cluster: pole.cluster,
         defective: pole.defective,
         route: pole.route.name(),
+        re_digits: digits(&pole.re, options),
+        im_digits: digits(&pole.im, options),
+        damping_ratio_digits: pole.damping_ratio.as_ref().and_then(|zeta| digits(zeta, options)),
     }
 }
 

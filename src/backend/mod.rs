@@ -11,7 +11,7 @@ mod samples;
 pub mod simulation;
 pub mod transfer;
 
-use crate::analysis::{Modes, Normalise, Poles, Stability};
+use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
 use crate::lower::Rest;
 use crate::system::LinearSystem;
 
@@ -25,6 +25,8 @@ pub struct ModalAnswer {
     pub modes: Modes,
     pub poles: Poles,
     pub stability: Stability,
+    /// Where gravity, tensions or reactions take stiffness away.
+    pub buckling: Option<Buckling>,
 }
 
 /// What of it is wanted, and how.
@@ -33,4 +35,13 @@ pub struct ReportOptions {
     pub normalise: Normalise,
     /// The matrices, however large.
     pub matrices: bool,
+    /// Digits of frequencies and poles, as many of them as are certain; a handful in the text without it.
+    pub digits: Option<u32>,
+}
+
+impl ReportOptions {
+    /// Digits of a number that shows so many without being asked for more.
+    fn digits(&self, usual: usize) -> usize {
+        self.digits.map_or(usual, |digits| digits as usize)
+    }
 }

@@ -46,6 +46,7 @@ pub fn cart() -> ModalAnswer {
         modes: Modes { list: modes, infinite: 0, ..Modes::default() },
         poles: Poles { infinite: 0, list: poles, left_out: 0 },
         stability: Stability::Stable,
+        buckling: None,
     }
 }
 
@@ -83,6 +84,7 @@ pub fn free_pair() -> ModalAnswer {
             left_out: 0,
         },
         stability: Stability::Neutral,
+        buckling: None,
     }
 }
 

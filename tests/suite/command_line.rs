@@ -522,3 +522,67 @@ fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
     let told = run_with_input(&["transfer", "-", "--at", "2rad/s", "--format", "csv"], model.as_bytes());
     assert!(told.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", told.out);
 }
+
+/// An accuracy that cannot be had is told with what was reached, beside the answer.
+#[test]
+fn a_tolerance_that_is_not_met_has_a_status_of_its_own() {
+    let folder = folder();
+    let text = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = (sqrt(2)^2 - 2 + 1e-25) * 1 N/m }\n";
+    let model = file(&folder, "hard.vib", text);
+    for (tolerance, status) in [("1e-4", 0), ("1e-6", 4)] {
+        let run = run(&["analyze", "--tolerance", tolerance, "--message-format", "short", &model]);
+        assert_eq!(run.status, status, "{}", run.err);
+        assert!(run.out.contains("undamped modes"), "{}", run.out);
+        assert_eq!(
+            run.err.contains("error[vib::limit::tolerance]: the frequency of mode 1"),
+            status == 4,
+            "{}",
+            run.err
+        );
+    }
+    let default = run(&["analyze", "--message-format", "short", &model]);
+    assert_eq!(default.status, 0);
+    assert!(default.err.contains("warning[vib::limit::tolerance]"), "{}", default.err);
+    assert_eq!(run(&["analyze", "--tolerance", "1e-29", CART]).status, 0);
+    assert_eq!(run(&["analyze", "--tolerance", "0", CART]).status, 2);
+}
+
+/// Two weakly coupled pendulums, and an inverted one near its buckling load, to thirty digits; as many as are certain.
+#[test]
+fn digits_are_printed_as_far_as_they_are_certain() {
+    let folder = folder();
+    let text = "gravity 10 m/s^2
+                body a { mass = 1 kg, at = (0, -1 m) }
+                pivot p: ground@(0, 0) -- a
+                body b { mass = 1 kg, at = (5 m, -1 m) }
+                pivot q: ground@(5 m, 0) -- b
+                spring s: a -- b { k = 1e-10 N*m/rad }
+                body c { mass = 1 kg, at = (9 m, 1 m) }
+                pivot r: ground@(9 m, 0) -- c
+                spring t: ground -- c { k = 10.0000000000000001 N*m/rad }";
+    let model = file(&folder, "pendulums.vib", text);
+    let json = run(&["analyze", "--digits", "30", "--format", "json", &model]).out;
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    // sqrt(10) and sqrt(10 + 2e-10), by mpmath.
+    assert_eq!(json["modes"][1]["omega_digits"], "3.16227766016837933199889354443");
+    assert_eq!(json["modes"][2]["omega_digits"], "3.16227766020000210860041922387");
+    let split = &json["splits"][0];
+    assert_eq!((&split["modes"][0], &split["modes"][1]), (&Value::from(2), &Value::from(3)));
+    let digits = split["omega_digits"].as_str().expect("digits");
+    assert!("3.162277660152567943698209e-11".starts_with(&digits[..17]), "{digits}");
+    // k - m g l = 1e-16, so omega = 1e-8 and the load factor 1 + 1e-17.
+    let near = json["modes"][0]["omega_digits"].as_str().expect("digits");
+    assert!(near.starts_with("1.000000000000000000000000") && near.ends_with("e-8"), "{near}");
+    let margin = json["buckling"]["margin"].as_f64().expect("a number");
+    let bound = json["buckling"]["margin_error_bound"].as_f64().expect("a number");
+    assert!((margin - 1e-17).abs() <= bound * 1e-17 && bound < 1e-12, "{margin:e} to {bound:e}");
+    assert_eq!(json["buckling"]["load_factor_digits"], "1.00000000000000001000000000000");
+    let text = run(&["analyze", "--digits", "30", &model]).out;
+    for part in [
+        "3.16227766016837933199889354443",
+        "modes 2 and 3 are 3.162277660152567",
+        "load factor to buckling 1.00000000000000001",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+}

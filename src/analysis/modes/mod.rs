@@ -17,6 +17,7 @@ pub(in crate::analysis) mod parts;
 pub mod request;
 pub mod shape;
 pub(in crate::analysis) mod sparse;
+pub mod splits;
 pub mod squares;
 pub(in crate::analysis) mod star_mesh;
 pub(in crate::analysis) mod start;

@@ -6,7 +6,12 @@ pub struct Request {
     pub which: Which,
     /// Relative bound that an omega^2 should have at most. Where it is not reached the modes come with the bounds that were.
     pub tolerance: f64,
+    /// Relative bound that a user asked for of every frequency and pole, where one did: what is above it is an error.
+    pub asked: Option<f64>,
 }
+
+/// Larger bounds are told without having been asked for.
+pub const DEFAULT_TOLERANCE: f64 = 1e-12;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Which {
@@ -31,7 +36,26 @@ pub const FEW: usize = 20;
 
 impl Default for Request {
     fn default() -> Request {
-        Request { which: Which::All, tolerance: 1e-12 }
+        Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, asked: None }
+    }
+}
+
+impl Request {
+    /// The same to a relative bound that has to be kept.
+    pub fn within(self, tolerance: f64) -> Request {
+        Request { tolerance: self.tolerance.min(tolerance), asked: Some(tolerance), ..self }
+    }
+
+    /// The same with so many digits computed, where they can be.
+    pub fn to_digits(self, digits: u32) -> Request {
+        // Half a unit in the last of them.
+        let tolerance = (0..digits).fold(0.5, |unit: f64, _| unit / 10.0);
+        Request { tolerance: self.tolerance.min(tolerance), ..self }
+    }
+
+    /// What the bounds are held against.
+    pub fn limit(&self) -> f64 {
+        self.asked.unwrap_or(DEFAULT_TOLERANCE)
     }
 }
 

@@ -21,11 +21,11 @@ const INDENT: usize = 2;
 /// The report, ending in a line feed.
 pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let sections = [
-        rest::text(answer),
+        rest::text(answer, options),
         matrices::text(answer, options),
         modes::table(answer, options),
         modes::shares(answer),
-        poles::text(answer),
+        poles::text(answer, options),
     ];
     let mut text = title(answer) + "\n";
     for section in sections.iter().filter(|section| !section.is_empty()) {
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_rigid_motion_is_named() {
-        let options = ReportOptions { normalise: Normalise::Mass, matrices: false };
+        let options = ReportOptions { normalise: Normalise::Mass, ..ReportOptions::default() };
         insta::assert_snapshot!(text(&samples::free_pair(), &options));
     }
 

@@ -5,7 +5,7 @@ use super::super::json::{error_bound, per_turn};
 use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
 use super::{INDENT, WIDTH, carried_by, counted, largest_shares, line, unit};
-use crate::analysis::{Mode, ModeKind, Normalise, normalise};
+use crate::analysis::{Mode, ModeKind, Normalise, normalise, splits};
 use crate::base::{Ball, Dd};
 use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 
@@ -25,7 +25,7 @@ pub fn table(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let table = if fits { with_columns } else { filled(answer, options, false) };
     line(format!("undamped modes ({})", scaling(options.normalise, &answer.system)))
         + &table.text(INDENT)
-        + &remarks(answer)
+        + &remarks(answer, options)
         + &without_inertia(answer.modes.infinite)
 }
 
@@ -67,7 +67,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
     }
     for (number, mode) in answer.modes.numbered().take(MOST) {
         let shape = normalise(mode, system, options.normalise);
-        let mut cells = frequency_cells(number, mode);
+        let mut cells = frequency_cells(number, mode, options);
         if columns {
             let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
             cells.extend(shape.iter().map(|entry| rounded(*entry, largest)));
@@ -80,18 +80,21 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
 }
 
 /// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
-fn frequency_cells(number: usize, mode: &Mode) -> Vec<String> {
+fn frequency_cells(number: usize, mode: &Mode, options: &ReportOptions) -> Vec<String> {
+    let digits = options.digits(DIGITS);
     let (frequency, period) = (per_turn(mode.omega), Ball::from(2.0) * Ball::PI / mode.omega);
     let (f, omega, t) = match mode.kind {
         ModeKind::Oscillation => {
-            (certain(&frequency, DIGITS), certain(&mode.omega, DIGITS), certain(&period, SHAPE_DIGITS))
+            (certain(&frequency, digits), certain(&mode.omega, digits), certain(&period, options.digits(SHAPE_DIGITS)))
         }
         ModeKind::Rigid => ("0".into(), "0".into(), "rigid".into()),
-        ModeKind::Divergence => ("".into(), format!("{}i", certain(&mode.omega, DIGITS)), "unstable".into()),
-        ModeKind::Undetermined => ("".into(), certain(&mode.omega, DIGITS), "undetermined".into()),
+        ModeKind::Divergence => ("".into(), format!("{}i", certain(&mode.omega, digits)), "unstable".into()),
+        ModeKind::Undetermined => ("".into(), certain(&mode.omega, digits), "undetermined".into()),
     };
     let bound = match mode.kind {
         ModeKind::Rigid => "exact".into(),
+        // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
+        _ if options.digits.is_some() => upper(mode.omega.relative_error().max(frequency.relative_error())),
         ModeKind::Divergence => upper(error_bound(&mode.omega)),
         ModeKind::Undetermined => "?".into(),
         ModeKind::Oscillation => upper(error_bound(&mode.omega).max(error_bound(&frequency))),
@@ -116,14 +119,14 @@ fn largest_entries(system: &LinearSystem, shape: &[f64]) -> String {
 }
 
 /// What cannot be seen in the table.
-fn remarks(answer: &ModalAnswer) -> String {
+fn remarks(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let list = &answer.modes.list;
     let mut text = String::new();
     if list.len() > MOST {
         let highest = list.last().map_or(String::new(), |mode| certain(&per_turn(mode.omega), 4));
         text += &line(format!("... and {} modes more, up to {highest} Hz (--format json has all)", list.len() - MOST));
     }
-    text + &left_out(answer) + &clusters(answer) + &sensitive(answer)
+    text + &left_out(answer) + &clusters(answer) + &beats(answer, options) + &sensitive(answer)
 }
 
 /// The modes that were not asked for, or not computed because they are too many.
@@ -137,6 +140,24 @@ fn left_out(answer: &ModalAnswer) -> String {
     };
     let empty = if answer.modes.list.is_empty() { "no undamped mode is in the band; " } else { "" };
     line(format!("{empty}not computed: {told} (--modes N and --band FROM..TO ask for others)"))
+}
+
+/// Close frequencies: their difference keeps the digits that the two numbers share.
+fn beats(answer: &ModalAnswer, options: &ReportOptions) -> String {
+    let shown = answer.modes.before.count() + MOST;
+    splits(&answer.modes)
+        .into_iter()
+        .filter(|split| split.lower < shown)
+        .map(|split| {
+            let range = range(split.lower, split.lower + 1);
+            let difference = certain(&split.omega, options.digits(DIGITS));
+            let beat = certain(&(Ball::from(2.0) * Ball::PI / split.omega), SHAPE_DIGITS);
+            line(format!(
+                "modes {range} are {difference} rad/s apart (error ≤ {}): a beat of {beat} s",
+                upper(error_bound(&split.omega))
+            ))
+        })
+        .collect()
 }
 
 /// Modes that are certified together only.

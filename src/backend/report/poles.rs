@@ -1,8 +1,8 @@
 //! The damped motion: each pole, a complex pair once.
 
-use super::super::ModalAnswer;
 use super::super::decimal::{certain, upper};
 use super::super::json::{modulus, per_turn, pole_error_bound};
+use super::super::{ModalAnswer, ReportOptions};
 use super::modes::MOST;
 use super::table::{Align, Table};
 use super::{INDENT, counted, line};
@@ -12,7 +12,7 @@ use crate::base::Ball;
 const DIGITS: usize = 6;
 const FEW: usize = 4;
 
-pub fn text(answer: &ModalAnswer) -> String {
+pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     if answer.poles.list.is_empty() && !answer.system.c.is_empty() {
         return left_out(answer);
     }
@@ -36,7 +36,7 @@ pub fn text(answer: &ModalAnswer) -> String {
         .column("kind", "", Align::Left);
     let shown = numbered(answer);
     for (number, pole) in shown.iter().take(MOST) {
-        table.row(cells(*number, pole));
+        table.row(cells(*number, pole, options));
     }
     let left = shown.len().saturating_sub(MOST);
     let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
@@ -101,22 +101,25 @@ fn is_complex(pole: &Pole) -> bool {
     }
 }
 
-fn cells(number: usize, pole: &Pole) -> Vec<String> {
+fn cells(number: usize, pole: &Pole, options: &ReportOptions) -> Vec<String> {
+    let digits = options.digits(DIGITS);
+    // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
+    let bound = if options.digits.is_some() { pole.relative_error } else { pole_error_bound(pole) };
     let omega = modulus(pole);
     let complex = is_complex(pole);
-    let im = if complex { format!("±{}", certain(&pole.im.abs(), DIGITS)) } else { "0".into() };
-    let frequency = if complex { certain(&per_turn(omega), DIGITS) } else { String::new() };
+    let im = if complex { format!("±{}", certain(&pole.im.abs(), digits)) } else { "0".into() };
+    let frequency = if complex { certain(&per_turn(omega), digits) } else { String::new() };
     let halves = complex && !grows(pole) && !pole.re.is_zero();
     let half_life = if halves { certain(&half_life(pole), FEW) } else { String::new() };
     vec![
         number.to_string(),
-        certain(&pole.re, DIGITS),
+        certain(&pole.re, digits),
         im,
         frequency,
-        pole.damping_ratio.as_ref().filter(|_| complex).map_or(String::new(), |zeta| certain(zeta, DIGITS)),
+        pole.damping_ratio.as_ref().filter(|_| complex).map_or(String::new(), |zeta| certain(zeta, digits)),
         decay_time(pole),
         half_life,
-        if omega.is_zero() { "exact".into() } else { upper(pole_error_bound(pole)) },
+        if omega.is_zero() { "exact".into() } else { upper(bound) },
         kind(pole),
     ]
 }

@@ -1,7 +1,8 @@
 //! Where the rest is, and what it does when disturbed.
 
-use super::super::ModalAnswer;
 use super::super::decimal::{certain, certain_number, upper};
+use super::super::json::error_bound;
+use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
 use super::{INDENT, carried_by, counted, line, poles, unit};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
@@ -14,8 +15,8 @@ const MOST: usize = 12;
 const DIGITS: usize = 6;
 const DISTANCE: usize = 3;
 
-pub fn text(answer: &ModalAnswer) -> String {
-    displacement(answer) + &unstable(answer) + &undetermined(answer) + &neutral(answer)
+pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
+    displacement(answer) + &unstable(answer) + &undetermined(answer) + &neutral(answer) + &buckling(answer, options)
 }
 
 fn displacement(answer: &ModalAnswer) -> String {
@@ -155,6 +156,26 @@ fn undetermined(answer: &ModalAnswer) -> String {
     } else {
         line("UNDETERMINED: whether the scene stays at this rest could not be certified") + &text
     }
+}
+
+/// How far gravity, tensions and reactions are from taking all stiffness away, or by how much they have.
+fn buckling(answer: &ModalAnswer, options: &ReportOptions) -> String {
+    let Some(found) = &answer.buckling else { return String::new() };
+    let digits = options.digits(DIGITS);
+    let factor = found.load_factor;
+    let margin = factor - Ball::ONE;
+    let bound = if options.digits.is_some() { factor.relative_error() } else { error_bound(&factor) };
+    let told = format!("{} (error ≤ {})", certain(&factor, digits), upper(bound));
+    let meaning = match (margin.contains_zero(), margin.mid.hi > 0.0) {
+        (true, _) => "at the buckling load, as far as can be told".to_string(),
+        (false, true) => {
+            format!("loads may grow by {} of themselves before the rest loses its stiffness", certain(&margin, digits))
+        }
+        (false, false) => {
+            format!("the loads are too large by {} of themselves", certain(&margin.abs(), digits))
+        }
+    };
+    line(format!("load factor to buckling {told}: {meaning}"))
 }
 
 fn growth(rate: Ball) -> String {

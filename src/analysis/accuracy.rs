@@ -1,0 +1,90 @@
+//! Whether the answers are as accurate as was asked. In: certified modes and poles, the request. Out: the worst number that
+//! is not, with the bound that was reached. Clause: spec.md 10.14.
+
+use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
+use crate::analysis::error::place;
+use crate::analysis::modes::request::Request;
+use crate::base::{Code, Diagnostic, Span};
+use crate::system::LinearSystem;
+
+const CODE: Code = Code("vib::limit::tolerance");
+
+/// The number farthest from being accurate enough.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shortfall {
+    /// `the frequency of mode 3`
+    what: String,
+    /// Its relative bound.
+    reached: f64,
+    tolerance: f64,
+    /// A user set the tolerance.
+    asked: bool,
+    /// The coordinate that moves most in a mode, and its place; of a pole the first of all.
+    moving: Option<usize>,
+    at: Span,
+}
+
+/// The worst relative bound above the tolerance, if there is one. Of numbers whose sign is not certain the verdict tells
+/// already; they count where a tolerance was asked for.
+pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &Request) -> Option<Shortfall> {
+    let (tolerance, asked) = (request.limit(), request.asked.is_some());
+    let frequencies = modes.numbered().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);
+    let frequencies = frequencies.map(|(number, mode)| {
+        let moving = mode.kinetic.first().map_or(0, |share| share.of.index());
+        (mode.omega.relative_error(), format!("the frequency of mode {number}"), Some(moving))
+    });
+    // Numbered as in the report: a pair once. Where nothing damps they are the frequencies again.
+    let upper = poles.list.iter().filter(|pole| pole.im.mid.hi >= 0.0 && !system.c.is_empty());
+    let decays = (1..).zip(upper).filter(|(_, pole)| asked || pole.kind != PoleKind::Undetermined);
+    let decays = decays.map(|(number, pole)| (pole.relative_error, format!("pole {number}"), None));
+    let short = |bound: f64| bound.is_nan() || bound > tolerance;
+    let worst = frequencies.chain(decays).filter(|(bound, ..)| short(*bound)).max_by(|a, b| a.0.total_cmp(&b.0));
+    worst.map(|(reached, what, moving)| Shortfall {
+        what,
+        reached,
+        tolerance,
+        asked,
+        moving,
+        at: place(system, moving.unwrap_or(0)),
+    })
+}
+
+impl Shortfall {
+    /// An error where the tolerance was asked for; the answer is there all the same.
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        let reached = if self.reached.is_finite() {
+            format!("to {} of itself", above(self.reached))
+        } else {
+            "to no digit".to_string()
+        };
+        let message = format!("{} is certain {reached}, not to {:e}", self.what, self.tolerance);
+        let help = "terms that nearly cancel, or roots and angles (enclosed in double-double), leave no more digits; write what \
+                    cancels without them, or say with `--tolerance` what is good enough";
+        let diagnostic = match self.asked {
+            true => Diagnostic::error(CODE, self.at, message),
+            false => Diagnostic::warning(CODE, self.at, message),
+        };
+        match self.moving {
+            Some(_) => diagnostic.label("this moves most in it").help(help),
+            None => diagnostic.help(help),
+        }
+    }
+}
+
+/// Two digits, not below the value.
+fn above(value: f64) -> String {
+    format!("{:.1e}", value * 1.06)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::above;
+
+    #[test]
+    fn a_bound_is_told_from_above() {
+        for value in [1e-12, 9.99e-7, 1.04e-3, 0.5, 7.77e-31] {
+            let told: f64 = above(value).parse().expect("a number");
+            assert!(told >= value && told <= 1.12 * value, "{value}: {told}");
+        }
+    }
+}
