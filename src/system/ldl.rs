@@ -171,6 +171,13 @@ fn reach(i: usize, k: usize, parents: &[usize], mark: &mut [usize], way: &mut Ve
 }
 
 impl Factors {
+    /// The most entries that a row of L has, its diagonal not counted.
+    pub fn longest_row(&self) -> usize {
+        let mut counts = vec![0usize; self.pivots.len()];
+        self.rows.iter().for_each(|row| counts[*row as usize] += 1);
+        counts.into_iter().max().unwrap_or(0)
+    }
+
     /// x = A^-1 b, in place.
     pub fn solve(&self, b: &mut [f64]) {
         let n = self.pivots.len();

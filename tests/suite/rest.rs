@@ -377,3 +377,34 @@ fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
         close(&[answer.lowered.rest.displacement[0].to_f64()], &[rest], 1e-14);
     }
 }
+
+/// Links with springs between them, drawn out of their rest: more coordinates than a dense inverse is made for. The bound is
+/// proven all the same, and the torques balance: with absolute angles a_i, k (2 a_i - a_(i-1) - a_(i+1)) = what the weights
+/// of the link and of all below it do.
+#[test]
+fn a_long_chain_of_springy_links_finds_its_rest() {
+    let n = 350;
+    let text = format!(
+        "gravity 10 m/s^2\nparam n = {n}
+        body b[1] {{ mass = 1 kg, inertia = 0.1 kg*m^2, at = (0.6 m, -0.8 m) }}
+        pivot p[1]: ground@(0, 0) -- b[1]
+        spring t[1]: ground -- b[1] {{ k = 500 N*m/rad }}
+        repeat i in 2..n {{
+          body b[i] {{ mass = 1 kg, inertia = 0.1 kg*m^2, at = (i * 0.6 m, -i * 0.8 m) }}
+          pivot p[i]: b[i-1]@((i-1) * 0.6 m, -(i-1) * 0.8 m) -- b[i]
+          spring t[i]: b[i-1] -- b[i] {{ k = 500 N*m/rad }}
+        }}"
+    );
+    let rest = lowered(&text).rest;
+    assert!(rest.proven && rest.residual < 1e-25, "{} {:e}", rest.proven, rest.residual);
+    let turned: Vec<f64> = rest.displacement.iter().map(Number::to_f64).collect();
+    assert!(rest.displacement.iter().all(|angle| angle.to_ball().rad < 1e-25));
+    for i in 0..n {
+        let next = if i + 1 < n { turned[i + 1] - turned[i] } else { 0.0 };
+        let springs = 500.0 * (turned[i] - if i > 0 { turned[i - 1] } else { 0.0 } - next);
+        // The link is drawn along (0.6, -0.8): a turn by a moves its end along x by 0.6 cos a + 0.8 sin a.
+        let lever = 0.6 * turned[i].cos() + 0.8 * turned[i].sin();
+        let weights = (n - i) as f64 * 10.0 * lever;
+        assert!((springs + weights).abs() < 1e-10 * 3500.0, "link {i}: {springs} and {weights}");
+    }
+}

@@ -5,6 +5,7 @@
 //! Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear systems*, SIAM
 //! J. Numer. Anal. 14 (1977) 611-615). H(X) and g(m) are evaluated in ball arithmetic.
 
+use super::convex;
 use super::exact::simplest;
 use super::potential::{Detail, ELSEWHERE, Energy, Potential};
 use super::survey::Part;
@@ -30,12 +31,12 @@ pub struct Refined {
     pub proven: bool,
 }
 
-/// Parts with more coordinates are refined with sparse factors, and not proven.
+/// Parts with more coordinates are refined and proven with sparse factors.
 pub const MAX_DENSE: usize = 300;
 /// Each step gains the sixteen digits of binary64, less those that the conditioning takes.
-const MAX_REFINEMENTS: usize = 8;
+pub const MAX_REFINEMENTS: usize = 8;
 /// Coordinates nearer to the drawing than this, in radians or lengths of the part, may be there exactly.
-const NEAR: f64 = 1e-9;
+pub const NEAR: f64 = 1e-9;
 
 impl<'a> Refinement<'a> {
     pub fn new(kinematics: &'a Kinematics, part: &'a Part, state: &'a mut State<Number>) -> Refinement<'a> {
@@ -70,7 +71,7 @@ impl<'a> Refinement<'a> {
         self.state.set(self.kinematics, coordinate, value);
     }
 
-    fn energy(&self, local: &[u32], n: usize, detail: Detail) -> Energy<Number> {
+    pub fn energy(&self, local: &[u32], n: usize, detail: Detail) -> Energy<Number> {
         self.potential.at(self.kinematics, self.state, local, n, detail)
     }
 
@@ -101,6 +102,9 @@ impl<'a> Refinement<'a> {
     fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> bool {
         if moving.is_empty() {
             return true;
+        }
+        if moving.len() > MAX_DENSE {
+            return convex::refine_and_prove(self, local, moving);
         }
         let Some(inverse) = self.inverse(local, moving) else { return false };
         let mut middle: Vec<Dd> = moving.iter().map(|i| self.state.value(*i).to_ball().mid).collect();
@@ -151,18 +155,15 @@ impl<'a> Refinement<'a> {
     }
 
     /// Puts the moving coordinates at these middles with these radii.
-    fn place(&mut self, moving: &[Index], middle: &[Dd], radius: impl Fn(usize) -> f64) {
+    pub fn place(&mut self, moving: &[Index], middle: &[Dd], radius: impl Fn(usize) -> f64) {
         for (place, coordinate) in moving.iter().enumerate() {
             self.set(*coordinate, Ball::new(middle[place], radius(place)));
         }
     }
 
-    /// Y; `None` where the second derivative is singular to working precision, or too large.
+    /// Y; `None` where the second derivative is singular to working precision.
     fn inverse(&mut self, local: &[u32], moving: &[Index]) -> Option<Inverse> {
         let n = moving.len();
-        if n > MAX_DENSE {
-            return None;
-        }
         let (curvature, _) = dense(&self.energy(local, n, Detail::Curvature), n);
         // Scaled so that what is small for its units only does not count as singular.
         let scale: Vec<f64> = (0..n).map(|i| curvature[(i, i)].abs().sqrt().max(f64::MIN_POSITIVE).recip()).collect();

@@ -7,6 +7,7 @@
 //! 4. [`enclosure`]: refined, and proven
 //! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms
 
+pub mod convex;
 pub mod drawn;
 pub mod enclosure;
 pub mod exact;
