@@ -12,7 +12,7 @@ use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 #[command(
     after_help = "Exit status: 0 done; 1 the model has errors; 2 the command line is wrong; 3 a file could not be \
                         read or written; 4 a numerical limit, such as no rest found.\n\
-                        To come: emit, bench, lsp."
+                        To come: bench, lsp."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -29,6 +29,8 @@ pub enum Command {
     Transfer(Transfer),
     /// The motion in time under the model's signals and from its initial state
     Simulate(Simulate),
+    /// Simulation code: the exact discrete system in C99 or Rust
+    Emit(Emit),
     /// Diagnostics, nothing else
     Check(Check),
     /// The one layout of a model file
@@ -146,6 +148,50 @@ pub struct Simulate {
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Emit {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// The language
+    #[arg(long, value_enum)]
+    pub target: TargetOption,
+    /// The time between steps, such as 1ms
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "1ms")]
+    pub step: Number,
+    /// Leave out modes that add less than this share to any output, such as 1e-6; their static part stays
+    #[arg(long, value_name = "SHARE", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    /// The numbers of the code
+    #[arg(long, value_enum, default_value_t = PrecisionOption::F64)]
+    pub precision: PrecisionOption,
+    /// What inputs do between samples: stay, or run along a line
+    #[arg(long, value_enum, default_value_t = HoldOption::Zero)]
+    pub hold: HoldOption,
+    /// Write NAME.c and NAME.h, or NAME.rs, into this directory instead of to standard output
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TargetOption {
+    Rust,
+    C,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionOption {
+    F64,
+    F32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HoldOption {
+    Zero,
+    First,
 }
 
 #[derive(Debug, Args)]
@@ -287,8 +333,6 @@ impl From<NormaliseOption> for Normalise {
 #[derive(Debug, Subcommand)]
 pub enum Coming {
     #[command(hide = true, disable_help_flag = true)]
-    Emit(Anything),
-    #[command(hide = true, disable_help_flag = true)]
     Bench(Anything),
     #[command(hide = true, disable_help_flag = true)]
     Lsp(Anything),
@@ -304,7 +348,6 @@ pub struct Anything {
 impl Coming {
     pub fn name(&self) -> &'static str {
         match self {
-            Coming::Emit(_) => "emit",
             Coming::Bench(_) => "bench",
             Coming::Lsp(_) => "lsp",
         }

@@ -20,7 +20,7 @@ pub mod model;
 pub mod syntax;
 pub mod system;
 
-use analysis::{AnalysisError, History, Modal, Modes, Poles, Request, Which};
+use analysis::{AnalysisError, DiscreteSystem, History, Modal, Modes, Poles, Request, Which};
 use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use lower::Lowered;
@@ -147,6 +147,40 @@ pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
 
 /// Different tables of one model; a run has room for 256 files.
 const MOST_TABLES: usize = 200;
+
+/// A model as simulation code computes it.
+#[derive(Clone, Debug)]
+pub struct Emission {
+    /// The model's name.
+    pub model: String,
+    pub system: DiscreteSystem,
+}
+
+/// From the text of a model to the discrete system that emitted code runs.
+pub fn discrete(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    options: &analysis::discrete::Options,
+) -> Outcome<Emission> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = emission(sources, model, overrides, options, &mut diagnostics);
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+fn emission(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    options: &analysis::discrete::Options,
+    diagnostics: &mut Diagnostics,
+) -> Option<Emission> {
+    let scene = checked_scene(sources, model, overrides, diagnostics)?;
+    let system = damped(&scene, diagnostics)?.system;
+    let discrete = analysis::modes(&system).and_then(|modes| analysis::discretise(&system, &modes, options));
+    let system = discrete.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    Some(Emission { model: scene.scene().name.clone(), system })
+}
 
 /// The diagnostics alone: everything up to the linear system.
 pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {

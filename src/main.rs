@@ -5,15 +5,17 @@ mod cli;
 
 use clap::{CommandFactory, Parser};
 use cli::{
-    Analyze, Check, Cli, Colour, Command, Fmt, Format, MessageFormat, Messages, OverrideOptions, Simulate, TableFormat,
-    Transfer,
+    Analyze, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages, OverrideOptions,
+    PrecisionOption, Simulate, TableFormat, TargetOption, Transfer,
 };
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use vibc::analysis::discrete::{Hold, Precision};
 use vibc::analysis::{self, Roads, Sweep};
+use vibc::backend::emit::Language;
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Command::Analyze(options) => analyze(options, &cli.messages),
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
+        Command::Emit(options) => emit(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
         Command::Fmt(options) => format(options, &cli.messages),
         Command::Explain(options) => explain(&options.code),
@@ -177,6 +180,51 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     deliver(options.output.as_deref(), &text)
 }
 
+fn emit(options: &Emit, messages: &Messages) -> Status {
+    let input = match read_all(&options.file, &options.overrides) {
+        Ok(input) => input,
+        Err(unreadable) => return unreadable.report(messages),
+    };
+    let wanted = analysis::discrete::Options {
+        step: options.step.clone(),
+        hold: match options.hold {
+            HoldOption::Zero => Hold::Zero,
+            HoldOption::First => Hold::First,
+        },
+        precision: match options.precision {
+            PrecisionOption::F64 => Precision::Double,
+            PrecisionOption::F32 => Precision::Single,
+        },
+        tolerance: options.tolerance,
+        unpruned: false,
+    };
+    let language = match options.target {
+        TargetOption::C => Language::C,
+        TargetOption::Rust => Language::Rust,
+    };
+    let outcome = vibc::discrete(&input.sources, input.model, &input.overrides, &wanted);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some(emission) = &outcome.answer else { return status };
+    if emission.system.outputs.is_empty() {
+        complain("the model declares no output");
+        return Status::Usage;
+    }
+    match &options.output {
+        None => deliver(None, &backend::emit::whole(&emission.model, &emission.system, language)),
+        Some(folder) => deliver_all(folder, &backend::emit::files(&emission.model, &emission.system, language)),
+    }
+}
+
+/// Writes files into a folder, which is made where it is missing.
+fn deliver_all(folder: &Path, files: &[backend::emit::File]) -> Status {
+    if let Err(error) = fs::create_dir_all(folder) {
+        complain(&format!("cannot make the directory `{}`: {error}", folder.display()));
+        return Status::Io;
+    }
+    files.iter().map(|file| deliver(Some(&folder.join(&file.name)), &file.text)).max().unwrap_or(Status::Done)
+}
+
 /// Writes a result, and tells what went wrong.
 fn deliver(output: Option<&Path>, text: &str) -> Status {
     match write_result(output, text) {
@@ -273,7 +321,7 @@ fn explain(code: &str) -> Status {
 fn not_available(command: &str) -> Status {
     let version = env!("CARGO_PKG_VERSION");
     complain(&format!(
-        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `check`, `fmt` and `explain`"
+        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `emit`, `check`, `fmt` and `explain`"
     ));
     Status::Usage
 }

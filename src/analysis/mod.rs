@@ -5,6 +5,7 @@
 pub mod accuracy;
 pub mod answer;
 pub mod damping;
+pub mod discrete;
 pub mod error;
 pub mod measures;
 pub mod modal;
@@ -20,6 +21,7 @@ pub mod transfer;
 pub use crate::system::Signal;
 pub use accuracy::shortfall;
 pub use answer::{Before, Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
+pub use discrete::{DiscreteSystem, discretise};
 pub use error::AnalysisError;
 pub use measures::Measurement;
 pub use modal::{Modal, modal};

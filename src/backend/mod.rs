@@ -3,6 +3,7 @@
 
 pub mod decimal;
 pub mod diagnostics;
+pub mod emit;
 pub mod explain;
 pub mod json;
 pub mod report;

@@ -241,7 +241,7 @@ pub fn refined_shapes(system: &LinearSystem, modes: &Modes) -> Matrix<Dd> {
 
 /// X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order; close frequencies are made
 /// orthogonal only.
-fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
+pub(in crate::analysis) fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
     let n = x.columns();
     let mut next = x.clone();
     for j in 0..n {
@@ -262,7 +262,7 @@ fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
 }
 
 /// X^T (sum w a a^T) X, term by term.
-fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
+pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
     let n = x.columns();
     let mut gram = Matrix::filled(n, n, Ball::ZERO);
     for t in 0..squares.len() {

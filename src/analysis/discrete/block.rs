@@ -1,0 +1,117 @@
+//! A part of the system that moves by itself: w' = A w + B u, y = C w, with its place in the model's own coordinates.
+//! In: A, what u, u' and u'' do, and what is seen of w and w'. Out: the same without derivatives of u in the motion
+//! (w = xi + E0 u + E1 u'). Clause: spec.md, "Simulation code".
+
+use crate::analysis::numeric::dense::Matrix;
+use crate::base::Dd;
+
+/// An independent group of states.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// What it is called in the header: `mode 2, 3.1 Hz`.
+    pub name: String,
+    /// Where the block may ring: |s| of its fastest pole, rad/s.
+    pub rate: f64,
+    pub a: Matrix<Dd>,
+    /// One column an input.
+    pub b: Matrix<Dd>,
+    /// One row an output.
+    pub c: Matrix<Dd>,
+    /// The states from displacements and velocities of all coordinates: one row a state, 2n columns.
+    pub to: Matrix<Dd>,
+    /// Displacements and velocities of all coordinates from the states: 2n rows.
+    pub back: Matrix<Dd>,
+}
+
+/// What inputs do without a state in between.
+#[derive(Clone, Debug)]
+pub struct Direct {
+    /// Factors of u, u' and u'' in every output: one row an output, one column an input.
+    pub outputs: [Matrix<Dd>; 3],
+    /// Factors of u and u' in displacements and velocities of all coordinates: 2n rows.
+    pub state: [Matrix<Dd>; 2],
+}
+
+impl Direct {
+    pub fn none(n: usize, inputs: usize, outputs: usize) -> Direct {
+        Direct {
+            outputs: [0; 3].map(|_| Matrix::zeros(outputs, inputs)),
+            state: [0; 2].map(|_| Matrix::zeros(2 * n, inputs)),
+        }
+    }
+}
+
+/// The parts of a continuous system.
+#[derive(Clone, Debug)]
+pub struct Split {
+    pub blocks: Vec<Block>,
+    pub direct: Direct,
+    /// How the blocks were found, for the header.
+    pub method: &'static str,
+}
+
+/// w' = A w + B0 u + B1 u' + B2 u'' with w = xi + (B1 + A B2) u + B2 u': the B of xi' = A xi + B u, and the two offsets.
+pub fn without_derivatives(a: &Matrix<Dd>, b: [Matrix<Dd>; 3]) -> (Matrix<Dd>, [Matrix<Dd>; 2]) {
+    let [b0, b1, b2] = b;
+    let offset = sum(&b1, &product(a, &b2));
+    (sum(&b0, &product(a, &offset)), [offset, b2])
+}
+
+pub fn product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
+    let mut c = Matrix::zeros(a.rows(), b.columns());
+    for j in 0..b.columns() {
+        for (k, &factor) in b.column(j).iter().enumerate() {
+            if !factor.is_zero() {
+                crate::analysis::numeric::dense::add_scaled(c.column_mut(j), factor, a.column(k));
+            }
+        }
+    }
+    c
+}
+
+pub fn sum(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
+    Matrix::from_fn(a.rows(), a.columns(), |i, j| a[(i, j)] + b[(i, j)])
+}
+
+/// a <- a + b
+pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
+    for j in 0..a.columns() {
+        for (x, &y) in a.column_mut(j).iter_mut().zip(b.column(j)) {
+            *x += y;
+        }
+    }
+}
+
+impl Block {
+    /// The block in other coordinates: s w.
+    pub fn transformed(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {
+        Block {
+            name: self.name.clone(),
+            rate: self.rate,
+            a: product(s, &product(&self.a, inverse)),
+            b: product(s, &self.b),
+            c: product(&self.c, inverse),
+            to: product(s, &self.to),
+            back: product(&self.back, inverse),
+        }
+    }
+
+    pub fn size(&self) -> usize {
+        self.a.rows()
+    }
+
+    /// One state of a block whose A is diagonal.
+    pub fn state(&self, at: usize) -> Block {
+        let row = |m: &Matrix<Dd>| Matrix::from_fn(1, m.columns(), |_, j| m[(at, j)]);
+        let column = |m: &Matrix<Dd>| Matrix::from_fn(m.rows(), 1, |i, _| m[(i, at)]);
+        Block {
+            name: self.name.clone(),
+            rate: self.a[(at, at)].hi.abs(),
+            a: Matrix::filled(1, 1, self.a[(at, at)]),
+            b: row(&self.b),
+            c: column(&self.c),
+            to: row(&self.to),
+            back: column(&self.back),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Two states as a lifted step: v <- v - c v - k x + g u, x <- x + p v (both with the other sign where the motion turns by more
+//! than a quarter). In: F of a block, or its trace and determinant. Out: c, k, p in the precision of the target, and
+//! coordinates in which F has that form.
+//!
+//! The determinant of the step is 1 - c and |1 - lambda|^2 is p k, whatever c, k and p are: c rounds with its own relative
+//! error, and only the product of k and p matters, so k is chosen among neighbours until p rounds well. So amplitude and
+//! phase drift by far less than rounding each entry of a rotation would make them drift (lifting: Bruekers and van den
+//! Enden, IEEE JSAC 10 (1992) 129), and near-critical and critical damping need no other form. Clause: spec.md,
+//! "Simulation code".
+
+use crate::analysis::discrete::precision::Precision;
+use crate::analysis::numeric::dense::Matrix;
+use crate::base::Dd;
+
+/// The step of a pair of states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lift {
+    /// The motion turns by more than a quarter: F is minus the lifted step.
+    pub turned: bool,
+    pub decay: Decay,
+    pub k: f64,
+    pub p: f64,
+}
+
+/// What is left of v: v - c v, or r v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decay {
+    Lose(f64),
+    Keep(f64),
+}
+
+impl Decay {
+    /// c or r.
+    pub fn value(self) -> f64 {
+        match self {
+            Decay::Lose(value) | Decay::Keep(value) => value,
+        }
+    }
+}
+
+/// A lifted step and the coordinates (x, v) = s w that it is for.
+#[derive(Clone, Debug)]
+pub struct Lifted {
+    pub lift: Lift,
+    pub s: Matrix<Dd>,
+}
+
+/// What decays faster than this in a step has nothing left that a lifted form could keep.
+const LEAST: f64 = 1e-10;
+
+/// Neighbours tried for k: the best of so many has a product good to twelve bits more than the precision.
+const TRIALS: u32 = 4096;
+
+/// F in lifted form, in coordinates in which the input `drive` (a column of w) acts on v alone, with factor one, if that can be.
+pub fn lift(f: &Matrix<Dd>, trace_rate: Dd, drive: Option<[Dd; 2]>, precision: Precision) -> Option<Lifted> {
+    let trace = f[(0, 0)] + f[(1, 1)];
+    // det F = exp(tr A h), 1 - det without cancellation.
+    let lost = -crate::analysis::discrete::precision::exp_minus_one(trace_rate)?;
+    let det = Dd::ONE - lost;
+    let turned = trace.hi < 0.0;
+    let sign = if turned { -Dd::ONE } else { Dd::ONE };
+    let product = Dd::ONE - sign * trace + det;
+    if product.hi < 0.0 || det.hi <= LEAST {
+        return None;
+    }
+    let (k, p) = factors(product, det, precision);
+    let decay = if det.hi > 0.25 { Decay::Lose(precision.round(lost)) } else { Decay::Keep(precision.round(det)) };
+    let lift = Lift { turned, decay, k, p };
+    let step = f.map(|x| sign * x);
+    let s = coordinates(&step, det, Dd::from(p), drive)?;
+    Some(Lifted { lift, s })
+}
+
+/// k and p with k p = product, nearly equal in effect: p det = k.
+fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
+    if product.hi == 0.0 {
+        return (0.0, 1.0);
+    }
+    let root = det.hi.clamp(0.01, 1.0).sqrt();
+    let start = product.hi.sqrt() * root;
+    let mut best = (start, f64::INFINITY, 0.0);
+    let mut k = precision.round(Dd::from(start));
+    for _ in 0..TRIALS {
+        let p = precision.round(product / Dd::from(k));
+        let error = (Dd::product(k, p) - product).abs().hi;
+        if error < best.1 {
+            best = (k, error, p);
+        }
+        k = precision.next(k);
+    }
+    (best.0, best.2)
+}
+
+/// Rows x and v with x' = x + p v', v' = det v - k x: any row x will do that is no left eigenvector; v = x (I - F^-1) / p.
+fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Matrix<Dd>> {
+    let inverse = Matrix::from_fn(2, 2, |i, j| {
+        let entry = if i == j { step[(1 - i, 1 - j)] } else { -step[(i, j)] };
+        entry / det
+    });
+    let rows = |x: [Dd; 2]| {
+        let moved = [0, 1].map(|j| x[0] * inverse[(0, j)] + x[1] * inverse[(1, j)]);
+        [x, [0, 1].map(|j| (x[j] - moved[j]) / p)]
+    };
+    let size = [0, 1].map(|j| step[(0, j)].hi.abs() + step[(1, j)].hi.abs());
+    // Independence of the rows, measured in coordinates of the size of the motion.
+    let balance = (step[(0, 1)].hi.abs() / step[(1, 0)].hi.abs()).sqrt();
+    let balance = if balance.is_finite() && balance > 0.0 { balance } else { 1.0 };
+    let independence = |s: [[Dd; 2]; 2]| {
+        let length = |r: [Dd; 2]| (r[0].hi * balance).hypot(r[1].hi);
+        let det = (s[0][0] * s[1][1] - s[0][1] * s[1][0]).hi.abs() * balance;
+        det / (length(s[0]) * length(s[1]))
+    };
+    let mut plain = rows([Dd::ONE, Dd::ZERO]);
+    let other = rows([Dd::ZERO, Dd::ONE]);
+    if independence(plain) < 0.3 * independence(other) {
+        plain = other;
+    }
+    let mut chosen = plain;
+    if let Some(g) = drive {
+        // x F^-1 g = 0: then the input's part of x' is p times that of v'.
+        let back = [0, 1].map(|i| inverse[(i, 0)] * g[0] + inverse[(i, 1)] * g[1]);
+        let driven = rows([back[1], -back[0]]);
+        if independence(driven) >= 0.3 * independence(plain) {
+            chosen = driven;
+        }
+    }
+    let mut scale = Dd::from(1.0 / (chosen[1][0].hi * balance).hypot(chosen[1][1].hi));
+    if let Some(g) = drive {
+        let on_v = chosen[1][0] * g[0] + chosen[1][1] * g[1];
+        let alone = (chosen[0][0] * g[0] + chosen[0][1] * g[1] - p * on_v).hi.abs() <= 1e-20 * (p * on_v).hi.abs();
+        if alone && on_v.hi != 0.0 && (1e-12..1e12).contains(&(on_v.hi.abs() * scale.hi)) {
+            scale = Dd::ONE / on_v;
+        }
+    }
+    let finite = size.iter().all(|x| x.is_finite()) && scale.is_finite();
+    finite.then(|| Matrix::from_fn(2, 2, |i, j| chosen[i][j] * scale))
+}
+
+impl Lift {
+    /// The step as a matrix on (x, v), with the rounded coefficients.
+    pub fn matrix(&self) -> Matrix<Dd> {
+        let (k, p) = (Dd::from(self.k), Dd::from(self.p));
+        let keep = match self.decay {
+            Decay::Lose(c) => Dd::ONE - Dd::from(c),
+            Decay::Keep(r) => Dd::from(r),
+        };
+        let sign = if self.turned { -Dd::ONE } else { Dd::ONE };
+        Matrix::from_fn(2, 2, |i, j| {
+            sign * match (i, j) {
+                (0, 0) => Dd::ONE - p * k,
+                (0, 1) => p * keep,
+                (1, 0) => -k,
+                _ => keep,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::discrete::block::product;
+    use crate::analysis::discrete::hold::propagator;
+
+    /// Undamped and damped oscillators, slow and fast beside the step, critical and rigid: the lifted step is F in other
+    /// coordinates.
+    #[test]
+    fn the_lifted_step_is_the_propagator() {
+        for (k, c) in
+            [(1.0, 0.0), (400.0, 0.3), (1e6, 20.0), (9.0, 6.0), (9.0, 6.0001), (0.0, 0.0), (1e-8, 0.0), (7.4, 1.0)]
+        {
+            for drive in [None, Some([Dd::from(0.1), Dd::from(0.7)])] {
+                let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
+                let h = Dd::from(0.1);
+                let f = propagator(&a, h).expect("in range").f;
+                let lifted = lift(&f, -(Dd::from(c) * h), drive, Precision::Double).expect("a form");
+                let left = product(&lifted.s, &f);
+                let right = product(&lifted.lift.matrix(), &lifted.s);
+                for j in 0..2 {
+                    let size = (0..2).map(|i| left[(i, j)].hi.abs()).fold(0.0, f64::max);
+                    for i in 0..2 {
+                        let error = (left[(i, j)] - right[(i, j)]).hi.abs();
+                        assert!(error <= 3e-16 * size, "k {k} c {c} {i}{j}: {error:e} {size:e} {lifted:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// The product of the factors is good to far more than a double's sixteen digits.
+    #[test]
+    fn the_phase_is_better_than_rounding() {
+        let exact = Dd::from(2.0) - Dd::from(0.3f64.cos()) * 2.0;
+        for (precision, most) in [(Precision::Double, 1e-19), (Precision::Single, 1e-10)] {
+            let (k, p) = factors(exact, Dd::ONE, precision);
+            let error = (Dd::product(k, p) / exact - Dd::ONE).hi.abs();
+            assert!(error < most, "{error:e}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The exact discrete system that emitted code runs: the states of independent blocks, what one step does to each, what
+//! inputs add and what outputs see. In: a linear system, its modes, the signals built in, a step. Out: a value that a back
+//! end only prints. Everything is computed in double-double and rounded once, to the precision of the target. Clause:
+//! spec.md, "Simulation code".
+//!
+//! # Steps
+//! 1. [`modal`] or [`invariant`]: the continuous system as independent blocks
+//! 2. [`reduce`]: what no input reaches, no output sees or the tolerance allows to leave out
+//! 3. [`hold`], [`lift`]: one step of each block, in the form that loses least
+//! 4. [`rounding`]: what the target's rounding can do
+
+pub mod block;
+pub mod cell;
+pub mod hold;
+pub mod lift;
+pub mod modal;
+pub mod precision;
+pub mod reduce;
+pub mod rounding;
+
+pub use cell::{Cell, Form, Operand};
+pub use lift::{Decay, Lift};
+pub use precision::Precision;
+pub use reduce::{Left, Why};
+pub use rounding::Rounding;
+
+use crate::analysis::answer::Modes;
+use crate::analysis::discrete::block::{Direct, Split};
+use crate::analysis::discrete::cell::{Maker, rounded_terms};
+use crate::analysis::error::AnalysisError;
+use crate::analysis::numeric::dense::Matrix;
+use crate::base::{Dd, Number};
+use crate::system::{CoordinateKind, LinearSystem};
+
+/// What an input does between samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// It stays as it was at the sample.
+    Zero,
+    /// It runs along a line to its next value.
+    First,
+}
+
+/// What is wanted.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// s
+    pub step: Number,
+    pub hold: Hold,
+    pub precision: Precision,
+    /// Modes that contribute less than this share of an output are left out; `None`: none are.
+    pub tolerance: Option<f64>,
+    /// Everything is kept, also what no input reaches.
+    pub unpruned: bool,
+}
+
+/// An input, an output or a coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    pub name: String,
+    pub unit: String,
+}
+
+/// The discrete system.
+#[derive(Clone, Debug)]
+pub struct DiscreteSystem {
+    pub coordinates: Vec<Port>,
+    /// Units of the coordinates' velocities.
+    pub rates: Vec<&'static str>,
+    pub inputs: Vec<Port>,
+    pub outputs: Vec<Port>,
+    /// s
+    pub step: f64,
+    pub hold: Hold,
+    pub precision: Precision,
+    pub tolerance: Option<f64>,
+    pub method: &'static str,
+    pub cells: Vec<Cell>,
+    /// What each output sees at once.
+    pub direct: Vec<Vec<(Operand, f64)>>,
+    /// Displacements, then velocities, of all coordinates: what the last inputs add.
+    pub offset: Vec<Vec<(usize, f64)>>,
+    /// The same for what the line does that they run along; not before the first step.
+    pub ramped_offset: Vec<Vec<(usize, f64)>>,
+    /// What a state is short of for the last inputs (an offset of `set_state`): one row a state.
+    pub state_offset: Vec<Vec<(usize, f64)>>,
+    /// Outputs that would follow the derivative of an input, which an input that is held does not have.
+    pub without_slope: Vec<usize>,
+    pub left: Vec<Left>,
+    pub rounding: Rounding,
+}
+
+impl DiscreteSystem {
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.cells.iter().map(Cell::size).sum()
+    }
+
+    /// Whether the last inputs are part of the state.
+    pub fn remembers(&self) -> bool {
+        self.offset.iter().chain(&self.ramped_offset).chain(&self.state_offset).any(|row| !row.is_empty())
+            || self.uses(|o| matches!(o, Operand::Slope(_)))
+    }
+
+    /// Whether the first step differs from the others, as inputs that are interpolated have nothing before them.
+    pub fn ramps(&self) -> bool {
+        self.uses(|o| matches!(o, Operand::Ramped(_) | Operand::Slope(_)))
+    }
+
+    /// Whether a term of the step has such an operand.
+    pub fn uses(&self, which: impl Fn(&Operand) -> bool) -> bool {
+        let in_cells = self.cells.iter().flat_map(|cell| cell.input.iter().flatten());
+        in_cells.chain(self.direct.iter().flatten()).any(|(operand, _)| which(operand))
+    }
+}
+
+/// Beyond this the tables of the states in the model's coordinates fill files.
+pub const MOST_STATES: usize = 800;
+
+/// The discrete system of a model.
+pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Result<DiscreteSystem, AnalysisError> {
+    let n = system.n();
+    if 2 * n > MOST_STATES {
+        return Err(AnalysisError::too_many_states(system, 2 * n, MOST_STATES));
+    }
+    let mut split = split(system, modes)?;
+    let start = start(system);
+    let left = reduce::reduce(&mut split, &start, options);
+    let maker = Maker { step: options.step.to_ball().mid, hold: options.hold, precision: options.precision };
+    let mut cells = Vec::with_capacity(split.blocks.len());
+    let mut direct = maker.direct(&split.direct);
+    let mut state_offset = Vec::new();
+    let mut moved = Matrix::zeros(2 * n, system.inputs.len());
+    for block in &split.blocks {
+        let made = maker.cell(block, &start).ok_or_else(|| AnalysisError::out_of_range(system))?;
+        maker.see_ramp(&mut direct, &made.seen);
+        state_offset.extend(maker.state_offset(&made, &split.direct));
+        block::add(&mut moved, &made.moved);
+        cells.push(made.cell);
+    }
+    let rounding = rounding::rounding(&cells, options.precision);
+    let offset = maker.offset(&split.direct.state[0]);
+    let ramped_offset = maker.offset(&moved);
+    let round = |row: Vec<(Operand, Dd)>| rounded_terms(&row, options.precision);
+    let slopes = &split.direct.outputs[1];
+    let without_slope = (0..system.outputs.len()).filter(|&i| {
+        let row = |m: &Matrix<Dd>| (0..m.columns()).any(|j| !m[(i, j)].is_zero());
+        row(&split.direct.outputs[2]) || options.hold == Hold::Zero && row(slopes)
+    });
+    Ok(DiscreteSystem {
+        coordinates: coordinates(system),
+        rates: system.coordinates.iter().map(|c| rate_unit(c.kind)).collect(),
+        inputs: (system.inputs.iter())
+            .map(|input| Port { name: system.display(input.name), unit: input.unit.to_string() })
+            .collect(),
+        outputs: (system.outputs.iter())
+            .map(|output| Port { name: system.display(output.name), unit: output.unit.clone() })
+            .collect(),
+        step: options.step.to_f64(),
+        hold: options.hold,
+        precision: options.precision,
+        tolerance: options.tolerance,
+        method: split.method,
+        without_slope: without_slope.collect(),
+        cells,
+        direct: direct.into_iter().map(round).collect(),
+        offset,
+        ramped_offset,
+        state_offset,
+        left,
+        rounding,
+    })
+}
+
+fn split(system: &LinearSystem, modes: &Modes) -> Result<Split, AnalysisError> {
+    modal::split(system, modes).ok_or_else(|| AnalysisError::too_many_states(system, 2 * system.n(), 0))
+}
+
+fn coordinates(system: &LinearSystem) -> Vec<Port> {
+    let unit = |kind| match kind {
+        CoordinateKind::Translation => "m",
+        CoordinateKind::Rotation => "rad",
+    };
+    (system.coordinates.iter()).map(|c| Port { name: system.display(c.name), unit: unit(c.kind).to_string() }).collect()
+}
+
+fn rate_unit(kind: CoordinateKind) -> &'static str {
+    match kind {
+        CoordinateKind::Translation => "m/s",
+        CoordinateKind::Rotation => "rad/s",
+    }
+}
+
+/// Displacements and velocities at t = 0.
+fn start(system: &LinearSystem) -> Vec<Dd> {
+    let n = system.n();
+    let mut start = vec![Dd::ZERO; 2 * n];
+    for (i, displacement, velocity) in &system.initial {
+        start[i.index()] = displacement.to_ball().mid;
+        start[n + i.index()] = velocity.to_ball().mid;
+    }
+    start
+}
+
+/// The feed-through that the system declares.
+fn direct_of(system: &LinearSystem) -> Direct {
+    let mut direct = Direct::none(system.n(), system.inputs.len(), system.outputs.len());
+    for (i, output) in system.outputs.iter().enumerate() {
+        for (matrix, terms) in direct.outputs.iter_mut().zip(&output.d) {
+            for (input, value) in terms {
+                matrix[(i, *input as usize)] += value.to_ball().mid;
+            }
+        }
+    }
+    direct
+}

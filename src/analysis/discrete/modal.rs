@@ -1,0 +1,179 @@
+//! A system whose damping its undamped modes diagonalise, as one oscillator a mode: eta'' + c eta' + k eta = X^T B u.
+//! In: the system and its modes. Out: blocks of two states, of one where two real rates lie well apart, or nothing where
+//! damping couples the modes. Clause: spec.md, "Simulation code".
+
+use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::discrete::block::{Block, Split, add, product, sum, without_derivatives};
+use crate::analysis::modes::squares::Squares;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::transfer::modal::{gram, newton};
+use crate::base::{Ball, Dd, Number};
+use crate::system::{CoordinateId, LinearSystem};
+
+/// Entries that should vanish, beside the geometric mean of the diagonals: they are rounding of double-double, or coupling.
+const COUPLED: f64 = 1e-22;
+/// A participation below this share of the terms that it is a sum of is rounding of zero.
+pub const NOTHING: f64 = 1e-24;
+/// Two real rates a +- d are taken apart where d / a is above this: nearer ones are one block of two states.
+const APART: f64 = 0.05;
+
+/// The oscillators.
+pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
+    let n = system.n();
+    if n == 0 || modes.list.len() != n || modes.list.iter().any(|mode| mode.shape.len() != n) {
+        return None;
+    }
+    let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
+    let mut x = Matrix::from_fn(n, n, |i, j| Dd::from(modes.list[j].shape[i]));
+    for _ in 0..2 {
+        x = newton(&x, &gram(&m, &x).mid(), &gram(&k, &x).mid());
+    }
+    let grams = [gram(&m, &x), gram(&c, &x), gram(&k, &x)];
+    if !grams.iter().all(is_diagonal) {
+        return None;
+    }
+    let momentum = momenta(&m, &x);
+    let mut found = Split {
+        blocks: Vec::with_capacity(n),
+        direct: super::direct_of(system),
+        method: "one oscillator a mode: damping does not couple the modes",
+    };
+    for (j, mode) in modes.list.iter().enumerate() {
+        let stiffness = match mode.kind {
+            ModeKind::Rigid => Dd::ZERO,
+            _ if mode.omega_squared.is_finite() => mode.omega_squared.mid,
+            _ => grams[2][(j, j)].mid,
+        };
+        let damping = grams[1][(j, j)];
+        let damping = if damping.contains_zero() { Dd::ZERO } else { damping.mid };
+        let oscillator = Oscillator { system, shape: x.column(j), momentum: momentum.column(j), stiffness, damping };
+        let name = name(j, mode);
+        oscillator.blocks(name, &mut found);
+    }
+    Some(found)
+}
+
+fn name(index: usize, mode: &Mode) -> String {
+    let frequency = mode.omega.to_f64() / (2.0 * std::f64::consts::PI);
+    match mode.kind {
+        ModeKind::Oscillation => format!("mode {} ({frequency:.6} Hz)", index + 1),
+        ModeKind::Rigid => format!("mode {} (rigid motion)", index + 1),
+        ModeKind::Divergence => format!("mode {} (divergence)", index + 1),
+    }
+}
+
+/// Off the diagonal there is nothing but rounding.
+fn is_diagonal(gram: &Matrix<Ball>) -> bool {
+    let n = gram.columns();
+    let most = (0..n).map(|i| gram[(i, i)].magnitude()).fold(0.0, f64::max);
+    let size = |i: usize| gram[(i, i)].magnitude().max(1e-10 * most);
+    (0..n).all(|j| {
+        (0..j).all(|i| gram[(i, j)].is_finite() && gram[(i, j)].magnitude() <= COUPLED * (size(i) * size(j)).sqrt())
+    })
+}
+
+/// M X
+fn momenta(m: &Squares, x: &Matrix<Dd>) -> Matrix<Dd> {
+    let mut momenta = Matrix::zeros(x.rows(), x.columns());
+    for j in 0..x.columns() {
+        for t in 0..m.len() {
+            let weighted = (m.weights[t] * m.stretch(t, x.column(j))).mid;
+            let (indices, values) = m.row(t);
+            for (&i, a) in indices.iter().zip(values) {
+                momenta[(i as usize, j)] += weighted * a.mid;
+            }
+        }
+    }
+    momenta
+}
+
+struct Oscillator<'a> {
+    system: &'a LinearSystem,
+    shape: &'a [Dd],
+    momentum: &'a [Dd],
+    stiffness: Dd,
+    damping: Dd,
+}
+
+impl Oscillator<'_> {
+    /// Adds the oscillator's blocks, and what its inputs do at once.
+    fn blocks(&self, name: String, found: &mut Split) {
+        let system = self.system;
+        let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
+        let (k, c) = (self.stiffness, self.damping);
+        let a = Matrix::from_fn(2, 2, |i, j| match (i, j) {
+            (0, 0) => Dd::ZERO,
+            (0, 1) => Dd::ONE,
+            (1, 0) => -k,
+            _ => -c,
+        });
+        // Forces beta0 u + beta1 u' + beta2 u'' on eta.
+        let beta: Vec<[Dd; 3]> =
+            system.inputs.iter().map(|input| [0, 1, 2].map(|p| self.participation(&input.b[p]))).collect();
+        let force = |p: usize| Matrix::from_fn(2, inputs, |i, j| if i == 1 { beta[j][p] } else { Dd::ZERO });
+        let (b, [e0, e1]) = without_derivatives(&a, [force(0), force(1), force(2)]);
+        // y = p0 eta + p1 eta' + p2 (beta u - k eta - c eta')
+        let seen: Vec<[Dd; 3]> =
+            system.outputs.iter().map(|output| [0, 1, 2].map(|p| self.participation(&output.p[p]))).collect();
+        let rows = Matrix::from_fn(outputs, 2, |i, j| match j {
+            0 => seen[i][0] - seen[i][2] * k,
+            _ => seen[i][1] - seen[i][2] * c,
+        });
+        let at_once = |p: usize| Matrix::from_fn(outputs, inputs, |i, j| seen[i][2] * beta[j][p]);
+        let direct = &mut found.direct;
+        add(&mut direct.outputs[0], &sum(&at_once(0), &product(&rows, &e0)));
+        add(&mut direct.outputs[1], &sum(&at_once(1), &product(&rows, &e1)));
+        add(&mut direct.outputs[2], &at_once(2));
+        let to = Matrix::from_fn(2, 2 * n, |i, j| if j / n == i { self.momentum[j % n] } else { Dd::ZERO });
+        let back = Matrix::from_fn(2 * n, 2, |i, j| if i / n == j { self.shape[i % n] } else { Dd::ZERO });
+        add(&mut direct.state[0], &product(&back, &e0));
+        add(&mut direct.state[1], &product(&back, &e1));
+        let rate = k.hi.abs().sqrt().max(c.hi.abs());
+        let block = Block { name, rate, a, b, c: rows, to, back };
+        found.blocks.extend(apart(block, k, c));
+    }
+
+    /// x . column, exactly zero where nothing but rounding is left.
+    fn participation(&self, column: &[(CoordinateId, Number)]) -> Dd {
+        let (mut sum, mut size) = (Ball::ZERO, 0.0);
+        for (i, value) in column {
+            let term = value.to_ball() * Ball::exact(self.shape[i.index()]);
+            size += term.magnitude();
+            sum = sum + term;
+        }
+        if sum.magnitude() <= NOTHING * size + NOTHING * self.length() * length(column) { Dd::ZERO } else { sum.mid }
+    }
+
+    fn length(&self) -> f64 {
+        self.shape.iter().map(|x| x.hi.abs()).fold(0.0, f64::max)
+    }
+}
+
+fn length(column: &[(CoordinateId, Number)]) -> f64 {
+    column.iter().map(|(_, value)| value.to_ball().magnitude()).fold(0.0, f64::max)
+}
+
+/// Two real rates that lie well apart, each by itself: the slower one is k over the faster one, so it keeps its digits.
+fn apart(block: Block, k: Dd, c: Dd) -> Vec<Block> {
+    let half = c * 0.5;
+    let square = half * half - k;
+    if square.hi <= (APART * half.hi).powi(2) || square.hi <= 0.0 {
+        return vec![block];
+    }
+    let root = square.sqrt();
+    let fast = if half.hi < 0.0 { -half + root } else { -half - root };
+    let slow = k / fast;
+    let rates = [slow, fast];
+    // w = (1, s)^T w~: columns are the motions exp(s t), scaled to length one.
+    let scale = rates.map(|s| Dd::ONE / (Dd::ONE + s * s).sqrt());
+    let inverse = Matrix::from_fn(2, 2, |i, j| if i == 0 { scale[j] } else { rates[j] * scale[j] });
+    let det = fast - slow;
+    let s = Matrix::from_fn(2, 2, |i, j| {
+        let other = rates[1 - i];
+        let sign = if i == 0 { Dd::ONE } else { -Dd::ONE };
+        sign * (if j == 0 { other } else { -Dd::ONE }) / (det * scale[i])
+    });
+    let mut diagonal = block.transformed(&s, &inverse);
+    diagonal.a = Matrix::from_fn(2, 2, |i, j| if i == j { rates[i] } else { Dd::ZERO });
+    vec![diagonal.state(0), diagonal.state(1)]
+}

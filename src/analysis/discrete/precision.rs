@@ -1,0 +1,54 @@
+//! The floating-point numbers of the target: rounding to them, and what one rounding costs. Clause: spec.md, "Simulation
+//! code".
+
+use crate::base::{Ball, Dd, Number};
+
+/// The numbers that emitted code computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    Double,
+    Single,
+}
+
+impl Precision {
+    /// The nearest number of the target, as a double.
+    pub fn round(self, x: Dd) -> f64 {
+        match self {
+            Precision::Double => x.to_f64() + 0.0,
+            Precision::Single => f64::from(x.to_f64() as f32) + 0.0,
+        }
+    }
+
+    /// The next larger number in magnitude.
+    pub fn next(self, x: f64) -> f64 {
+        match self {
+            Precision::Double => f64::from_bits(x.to_bits() + 1),
+            Precision::Single => f64::from(f32::from_bits((x as f32).to_bits() + 1)),
+        }
+    }
+
+    /// Relative error of one rounding.
+    pub fn unit(self) -> f64 {
+        match self {
+            Precision::Double => f64::EPSILON / 2.0,
+            Precision::Single => f64::from(f32::EPSILON) / 2.0,
+        }
+    }
+}
+
+/// exp(x) - 1 without cancellation; `None` out of range.
+pub fn exp_minus_one(x: Dd) -> Option<Dd> {
+    if x.hi < -700.0 {
+        return Some(-Dd::ONE);
+    }
+    if x.hi.abs() > 0.03 {
+        return Some(Number::Ball(Ball::exact(x)).exp()?.to_ball().mid - Dd::ONE);
+    }
+    // Fifteen terms leave 0.03^15 / 16! of the first.
+    let (mut term, mut sum) = (x, x);
+    for i in 2..=15 {
+        term = term * x / Dd::from(f64::from(i));
+        sum += term;
+    }
+    Some(sum)
+}

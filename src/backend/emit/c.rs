@@ -1,0 +1,228 @@
+//! C99: `NAME.h` and `NAME.c`. Clause: spec.md, "Simulation code".
+
+use super::plan::{Plan, Start, Table};
+use super::text::{Words, decimal, line, numbers, statements};
+use super::{File, NO_STATE};
+use crate::analysis::discrete::Precision;
+
+/// The two files.
+pub fn files(plan: &Plan) -> Vec<File> {
+    vec![
+        File { name: format!("{}.h", plan.name), text: header(plan) },
+        File { name: format!("{}.c", plan.name), text: format!("#include \"{}.h\"\n", plan.name) + &body(plan) },
+    ]
+}
+
+/// Both in one, for a single stream.
+pub fn whole(plan: &Plan) -> String {
+    header(plan) + "\n" + &body(plan)
+}
+
+/// How C writes the words of a plan.
+struct C<'a> {
+    plan: &'a Plan,
+}
+
+impl Words for C<'_> {
+    fn number(&self, x: f64) -> String {
+        let suffix = if self.plan.precision == Precision::Single { "f" } else { "" };
+        decimal(x, self.plan.precision) + suffix
+    }
+
+    fn state(&self, array: &str, index: Option<String>) -> String {
+        index.map_or_else(|| format!("state->{array}"), |index| format!("state->{array}[{index}]"))
+    }
+
+    fn input(&self, input: usize) -> String {
+        format!("inputs->{}", self.plan.inputs[input].identifier)
+    }
+
+    fn output(&self, output: usize) -> String {
+        format!("outputs->{}", self.plan.outputs[output].identifier)
+    }
+
+    fn motion(&self, what: &str, index: String) -> String {
+        format!("motion->{what}[{index}]")
+    }
+
+    fn note(&self, note: &str) -> String {
+        comment(note)
+    }
+
+    fn constant(&self, name: &str, value: &str) -> String {
+        format!("const {} {name} = {value};", real(self.plan))
+    }
+
+    fn variable(&self, name: &str, value: &str) -> String {
+        format!("{} {name} = {value};", real(self.plan))
+    }
+
+    fn lanes(&self, name: &str) -> String {
+        format!("{} {name}[8] = {{{}}};", real(self.plan), vec![self.number(0.0); 8].join(", "))
+    }
+
+    fn loop_head(&self, index: &str, count: usize) -> String {
+        format!("for (int {index} = 0; {index} < {count}; {index}++) {{")
+    }
+
+    fn block_heads(&self, count: usize) -> [String; 2] {
+        [
+            format!("for (int block = 0; block < {count}; block += 8) {{"),
+            "for (int lane = 0; lane < 8; lane++) {".to_string(),
+        ]
+    }
+
+    fn lane(&self) -> String {
+        "block + lane".to_string()
+    }
+}
+
+fn real(plan: &Plan) -> &'static str {
+    match plan.precision {
+        Precision::Double => "double",
+        Precision::Single => "float",
+    }
+}
+
+/// A model's names may hold what ends a comment, or what trigraphs are made of.
+fn comment(text: &str) -> String {
+    format!("/* {} */", text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?"))
+}
+
+fn block_comment(lines: &[String]) -> String {
+    let safe = |text: &String| text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
+    let body: String = lines.iter().map(|text| format!(" * {}", safe(text)).trim_end().to_string() + "\n").collect();
+    format!("/*\n{body} */\n")
+}
+
+fn header(plan: &Plan) -> String {
+    let (name, real) = (&plan.name, real(plan));
+    let guard = format!("VIBC_{}_H", name.to_uppercase());
+    let mut text = block_comment(&plan.header);
+    text += &format!("#ifndef {guard}\n#define {guard}\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n");
+    text += "/* The state: copy it to keep it. */\n";
+    text += &format!("typedef struct {name}_state {{\n");
+    if plan.state.is_empty() {
+        text +=
+            &line(1, &format!("{real} {NO_STATE}; {}", comment("there is no state, and C has no empty structures")));
+    }
+    for array in &plan.state {
+        let size = match &array.start {
+            Start::Number(_) => String::new(),
+            Start::Numbers(numbers) => format!("[{}]", numbers.len()),
+        };
+        text += &line(1, &format!("{real} {}{size}; {}", array.name, comment(&array.note)));
+    }
+    text += &format!("}} {name}_state;\n\n");
+    let structure = |what: &str, fields: &[super::plan::Field]| {
+        let body: String = fields
+            .iter()
+            .map(|field| line(1, &format!("{real} {}; {}", field.identifier, comment(&field.note))))
+            .collect();
+        format!("typedef struct {name}_{what} {{\n{body}}} {name}_{what};\n\n")
+    };
+    if !plan.inputs.is_empty() {
+        text += &structure("inputs", &plan.inputs);
+    }
+    text += &structure("outputs", &plan.outputs);
+    let n = plan.coordinates.len();
+    text += "/* The motion in the model's own coordinates, deviations from rest, with their velocities:\n";
+    for (i, coordinate) in plan.coordinates.iter().enumerate() {
+        text += &format!(" * {i}: {}\n", coordinate.note.replace("*/", "* /").replace("/*", "/ *"));
+    }
+    text += " */\n";
+    text += &format!(
+        "typedef struct {name}_motion {{\n    {real} displacement[{n}];\n    {real} velocity[{n}];\n}} {name}_motion;\n\n"
+    );
+    for (note, prototype) in prototypes(plan) {
+        text += &format!("{}\n{prototype};\n", comment(note));
+    }
+    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+    text
+}
+
+/// What the functions do, and how they are declared.
+fn prototypes(plan: &Plan) -> [(&'static str, String); 5] {
+    let name = &plan.name;
+    let inputs = if plan.inputs.is_empty() { String::new() } else { format!("const {name}_inputs *inputs, ") };
+    [
+        (super::INIT, format!("void {name}_init({name}_state *state)")),
+        (super::RESET, format!("void {name}_reset({name}_state *state)")),
+        (super::STEP, format!("void {name}_step({name}_state *state, {inputs}{name}_outputs *outputs)")),
+        (super::SET_STATE, format!("void {name}_set_state({name}_state *state, const {name}_motion *motion)")),
+        (super::GET_STATE, format!("void {name}_get_state(const {name}_state *state, {name}_motion *motion)")),
+    ]
+}
+
+fn body(plan: &Plan) -> String {
+    let words = C { plan };
+    let mut text = String::from(CONTRACTION);
+    for table in &plan.tables {
+        text += &constants(&words, table);
+    }
+    let [(_, init), (_, reset), (_, step), (_, set), (_, get)] = prototypes(plan);
+    text += &function(&init, &start(&words));
+    text += &function(&reset, &line(1, &format!("{}_init(state);", plan.name)));
+    text += &function(&step, &statements(&words, &plan.step, 1));
+    text += &function(&set, &statements(&words, &plan.set_state, 1));
+    text += &function(&get, &statements(&words, &plan.get_state, 1));
+    text
+}
+
+/// A product and a sum stay two operations, so that every machine computes the same bits.
+const CONTRACTION: &str = "
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize(\"fp-contract=off\")
+#endif
+";
+
+/// A function, with what it does not use told to the compiler.
+fn function(head: &str, body: &str) -> String {
+    let unused: String = (["state", "inputs", "outputs", "motion"].iter())
+        .filter(|name| {
+            head.contains(&format!("*{name}")) && !body.contains(&format!("{name}->")) && !body.contains("_init(state)")
+        })
+        .map(|name| line(1, &format!("(void){name};")))
+        .collect();
+    format!("\n{head}\n{{\n{unused}{body}}}\n")
+}
+
+fn start(words: &C) -> String {
+    let mut text = String::new();
+    if words.plan.state.is_empty() {
+        text += &line(1, &format!("state->{NO_STATE} = {};", words.number(0.0)));
+    }
+    for array in &words.plan.state {
+        match &array.start {
+            Start::Number(x) => text += &line(1, &format!("state->{} = {};", array.name, words.number(*x))),
+            Start::Numbers(list) if list.iter().all(|&x| x == 0.0) => {
+                text += &line(1, &words.loop_head("i", list.len()));
+                text += &line(2, &format!("state->{}[i] = {};", array.name, words.number(0.0)));
+                text += &line(1, "}");
+            }
+            Start::Numbers(list) => {
+                for (i, x) in list.iter().enumerate() {
+                    text += &line(1, &format!("state->{}[{i}] = {};", array.name, words.number(*x)));
+                }
+            }
+        }
+    }
+    text
+}
+
+fn constants(words: &C, table: &Table) -> String {
+    let real = real(words.plan);
+    let count = table.values.len();
+    let list = |values: &[f64], depth| numbers(values, depth, |x| words.number(x));
+    if table.columns == 0 {
+        let (note, name, list) = (comment(&table.note), &table.name, list(&table.values, 1));
+        return format!("\n{note}\nstatic const {real} {name}[{count}] = {{\n{list}}};\n");
+    }
+    let rows: String =
+        table.values.chunks(table.columns).map(|row| format!("    {{\n{}    }},\n", list(row, 2))).collect();
+    let (rows_count, columns) = (count / table.columns, table.columns);
+    let (note, name) = (comment(&table.note), &table.name);
+    format!("\n{note}\nstatic const {real} {name}[{rows_count}][{columns}] = {{\n{rows}}};\n")
+}

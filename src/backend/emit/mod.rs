@@ -1,0 +1,54 @@
+//! Simulation code: a discrete system as a source of its own, in C99 or Rust. The plan is the same for every language; a
+//! language is one file that prints it, and one line of [`Language`]. Clause: spec.md, "Simulation code".
+
+mod c;
+mod header;
+mod motion;
+mod names;
+mod plan;
+mod planner;
+mod rust;
+mod text;
+
+use crate::analysis::DiscreteSystem;
+
+/// A target language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    C,
+    Rust,
+}
+
+/// A file to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct File {
+    pub name: String,
+    pub text: String,
+}
+
+const INIT: &str = "The state at t = 0: the model's initial state.";
+const RESET: &str = "Back to t = 0.";
+const STEP: &str =
+    "The outputs at the present sample, with the inputs of that sample; then the state moves on to the next one.";
+const SET_STATE: &str = "The motion at the coming sample. What the header lists as not emitted is left out of it.";
+const GET_STATE: &str = "The motion at the coming sample, as it is while the inputs keep their last values.";
+/// A state without states.
+const NO_STATE: &str = "none";
+
+/// The files of a model, in its directory.
+pub fn files(model: &str, system: &DiscreteSystem, language: Language) -> Vec<File> {
+    let plan = planner::plan(model, system, header::header(model, system));
+    match language {
+        Language::C => c::files(&plan),
+        Language::Rust => rust::files(&plan),
+    }
+}
+
+/// The same as one text.
+pub fn whole(model: &str, system: &DiscreteSystem, language: Language) -> String {
+    let plan = planner::plan(model, system, header::header(model, system));
+    match language {
+        Language::C => c::whole(&plan),
+        Language::Rust => rust::whole(&plan),
+    }
+}

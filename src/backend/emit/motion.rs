@@ -1,0 +1,165 @@
+//! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out where they are few, by tables
+//! where they are many. Clause: spec.md, "Simulation code".
+
+use super::plan::{Array, Expression, Factor, Index, Start, Statement, Table, Target, plus, product, sum, total};
+use super::planner::Slot;
+use crate::analysis::discrete::DiscreteSystem;
+
+/// Numbers that are written out; more are tables.
+const WRITTEN_OUT: usize = 1024;
+
+/// `set_state` and `get_state`.
+pub fn functions(
+    system: &DiscreteSystem,
+    slots: &[Vec<Slot>],
+    arrays: &[Array],
+    tables: &mut Vec<Table>,
+) -> (Vec<Statement>, Vec<Statement>) {
+    let places = slots.iter().enumerate();
+    let states = places
+        .flat_map(|(cell, slots)| slots.iter().enumerate().map(move |(i, slot)| State { system, cell, row: i, slot }));
+    let motion = Motion { system, n: system.coordinates.len(), states: states.collect() };
+    let numbers: usize =
+        motion.states.iter().map(|state| state.to().iter().filter(|value| **value != 0.0).count()).sum();
+    let (mut set, get) = if numbers > WRITTEN_OUT { motion.by_tables(arrays, tables) } else { motion.written_out() };
+    if system.ramps() {
+        set.push(Statement::Assign(Target::state("ramp", Index::Only), Expression::Number(0.0)));
+    }
+    (set, get)
+}
+
+struct State<'a> {
+    system: &'a DiscreteSystem,
+    cell: usize,
+    row: usize,
+    slot: &'a Slot,
+}
+
+impl State<'_> {
+    fn to(&self) -> &[f64] {
+        &self.system.cells[self.cell].to[self.row]
+    }
+
+    fn back(&self) -> &[f64] {
+        &self.system.cells[self.cell].back[self.row]
+    }
+}
+
+struct Motion<'a> {
+    system: &'a DiscreteSystem,
+    n: usize,
+    states: Vec<State<'a>>,
+}
+
+impl Motion<'_> {
+    fn given(&self, j: usize) -> Expression {
+        if j < self.n { Expression::Displacement(Index::At(j)) } else { Expression::Velocity(Index::At(j - self.n)) }
+    }
+
+    fn returned(&self, j: usize) -> Target {
+        if j < self.n { Target::Displacement(Index::At(j)) } else { Target::Velocity(Index::At(j - self.n)) }
+    }
+
+    fn written_out(&self) -> (Vec<Statement>, Vec<Statement>) {
+        let set = self.states.iter().enumerate().map(|(i, state)| {
+            let row = state.to().iter().enumerate().filter(|(_, value)| **value != 0.0);
+            let value = self.without_inputs(i, total(row.map(|(j, value)| (*value, self.given(j)))));
+            let place = Target::state(&state.slot.array, Index::At(state.slot.at));
+            Statement::Assign(place, value.unwrap_or(Expression::Number(0.0)))
+        });
+        let get = (0..2 * self.n).map(|j| {
+            let terms = self.states.iter().filter(|state| state.back()[j] != 0.0);
+            let read = |state: &State| Expression::state(&state.slot.array, Index::At(state.slot.at));
+            let value = self.with_inputs(j, total(terms.map(|state| (state.back()[j], read(state)))));
+            Statement::Assign(self.returned(j), value.unwrap_or(Expression::Number(0.0)))
+        });
+        (set.collect(), get.collect())
+    }
+
+    /// A state less what the last inputs have in it.
+    fn without_inputs(&self, state: usize, value: Option<Expression>) -> Option<Expression> {
+        self.system.state_offset[state].iter().fold(value, |so_far, (input, taken)| {
+            Some(plus(so_far, Factor::Number(-taken), Expression::state("last", Index::At(*input))))
+        })
+    }
+
+    /// A displacement or velocity with what the last inputs add to it.
+    fn with_inputs(&self, j: usize, value: Option<Expression>) -> Option<Expression> {
+        let last = |input: usize| Expression::state("last", Index::At(input));
+        let value = (self.system.offset[j].iter())
+            .fold(value, |so_far, (input, e)| Some(plus(so_far, Factor::Number(*e), last(*input))));
+        let ramp = Expression::state("ramp", Index::Only);
+        (self.system.ramped_offset[j].iter()).fold(value, |so_far, (input, e)| {
+            Some(plus(so_far, Factor::Number(*e), product(ramp.clone(), last(*input))))
+        })
+    }
+
+    fn by_tables(&self, arrays: &[Array], tables: &mut Vec<Table>) -> (Vec<Statement>, Vec<Statement>) {
+        let (mut set, mut get) = (Vec::new(), Vec::new());
+        let (i, j) = (Index::Of("i"), Index::Of("j"));
+        let mut sums = [Vec::new(), Vec::new()];
+        for array in arrays {
+            let Start::Numbers(numbers) = &array.start else { continue };
+            let mut states: Vec<&State> = self.states.iter().filter(|state| state.slot.array == array.name).collect();
+            if states.is_empty() {
+                continue;
+            }
+            states.sort_by_key(|state| state.slot.at);
+            let upper = array.name.to_uppercase();
+            let mut body = vec![Statement::Variable("sum".into(), Expression::Number(0.0))];
+            for (part, letter) in ["Q", "V"].into_iter().enumerate() {
+                let own = |all: &[f64]| all[part * self.n..(part + 1) * self.n].to_vec();
+                let name = format!("TO_{upper}_{letter}");
+                let values: Vec<f64> = states.iter().flat_map(|state| own(state.to())).collect();
+                if values.iter().any(|value| *value != 0.0) {
+                    tables.push(Table { name: name.clone(), columns: self.n, values, note: "for set_state".into() });
+                    let given =
+                        if part == 0 { Expression::Displacement(j.clone()) } else { Expression::Velocity(j.clone()) };
+                    let term = product(Expression::Entry(name, i.clone(), j.clone()), given);
+                    body.push(add_up("j", self.n, "sum", term));
+                }
+                let name = format!("{letter}_{upper}");
+                let values: Vec<f64> = (0..self.n)
+                    .flat_map(|row| states.iter().map(move |state| state.back()[part * self.n + row]))
+                    .collect();
+                if values.iter().any(|value| *value != 0.0) {
+                    let columns = numbers.len();
+                    tables.push(Table { name: name.clone(), columns, values, note: "for get_state".into() });
+                    let read = Expression::state(&array.name, j.clone());
+                    let term = product(Expression::Entry(name, i.clone(), j.clone()), read);
+                    sums[part].push(add_up("j", columns, ["q", "v"][part], term));
+                }
+            }
+            body.push(Statement::Assign(Target::state(&array.name, i.clone()), Expression::local("sum")));
+            set.push(Statement::Loop("i", numbers.len(), body));
+        }
+        for (index, state) in self.states.iter().enumerate() {
+            let place = || Index::At(state.slot.at);
+            let so_far = Expression::state(&state.slot.array, place());
+            if !self.system.state_offset[index].is_empty()
+                && let Some(value) = self.without_inputs(index, Some(so_far))
+            {
+                set.push(Statement::Assign(Target::state(&state.slot.array, place()), value));
+            }
+        }
+        let [q, v] = sums;
+        let mut body = vec![Statement::Variable("q".into(), Expression::Number(0.0))];
+        body.push(Statement::Variable("v".into(), Expression::Number(0.0)));
+        body.extend(q.into_iter().chain(v));
+        body.push(Statement::Assign(Target::Displacement(i.clone()), Expression::local("q")));
+        body.push(Statement::Assign(Target::Velocity(i), Expression::local("v")));
+        get.push(Statement::Loop("i", self.n, body));
+        for j in 0..2 * self.n {
+            if let Some(more) = self.with_inputs(j, None) {
+                get.push(Statement::Assign(self.returned(j), sum(self.given(j), more)));
+            }
+        }
+        (set, get)
+    }
+}
+
+/// sum = sum + term, over an index.
+fn add_up(index: &'static str, count: usize, name: &str, term: Expression) -> Statement {
+    let value = sum(Expression::local(name), term);
+    Statement::Loop(index, count, vec![Statement::Assign(Target::Local(name.into()), value)])
+}

@@ -1,0 +1,193 @@
+//! What a target has to print: constants, the state's arrays and the statements of each function, in the order in which the
+//! operations happen, so that every target computes the same bits. In: a discrete system. Out: a plan that names no language.
+//! Clause: spec.md, "Simulation code".
+
+use crate::analysis::discrete::Precision;
+
+/// The whole code but its language.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Prefix of everything: the model's name.
+    pub name: String,
+    pub precision: Precision,
+    /// The comment on top, a line each.
+    pub header: Vec<String>,
+    pub inputs: Vec<Field>,
+    pub outputs: Vec<Field>,
+    pub coordinates: Vec<Field>,
+    /// The state's arrays.
+    pub state: Vec<Array>,
+    pub tables: Vec<Table>,
+    pub step: Vec<Statement>,
+    pub set_state: Vec<Statement>,
+    pub get_state: Vec<Statement>,
+}
+
+/// An input, an output or a coordinate.
+#[derive(Clone, Debug)]
+pub struct Field {
+    pub identifier: String,
+    /// As in the model, with its unit.
+    pub note: String,
+}
+
+/// A part of the state.
+#[derive(Clone, Debug)]
+pub struct Array {
+    pub name: String,
+    pub start: Start,
+    pub note: String,
+}
+
+/// What an array begins with.
+#[derive(Clone, Debug)]
+pub enum Start {
+    Number(f64),
+    Numbers(Vec<f64>),
+}
+
+/// Constants, row by row; one row has no index of its own.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub name: String,
+    /// Zero where the table is one row.
+    pub columns: usize,
+    pub values: Vec<f64>,
+    pub note: String,
+}
+
+#[derive(Clone, Debug)]
+pub enum Statement {
+    Note(String),
+    /// A local that never changes.
+    Let(String, Expression),
+    /// A local that does.
+    Variable(String, Expression),
+    Assign(Target, Expression),
+    /// Sums in eight lanes, all zero.
+    Lanes(String),
+    /// For i in 0, 8, ... below the count, for l in 0..8: the body, at i + l.
+    Blocks(usize, Vec<Statement>),
+    /// For `i` (or another name) from 0 on, below the count.
+    Loop(&'static str, usize, Vec<Statement>),
+}
+
+#[derive(Clone, Debug)]
+pub enum Target {
+    Local(String),
+    State(String, Index),
+    Output(usize),
+    /// Sum of a lane.
+    Lane(String),
+    /// Of what `get_state` returns.
+    Displacement(Index),
+    Velocity(Index),
+}
+
+#[derive(Clone, Debug)]
+pub enum Index {
+    At(usize),
+    /// Not an array: a single number.
+    Only,
+    /// The index of a loop.
+    Of(&'static str),
+    /// i + l in blocks of eight.
+    Lane,
+}
+
+#[derive(Clone, Debug)]
+pub enum Expression {
+    Number(f64),
+    Local(String),
+    State(String, Index),
+    Table(String, Index),
+    /// A table of rows.
+    Entry(String, Index, Index),
+    Input(usize),
+    Lane(String),
+    /// Of what `set_state` is given.
+    Displacement(Index),
+    Velocity(Index),
+    Sum(Box<Expression>, Box<Expression>),
+    Difference(Box<Expression>, Box<Expression>),
+    Product(Box<Expression>, Box<Expression>),
+    Negative(Box<Expression>),
+    /// The eight lanes, in pairs, pairs of pairs.
+    LaneSum(String),
+}
+
+/// What a term is multiplied with.
+#[derive(Clone, Debug)]
+pub enum Factor {
+    Number(f64),
+    /// Less this number.
+    Less(f64),
+    Table(Expression),
+    LessTable(Expression),
+}
+
+impl Factor {
+    /// What to multiply with, if anything, and whether the term is subtracted.
+    fn parts(self) -> (Option<Expression>, bool) {
+        let number = |x: f64| (x.abs() != 1.0).then(|| Expression::Number(x.abs()));
+        match self {
+            Factor::Number(x) => (number(x), x < 0.0),
+            Factor::Less(x) => (number(x), x >= 0.0),
+            Factor::Table(table) => (Some(table), false),
+            Factor::LessTable(table) => (Some(table), true),
+        }
+    }
+}
+
+/// A sum so far and one more term: factors of one and signs cost no operation.
+pub fn plus(so_far: Option<Expression>, factor: Factor, of: Expression) -> Expression {
+    match (so_far, factor.parts()) {
+        (None, (None, false)) => of,
+        (None, (None, true)) => Expression::Negative(Box::new(of)),
+        (None, (Some(Expression::Number(x)), true)) => product(Expression::Number(-x), of),
+        (None, (Some(factor), negative)) => {
+            let term = product(factor, of);
+            if negative { Expression::Negative(Box::new(term)) } else { term }
+        }
+        (Some(so_far), (factor, negative)) => {
+            let term = match factor {
+                Some(factor) => product(factor, of),
+                None => of,
+            };
+            if negative { difference(so_far, term) } else { sum(so_far, term) }
+        }
+    }
+}
+
+pub fn sum(a: Expression, b: Expression) -> Expression {
+    Expression::Sum(Box::new(a), Box::new(b))
+}
+
+pub fn difference(a: Expression, b: Expression) -> Expression {
+    Expression::Difference(Box::new(a), Box::new(b))
+}
+
+pub fn product(a: Expression, b: Expression) -> Expression {
+    Expression::Product(Box::new(a), Box::new(b))
+}
+
+/// A sum of terms with numbers as factors.
+pub fn total(terms: impl IntoIterator<Item = (f64, Expression)>) -> Option<Expression> {
+    terms.into_iter().fold(None, |so_far, (factor, of)| Some(plus(so_far, Factor::Number(factor), of)))
+}
+
+impl Expression {
+    pub fn local(name: impl Into<String>) -> Expression {
+        Expression::Local(name.into())
+    }
+
+    pub fn state(array: &str, index: Index) -> Expression {
+        Expression::State(array.to_string(), index)
+    }
+}
+
+impl Target {
+    pub fn state(array: &str, index: Index) -> Target {
+        Target::State(array.to_string(), index)
+    }
+}

@@ -1,0 +1,452 @@
+//! From a discrete system to the statements of one step. Pairs of states that are alike, eight or more, are a loop over tables in
+//! blocks of eight, which compilers turn into vector instructions without changing the order of any sum; all others are
+//! written out. Clause: spec.md, "Simulation code".
+
+use super::motion;
+use super::names::{identifier, identifiers};
+use super::plan::{
+    Array, Expression, Factor, Field, Index, Plan, Start, Statement, Table, Target, plus, product, sum, total,
+};
+use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
+
+/// Where a state is kept.
+#[derive(Clone, Debug)]
+pub struct Slot {
+    pub array: String,
+    pub at: usize,
+}
+
+/// The plan of a discrete system.
+pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
+    let mut planner = Planner::new(system);
+    planner.locals();
+    planner.at_once();
+    let (loops, single) = groups(&system.cells);
+    loops.iter().for_each(|group| planner.group(group));
+    single.iter().for_each(|&cell| planner.cell(cell));
+    planner.end();
+    let state = planner.arrays();
+    let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
+    Plan {
+        name: identifier(model),
+        precision: system.precision,
+        header,
+        inputs: fields(&system.inputs),
+        outputs: fields(&system.outputs),
+        coordinates: fields(&system.coordinates),
+        state,
+        tables: planner.tables,
+        step: planner.step,
+        set_state,
+        get_state,
+    }
+}
+
+fn fields(ports: &[Port]) -> Vec<Field> {
+    let note = |port: &Port| match port.unit.as_str() {
+        "" => port.name.clone(),
+        unit => format!("{} in {unit}", port.name),
+    };
+    let identifiers = identifiers(ports.iter().map(|port| port.name.as_str()));
+    identifiers.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
+}
+
+/// Cells in this number or more, all alike, are a loop over tables.
+const LOOP: usize = 8;
+
+/// Cells that are alike, in groups large enough for loops, and the others.
+fn groups(cells: &[Cell]) -> (Vec<Vec<usize>>, Vec<usize>) {
+    let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
+    let mut single = Vec::new();
+    for (i, cell) in cells.iter().enumerate() {
+        let Some(kind) = Kind::of(cell) else {
+            single.push(i);
+            continue;
+        };
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, members)) => members.push(i),
+            None => kinds.push((kind, vec![i])),
+        }
+    }
+    let mut loops = Vec::new();
+    for (_, members) in kinds {
+        let whole = members.len() / LOOP * LOOP;
+        if whole > 0 {
+            loops.push(members[..whole].to_vec());
+        }
+        single.extend(&members[whole..]);
+    }
+    single.sort_unstable();
+    (loops, single)
+}
+
+/// What a pair of states needs: pairs of one kind share a loop.
+#[derive(Clone, Debug, PartialEq)]
+struct Kind {
+    turned: bool,
+    loses: bool,
+    keeps: bool,
+    has_k: bool,
+    unit_p: bool,
+    /// Operands of x and of v, and whether the factor is one.
+    input: [Vec<(Operand, bool)>; 2],
+    output: [Vec<usize>; 2],
+}
+
+impl Kind {
+    fn of(cell: &Cell) -> Option<Kind> {
+        let Form::Pair(lift) = &cell.form else { return None };
+        Some(Kind {
+            turned: lift.turned,
+            loses: matches!(lift.decay, Decay::Lose(c) if c != 0.0),
+            keeps: matches!(lift.decay, Decay::Keep(_)),
+            has_k: lift.k != 0.0,
+            unit_p: lift.p == 1.0,
+            input: [0, 1].map(|i| cell.input[i].iter().map(|&(operand, g)| (operand, g == 1.0)).collect()),
+            output: [0, 1].map(|i| cell.output[i].iter().map(|&(output, _)| output).collect()),
+        })
+    }
+}
+
+struct Planner<'a> {
+    system: &'a DiscreteSystem,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+    tables: Vec<Table>,
+    step: Vec<Statement>,
+    /// Whether an output's sum has begun.
+    begun: Vec<bool>,
+    /// Sums in lanes to be added at the end: output, name.
+    lanes: Vec<(usize, String)>,
+    /// For each cell and each of its states.
+    slots: Vec<Vec<Slot>>,
+    groups: Vec<Array>,
+    /// States that stand alone.
+    alone: Vec<f64>,
+}
+
+/// The names and factors of a pair's step.
+struct Pair<'a> {
+    lift: &'a Lift,
+    x: Expression,
+    v: Expression,
+    /// v after the step.
+    next: Expression,
+    k: Expression,
+    decay: Expression,
+    p: Expression,
+    input: [Vec<(Factor, Expression)>; 2],
+}
+
+impl Pair<'_> {
+    /// v - c v + g u - k x; with the other sign where the motion turns, but for the input.
+    fn next_v(&self) -> Expression {
+        let turned = self.lift.turned;
+        let base = match (self.lift.decay, turned) {
+            (Decay::Lose(0.0), false) => self.v.clone(),
+            (Decay::Lose(0.0), true) => Expression::Negative(Box::new(self.v.clone())),
+            (Decay::Lose(_), false) => {
+                plus(Some(self.v.clone()), Factor::LessTable(self.decay.clone()), self.v.clone())
+            }
+            (Decay::Lose(_), true) => {
+                let lost = product(self.decay.clone(), self.v.clone());
+                plus(Some(lost), Factor::Less(1.0), self.v.clone())
+            }
+            (Decay::Keep(_), false) => product(self.decay.clone(), self.v.clone()),
+            (Decay::Keep(_), true) => Expression::Negative(Box::new(product(self.decay.clone(), self.v.clone()))),
+        };
+        let driven =
+            self.input[1].iter().fold(base, |so_far, (factor, of)| plus(Some(so_far), factor.clone(), of.clone()));
+        match (self.lift.k == 0.0, turned) {
+            (true, _) => driven,
+            (false, false) => plus(Some(driven), Factor::LessTable(self.k.clone()), self.x.clone()),
+            (false, true) => plus(Some(driven), Factor::Table(self.k.clone()), self.x.clone()),
+        }
+    }
+
+    /// x + p v, or p v - x.
+    fn next_x(&self) -> Expression {
+        let advance = if self.lift.p == 1.0 { self.next.clone() } else { product(self.p.clone(), self.next.clone()) };
+        let moved = if self.lift.turned {
+            plus(Some(advance), Factor::Less(1.0), self.x.clone())
+        } else {
+            sum(self.x.clone(), advance)
+        };
+        self.input[0].iter().fold(moved, |so_far, (factor, of)| plus(Some(so_far), factor.clone(), of.clone()))
+    }
+}
+
+impl<'a> Planner<'a> {
+    fn new(system: &'a DiscreteSystem) -> Planner<'a> {
+        Planner {
+            system,
+            inputs: identifiers(system.inputs.iter().map(|port| port.name.as_str())),
+            outputs: identifiers(system.outputs.iter().map(|port| port.name.as_str())),
+            tables: Vec::new(),
+            step: Vec::new(),
+            begun: vec![false; system.outputs.len()],
+            lanes: Vec::new(),
+            slots: vec![Vec::new(); system.cells.len()],
+            groups: Vec::new(),
+            alone: Vec::new(),
+        }
+    }
+
+    /// Inputs, and what is made of them once a step.
+    fn locals(&mut self) {
+        let system = self.system;
+        for (j, input) in self.inputs.iter().enumerate() {
+            let ramped = system.uses(|o| *o == Operand::Ramped(j));
+            let slope = system.uses(|o| *o == Operand::Slope(j));
+            let used = system.uses(|o| *o == Operand::Input(j));
+            if used || ramped || slope || system.remembers() {
+                self.step.push(Statement::Let(format!("u_{input}"), Expression::Input(j)));
+            }
+            let ramp = Expression::state("ramp", Index::Only);
+            if ramped {
+                let value = product(ramp.clone(), self.operand(Operand::Input(j)));
+                self.step.push(Statement::Let(format!("r_{input}"), value));
+            }
+            if slope {
+                let last = Expression::state("last", Index::At(j));
+                let change = plus(Some(self.operand(Operand::Input(j))), Factor::Less(1.0), last);
+                self.step.push(Statement::Let(format!("d_{input}"), product(ramp, change)));
+            }
+        }
+    }
+
+    fn operand(&self, operand: Operand) -> Expression {
+        match operand {
+            Operand::Input(j) => Expression::local(format!("u_{}", self.inputs[j])),
+            Operand::Ramped(j) => Expression::local(format!("r_{}", self.inputs[j])),
+            Operand::Slope(j) => Expression::local(format!("d_{}", self.inputs[j])),
+            Operand::Signal(i) => Expression::local(format!("signal_{i}")),
+        }
+    }
+
+    /// What outputs see of the inputs without states in between.
+    fn at_once(&mut self) {
+        for i in 0..self.outputs.len() {
+            let terms = self.system.direct[i].iter().map(|&(operand, d)| (Factor::Number(d), self.operand(operand)));
+            let terms = terms.collect();
+            self.see(i, terms);
+        }
+    }
+
+    /// Adds terms to an output.
+    fn see(&mut self, output: usize, terms: Vec<(Factor, Expression)>) {
+        let name = format!("y_{}", self.outputs[output]);
+        let begun = self.begun[output];
+        let so_far = begun.then(|| Expression::local(name.clone()));
+        let value = terms.into_iter().fold(so_far, |so_far, (factor, of)| Some(plus(so_far, factor, of)));
+        match value {
+            Some(Expression::Local(same)) if begun && same == name => {}
+            Some(value) if begun => self.step.push(Statement::Assign(Target::Local(name), value)),
+            Some(value) => {
+                self.step.push(Statement::Variable(name, value));
+                self.begun[output] = true;
+            }
+            None => {}
+        }
+    }
+
+    /// Pairs that are alike, by tables.
+    fn group(&mut self, members: &[usize]) {
+        let system = self.system;
+        let cells: Vec<&Cell> = members.iter().map(|&i| &system.cells[i]).collect();
+        let (first, last) = (cells[0], cells[cells.len() - 1]);
+        let Form::Pair(lift) = &first.form else { return };
+        let number = self.groups.len() / 2 + 1;
+        let names = [format!("x{number}"), format!("v{number}")];
+        for (offset, name) in names.iter().enumerate() {
+            let start = Start::Numbers(cells.iter().map(|cell| cell.start[offset]).collect());
+            let note = format!("{} to {}", first.name, last.name);
+            self.groups.push(Array { name: name.clone(), start, note });
+            for (at, &cell) in members.iter().enumerate() {
+                self.slots[cell].push(Slot { array: name.clone(), at });
+            }
+        }
+        let mut tables = Tables { number, cells: &cells, made: Vec::new() };
+        let of_lift = |of: fn(&Lift) -> f64| {
+            move |cell: &Cell| match &cell.form {
+                Form::Pair(lift) => of(lift),
+                _ => 0.0,
+            }
+        };
+        let unused = Expression::Number(1.0);
+        let decays = !matches!(lift.decay, Decay::Lose(0.0));
+        let pair = Pair {
+            lift,
+            x: Expression::local("x"),
+            v: Expression::local("v"),
+            next: Expression::local("next"),
+            k: if lift.k == 0.0 {
+                unused.clone()
+            } else {
+                tables.table("K", "restoring: k of v - c v - k x", of_lift(|lift| lift.k))
+            },
+            decay: if decays {
+                tables.table("C", "decay: c of v - c v, or what is kept of v", of_lift(|lift| lift.decay.value()))
+            } else {
+                unused.clone()
+            },
+            p: if lift.p == 1.0 { unused } else { tables.table("P", "advance: p of x + p v", of_lift(|lift| lift.p)) },
+            input: [0, 1].map(|offset| {
+                let factor = |at: usize, g: f64, tables: &mut Tables| match g {
+                    1.0 => Factor::Number(1.0),
+                    _ => {
+                        let name = format!("{}{at}_", ["GX", "GV"][offset]);
+                        Factor::Table(tables.table(&name, "what an input adds", move |cell| cell.input[offset][at].1))
+                    }
+                };
+                let terms = first.input[offset].iter().enumerate();
+                terms.map(|(at, &(operand, g))| (factor(at, g, &mut tables), self.operand(operand))).collect()
+            }),
+        };
+        let mut body: Vec<Statement> = (["x", "v"].into_iter().zip(&names))
+            .map(|(local, name)| Statement::Let(local.into(), Expression::state(name, Index::Lane)))
+            .collect();
+        self.step.push(Statement::Note(format!("{} to {}", first.name, last.name)));
+        for output in 0..self.outputs.len() {
+            let mut value: Option<Expression> = None;
+            for (offset, of) in [(0, "x"), (1, "v")] {
+                if first.output[offset].iter().any(|(seen, _)| *seen == output) {
+                    let name = format!("{}_{}_", ["YX", "YV"][offset], output);
+                    let factor = tables.table(&name, "what an output sees", move |cell| {
+                        cell.output[offset].iter().find(|(seen, _)| *seen == output).map_or(0.0, |(_, value)| *value)
+                    });
+                    value = Some(plus(value, Factor::Table(factor), Expression::local(of)));
+                }
+            }
+            if let Some(value) = value {
+                let lane = format!("sum{number}_{}", self.outputs[output]);
+                self.step.push(Statement::Lanes(lane.clone()));
+                let so_far = Expression::Lane(lane.clone());
+                body.push(Statement::Assign(Target::Lane(lane.clone()), sum(so_far, value)));
+                self.lanes.push((output, lane));
+            }
+        }
+        body.push(Statement::Let("next".into(), pair.next_v()));
+        body.push(Statement::Assign(Target::state(&names[0], Index::Lane), pair.next_x()));
+        body.push(Statement::Assign(Target::state(&names[1], Index::Lane), Expression::local("next")));
+        self.tables.extend(tables.made);
+        self.step.push(Statement::Blocks(cells.len(), body));
+    }
+
+    /// A cell that stands alone.
+    fn cell(&mut self, index: usize) {
+        let cell = &self.system.cells[index];
+        let first = self.alone.len();
+        self.alone.extend(&cell.start);
+        self.slots[index] = (0..cell.size()).map(|i| Slot { array: "w".into(), at: first + i }).collect();
+        self.step.push(Statement::Note(cell.name.clone()));
+        let local = |i: usize| Expression::local(format!("w{}", first + i));
+        for i in 0..cell.size() {
+            let value = Expression::state("w", Index::At(first + i));
+            self.step.push(Statement::Let(format!("w{}", first + i), value));
+        }
+        for output in 0..self.outputs.len() {
+            let factor = |i: usize| cell.output[i].iter().find(|(seen, _)| *seen == output).map(|(_, factor)| *factor);
+            let terms = (0..cell.size()).filter_map(|i| Some((Factor::Number(factor(i)?), local(i)))).collect();
+            self.see(output, terms);
+        }
+        let input = |i: usize| -> Vec<(f64, Expression)> {
+            cell.input[i].iter().map(|&(operand, g)| (g, self.operand(operand))).collect()
+        };
+        let state = |i: usize| Target::state("w", Index::At(first + i));
+        let mut next = Vec::new();
+        match &cell.form {
+            Form::Keep(r) => {
+                let kept = (*r != 0.0).then(|| (*r, local(0)));
+                let value = total(kept.into_iter().chain(input(0)));
+                next.push(Statement::Assign(state(0), value.unwrap_or(Expression::Number(0.0))));
+            }
+            Form::Lose(d) => {
+                let lost = (*d != 0.0).then(|| (-d, local(0)));
+                if let Some(change) = total(input(0).into_iter().chain(lost)) {
+                    next.push(Statement::Assign(state(0), sum(local(0), change)));
+                }
+            }
+            Form::Pair(lift) => {
+                let name = format!("n{}", first + 1);
+                let factors = |i| input(i).into_iter().map(|(g, of)| (Factor::Number(g), of)).collect();
+                let pair = Pair {
+                    lift,
+                    x: local(0),
+                    v: local(1),
+                    next: Expression::local(name.clone()),
+                    k: Expression::Number(lift.k),
+                    decay: Expression::Number(lift.decay.value()),
+                    p: Expression::Number(lift.p),
+                    input: [factors(0), factors(1)],
+                };
+                next.push(Statement::Let(name.clone(), pair.next_v()));
+                next.push(Statement::Assign(state(0), pair.next_x()));
+                next.push(Statement::Assign(state(1), Expression::local(name)));
+            }
+            Form::Dense(rows) => {
+                for (i, row) in rows.iter().enumerate() {
+                    let own = row.iter().enumerate().filter(|(_, e)| **e != 0.0).map(|(j, e)| (*e, local(j)));
+                    if let Some(change) = total(input(i).into_iter().chain(own)) {
+                        next.push(Statement::Assign(state(i), sum(local(i), change)));
+                    }
+                }
+            }
+        }
+        self.step.extend(next);
+    }
+
+    /// Sums of lanes, what is remembered, the outputs.
+    fn end(&mut self) {
+        for (output, lane) in std::mem::take(&mut self.lanes) {
+            self.see(output, vec![(Factor::Number(1.0), Expression::LaneSum(lane))]);
+        }
+        if self.system.remembers() {
+            for (j, input) in self.inputs.iter().enumerate() {
+                let value = Expression::local(format!("u_{input}"));
+                self.step.push(Statement::Assign(Target::state("last", Index::At(j)), value));
+            }
+        }
+        if self.system.ramps() {
+            self.step.push(Statement::Assign(Target::state("ramp", Index::Only), Expression::Number(1.0)));
+        }
+        for (output, name) in self.outputs.iter().enumerate() {
+            let begun = self.begun[output];
+            let value = if begun { Expression::local(format!("y_{name}")) } else { Expression::Number(0.0) };
+            self.step.push(Statement::Assign(Target::Output(output), value));
+        }
+    }
+
+    fn arrays(&self) -> Vec<Array> {
+        let mut arrays = self.groups.clone();
+        let mut add = |name: &str, start: Start, note: &str| {
+            arrays.push(Array { name: name.into(), start, note: note.into() });
+        };
+        if !self.alone.is_empty() {
+            add("w", Start::Numbers(self.alone.clone()), "states that stand alone");
+        }
+        if self.system.remembers() && !self.inputs.is_empty() {
+            add("last", Start::Numbers(vec![0.0; self.inputs.len()]), "the inputs of the last step");
+        }
+        if self.system.ramps() {
+            add("ramp", Start::Number(0.0), "0 before the first step, then 1");
+        }
+        arrays
+    }
+}
+
+/// The tables of a group.
+struct Tables<'a> {
+    number: usize,
+    cells: &'a [&'a Cell],
+    made: Vec<Table>,
+}
+
+impl Tables<'_> {
+    fn table(&mut self, name: &str, note: &str, of: impl Fn(&Cell) -> f64) -> Expression {
+        let name = format!("{name}{}", self.number);
+        let values = self.cells.iter().map(|cell| of(cell)).collect();
+        self.made.push(Table { name: name.clone(), columns: 0, values, note: note.into() });
+        Expression::Table(name, Index::Lane)
+    }
+}

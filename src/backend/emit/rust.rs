@@ -1,0 +1,161 @@
+//! Rust: `NAME.rs`, a module or a crate of its own, without `std`. Clause: spec.md, "Simulation code".
+
+use super::File;
+use super::plan::{Field, Plan, Start, Table};
+use super::text::{Words, decimal, line, numbers, statements};
+use crate::analysis::discrete::Precision;
+
+/// The file.
+pub fn files(plan: &Plan) -> Vec<File> {
+    vec![File { name: format!("{}.rs", plan.name), text: whole(plan) }]
+}
+
+/// How Rust writes the words of a plan.
+struct Rust<'a> {
+    plan: &'a Plan,
+}
+
+impl Words for Rust<'_> {
+    fn number(&self, x: f64) -> String {
+        decimal(x, self.plan.precision)
+    }
+
+    fn state(&self, array: &str, index: Option<String>) -> String {
+        index.map_or_else(|| format!("self.{array}"), |index| format!("self.{array}[{index}]"))
+    }
+
+    fn input(&self, input: usize) -> String {
+        format!("inputs.{}", self.plan.inputs[input].identifier)
+    }
+
+    fn output(&self, output: usize) -> String {
+        format!("outputs.{}", self.plan.outputs[output].identifier)
+    }
+
+    fn motion(&self, what: &str, index: String) -> String {
+        format!("motion.{what}[{index}]")
+    }
+
+    fn note(&self, note: &str) -> String {
+        format!("// {note}")
+    }
+
+    fn constant(&self, name: &str, value: &str) -> String {
+        format!("let {name} = {value};")
+    }
+
+    fn variable(&self, name: &str, value: &str) -> String {
+        format!("let mut {name} = {value};")
+    }
+
+    fn lanes(&self, name: &str) -> String {
+        format!("let mut {name}: [{}; 8] = [0.0; 8];", real(self.plan))
+    }
+
+    fn loop_head(&self, index: &str, count: usize) -> String {
+        format!("for {index} in 0..{count} {{")
+    }
+
+    fn block_heads(&self, count: usize) -> [String; 2] {
+        [format!("for block in 0..{} {{", count / 8), "for lane in 0..8 {".to_string()]
+    }
+
+    fn lane(&self) -> String {
+        "8 * block + lane".to_string()
+    }
+}
+
+fn real(plan: &Plan) -> &'static str {
+    match plan.precision {
+        Precision::Double => "f64",
+        Precision::Single => "f32",
+    }
+}
+
+/// The text of the file.
+pub fn whole(plan: &Plan) -> String {
+    let (words, real) = (Rust { plan }, real(plan));
+    let mut text: String = plan.header.iter().map(|text| format!("//! {text}").trim_end().to_string() + "\n").collect();
+    text += "\n#![allow(dead_code, non_snake_case, unused_mut, unused_variables, clippy::all)]\n";
+    text += "\n/// The state: copy it to keep it.\n#[derive(Clone, Copy, Debug, PartialEq)]\npub struct State {\n";
+    for array in &plan.state {
+        let kind = match &array.start {
+            Start::Number(_) => real.to_string(),
+            Start::Numbers(numbers) => format!("[{real}; {}]", numbers.len()),
+        };
+        text += &line(1, &format!("/// {}", array.note));
+        text += &line(1, &format!("{}: {kind},", array.name));
+    }
+    text += "}\n";
+    if !plan.inputs.is_empty() {
+        text += &structure("Inputs", real, &plan.inputs);
+    }
+    text += &structure("Outputs", real, &plan.outputs);
+    let n = plan.coordinates.len();
+    text += "\n/// The motion in the model's own coordinates, deviations from rest, with their velocities:\n///\n";
+    for (i, coordinate) in plan.coordinates.iter().enumerate() {
+        text += &format!("/// {i}: {}\n", coordinate.note);
+    }
+    text += &format!(
+        "#[derive(Clone, Copy, Debug, PartialEq)]\npub struct Motion {{\n    pub displacement: [{real}; {n}],\n    \
+         pub velocity: [{real}; {n}],\n}}\n"
+    );
+    for table in &plan.tables {
+        text += &constants(&words, table);
+    }
+    let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
+    let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
+    text += "\nimpl State {\n";
+    text += &format!("    /// {}\n    pub const fn init() -> State {{\n        State {{\n", super::INIT);
+    for array in &plan.state {
+        text += &line(3, &format!("{}: {},", array.name, start(&words, &array.start)));
+    }
+    text += "        }\n    }\n\n";
+    text += &format!(
+        "    /// {}\n    pub fn reset(&mut self) {{\n        *self = State::init();\n    }}\n\n",
+        super::RESET
+    );
+    text += &format!("    /// {}\n    #[inline]\n    pub fn step(&mut self{inputs}) -> Outputs {{\n", super::STEP);
+    text += &line(2, &format!("let mut outputs = Outputs {{{} }};", outputs.trim_end_matches(',')));
+    text += &(statements(&words, &plan.step, 2) + "        outputs\n    }\n\n");
+    text += &format!("    /// {}\n    pub fn set_state(&mut self, motion: &Motion) {{\n", super::SET_STATE);
+    text += &(statements(&words, &plan.set_state, 2) + "    }\n\n");
+    text += &format!("    /// {}\n    pub fn get_state(&self) -> Motion {{\n", super::GET_STATE);
+    text += &line(2, &format!("let mut motion = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
+    text += &(statements(&words, &plan.get_state, 2) + "        motion\n    }\n}\n");
+    text
+}
+
+fn structure(name: &str, real: &str, fields: &[Field]) -> String {
+    let body: String = fields
+        .iter()
+        .map(|field| line(1, &format!("/// {}", field.note)) + &line(1, &format!("pub {}: {real},", field.identifier)))
+        .collect();
+    format!("\n#[derive(Clone, Copy, Debug, PartialEq)]\npub struct {name} {{\n{body}}}\n")
+}
+
+fn start(words: &Rust, start: &Start) -> String {
+    match start {
+        Start::Number(x) => words.number(*x),
+        Start::Numbers(list) if list.iter().all(|&x| x == 0.0) => format!("[0.0; {}]", list.len()),
+        Start::Numbers(list) => {
+            let numbers: Vec<String> = list.iter().map(|&x| words.number(x)).collect();
+            format!("[{}]", numbers.join(", "))
+        }
+    }
+}
+
+fn constants(words: &Rust, table: &Table) -> String {
+    let real = real(words.plan);
+    let count = table.values.len();
+    let list = |values: &[f64], depth| numbers(values, depth, |x| words.number(x));
+    if table.columns == 0 {
+        let (note, name, list) = (&table.note, &table.name, list(&table.values, 1));
+        return format!("\n/// {note}\nstatic {name}: [{real}; {count}] = [\n{list}];\n");
+    }
+    let rows: String =
+        table.values.chunks(table.columns).map(|row| format!("    [\n{}    ],\n", list(row, 2))).collect();
+    let (rows_count, columns) = (count / table.columns, table.columns);
+    let (note, name) = (&table.note, &table.name);
+    format!("\n/// {note}\nstatic {name}: [[{real}; {columns}]; {rows_count}] = [\n{rows}];\n")
+}

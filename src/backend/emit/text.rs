@@ -1,0 +1,131 @@
+//! Statements and expressions as text: what C, Rust and their like have in common. A language says how it writes its operands
+//! and declarations ([`Words`]); operators, their order and parentheses are the same in all of them. Clause: spec.md,
+//! "Simulation code".
+
+use super::plan::{Expression, Index, Statement, Target};
+use crate::analysis::discrete::Precision;
+
+/// How a language writes what differs.
+pub trait Words {
+    fn number(&self, x: f64) -> String;
+    fn state(&self, array: &str, index: Option<String>) -> String;
+    fn input(&self, input: usize) -> String;
+    fn output(&self, output: usize) -> String;
+    /// Of a motion given or returned: `displacement` or `velocity`.
+    fn motion(&self, what: &str, index: String) -> String;
+    fn note(&self, note: &str) -> String;
+    fn constant(&self, name: &str, value: &str) -> String;
+    fn variable(&self, name: &str, value: &str) -> String;
+    /// Eight sums, all zero.
+    fn lanes(&self, name: &str) -> String;
+    fn loop_head(&self, index: &str, count: usize) -> String;
+    /// The heads of the loops over `count / 8` blocks and over the eight lanes of one.
+    fn block_heads(&self, count: usize) -> [String; 2];
+    /// The index in a block.
+    fn lane(&self) -> String;
+}
+
+/// Statements, a line each, indented.
+pub fn statements(words: &impl Words, list: &[Statement], depth: usize) -> String {
+    list.iter().map(|statement| written(words, statement, depth)).collect()
+}
+
+fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
+    let value = |value: &Expression| expression(words, value, Level::Sum);
+    match statement {
+        Statement::Note(note) => line(depth, &words.note(note)),
+        Statement::Let(name, e) => line(depth, &words.constant(name, &value(e))),
+        Statement::Variable(name, e) => line(depth, &words.variable(name, &value(e))),
+        Statement::Assign(target, e) => line(depth, &format!("{} = {};", place(words, target), value(e))),
+        Statement::Lanes(name) => line(depth, &words.lanes(name)),
+        Statement::Loop(index, count, body) => {
+            line(depth, &words.loop_head(index, *count)) + &statements(words, body, depth + 1) + &line(depth, "}")
+        }
+        Statement::Blocks(count, body) => {
+            let [outer, inner] = words.block_heads(*count);
+            line(depth, &outer)
+                + &line(depth + 1, &inner)
+                + &statements(words, body, depth + 2)
+                + &line(depth + 1, "}")
+                + &line(depth, "}")
+        }
+    }
+}
+
+/// A line of text, indented.
+pub fn line(depth: usize, content: &str) -> String {
+    format!("{}{content}\n", "    ".repeat(depth))
+}
+
+fn place(words: &impl Words, target: &Target) -> String {
+    match target {
+        Target::Local(name) => name.clone(),
+        Target::State(array, at) => words.state(array, index(words, at)),
+        Target::Output(output) => words.output(*output),
+        Target::Lane(name) => format!("{name}[lane]"),
+        Target::Displacement(at) => words.motion("displacement", index(words, at).unwrap_or_default()),
+        Target::Velocity(at) => words.motion("velocity", index(words, at).unwrap_or_default()),
+    }
+}
+
+fn index(words: &impl Words, index: &Index) -> Option<String> {
+    match index {
+        Index::At(at) => Some(at.to_string()),
+        Index::Only => None,
+        Index::Of(name) => Some((*name).to_string()),
+        Index::Lane => Some(words.lane()),
+    }
+}
+
+/// What may stand in a place without parentheses.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Level {
+    Sum,
+    Product,
+    Single,
+}
+
+fn expression(words: &impl Words, e: &Expression, allowed: Level) -> String {
+    let at = |i: &Index| index(words, i).unwrap_or_default();
+    let side = |e: &Expression, level: Level| expression(words, e, level);
+    let (text, level) = match e {
+        Expression::Number(x) => (words.number(*x), Level::Single),
+        Expression::Local(name) => (name.clone(), Level::Single),
+        Expression::State(array, i) => (words.state(array, index(words, i)), Level::Single),
+        Expression::Table(name, i) => (format!("{name}[{}]", at(i)), Level::Single),
+        Expression::Entry(name, i, j) => (format!("{name}[{}][{}]", at(i), at(j)), Level::Single),
+        Expression::Input(input) => (words.input(*input), Level::Single),
+        Expression::Lane(name) => (format!("{name}[lane]"), Level::Single),
+        Expression::Displacement(i) => (words.motion("displacement", at(i)), Level::Single),
+        Expression::Velocity(i) => (words.motion("velocity", at(i)), Level::Single),
+        Expression::Sum(a, b) => (format!("{} + {}", side(a, Level::Sum), side(b, Level::Product)), Level::Sum),
+        Expression::Difference(a, b) => (format!("{} - {}", side(a, Level::Sum), side(b, Level::Product)), Level::Sum),
+        Expression::Product(a, b) => {
+            (format!("{} * {}", side(a, Level::Product), side(b, Level::Single)), Level::Product)
+        }
+        Expression::Negative(a) => (format!("-{}", side(a, Level::Single)), Level::Product),
+        Expression::LaneSum(name) => {
+            let pair = |i: usize| format!("({name}[{i}] + {name}[{}])", i + 1);
+            let four = |i: usize| format!("({} + {})", pair(i), pair(i + 2));
+            (format!("({} + {})", four(0), four(4)), Level::Single)
+        }
+    };
+    if level < allowed { format!("({text})") } else { text }
+}
+
+/// The shortest decimal that reads back as the same number of the target, always with a point or an exponent.
+pub fn decimal(x: f64, precision: Precision) -> String {
+    match precision {
+        Precision::Double => format!("{x:?}"),
+        Precision::Single => format!("{:?}", x as f32),
+    }
+}
+
+/// A list of numbers, a few a line.
+pub fn numbers(values: &[f64], depth: usize, number: impl Fn(f64) -> String) -> String {
+    let lines = values.chunks(4).map(|chunk| {
+        let numbers: Vec<String> = chunk.iter().map(|&x| number(x)).collect();
+        line(depth, &(numbers.join(", ") + ","))
+    });
+    lines.collect()
+}
