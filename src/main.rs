@@ -186,7 +186,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         Err(unreadable) => return unreadable.report(messages),
     };
     let wanted = analysis::discrete::Options {
-        step: options.step.clone(),
+        step: options.step.of_literals(options.overrides.literals).clone(),
         hold: match options.hold {
             HoldOption::Zero => Hold::Zero,
             HoldOption::First => Hold::First,

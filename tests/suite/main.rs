@@ -4,6 +4,7 @@ mod ask;
 mod bounds;
 mod command_line;
 mod diagnostics;
+mod emit;
 mod exact;
 mod examples;
 mod formatting;

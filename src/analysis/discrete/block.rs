@@ -69,6 +69,22 @@ pub fn product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     c
 }
 
+/// The same, without what is only rounding of zero: below this share of what it is a sum of.
+pub const NOTHING: f64 = 1e-24;
+
+/// A B, with exact zeros where terms cancel to rounding.
+pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
+    Matrix::from_fn(a.rows(), b.columns(), |i, j| {
+        let (mut sum, mut size) = (Dd::ZERO, 0.0);
+        for (k, &factor) in b.column(j).iter().enumerate() {
+            let term = a[(i, k)] * factor;
+            sum += term;
+            size += term.hi.abs();
+        }
+        if sum.hi.abs() <= NOTHING * size { Dd::ZERO } else { sum }
+    })
+}
+
 pub fn sum(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     Matrix::from_fn(a.rows(), a.columns(), |i, j| a[(i, j)] + b[(i, j)])
 }
@@ -89,10 +105,10 @@ impl Block {
             name: self.name.clone(),
             rate: self.rate,
             a: product(s, &product(&self.a, inverse)),
-            b: product(s, &self.b),
-            c: product(&self.c, inverse),
-            to: product(s, &self.to),
-            back: product(&self.back, inverse),
+            b: clean_product(s, &self.b),
+            c: clean_product(&self.c, inverse),
+            to: clean_product(s, &self.to),
+            back: clean_product(&self.back, inverse),
         }
     }
 

@@ -1,7 +1,7 @@
 //! One block made discrete: what a step does to its states, in numbers of the target. Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Hold;
-use crate::analysis::discrete::block::{Block, Direct, product, sum};
+use crate::analysis::discrete::block::{Block, Direct, clean_product, product, sum};
 use crate::analysis::discrete::hold::{Propagator, propagator};
 use crate::analysis::discrete::lift::{Lift, lift};
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
@@ -146,7 +146,8 @@ impl Maker {
             // x follows v, so it gets only what inputs do to it beyond that.
             [&mut held, &mut ramped].into_iter().for_each(|g| beyond(g, Dd::from(lift.p)));
         }
-        let (c, to, back) = (product(&block.c, &inverse), product(s, &block.to), product(&block.back, &inverse));
+        let (c, back) = (clean_product(&block.c, &inverse), clean_product(&block.back, &inverse));
+        let to = clean_product(s, &block.to);
         let size = block.size();
         let round = |x: Dd| self.precision.round(x);
         let input = (0..size).map(|i| rounded_terms(&input_terms(&held, &ramped, i), self.precision)).collect();

@@ -58,7 +58,7 @@ fn balance(a: &Matrix<Dd>) -> Vec<f64> {
             let (row, column) =
                 (0..n).filter(|&j| j != i).fold((0.0, 0.0), |(r, c), j| (r + size(i, j), c + size(j, i)));
             if row > 0.0 && column > 0.0 && !(0.25..4.0).contains(&(row / column)) {
-                let exponent = ((row / column).sqrt().log2().round() as i32).clamp(-400, 400);
+                let exponent = exponent((row / column).sqrt()).clamp(-400, 400);
                 scale[i] *= 2f64.powi(exponent);
                 changed = true;
             }
@@ -68,6 +68,11 @@ fn balance(a: &Matrix<Dd>) -> Vec<f64> {
         }
     }
     scale
+}
+
+/// The exponent of a positive number: the largest power of two not above it.
+fn exponent(x: f64) -> i32 {
+    ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
 #[cfg(test)]

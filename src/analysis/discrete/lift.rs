@@ -48,6 +48,9 @@ pub struct Lifted {
 /// What decays faster than this in a step has nothing left that a lifted form could keep.
 const LEAST: f64 = 1e-10;
 
+/// Square root of the golden ratio.
+const GOLDEN_ROOT: f64 = 1.272019649514069;
+
 /// Neighbours tried for k: the best of so many has a product good to twelve bits more than the precision.
 const TRIALS: u32 = 4096;
 
@@ -77,7 +80,9 @@ fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let root = det.hi.clamp(0.01, 1.0).sqrt();
-    let start = product.hi.sqrt() * root;
+    // With k one unit in the last place more, p is 0.618 units less: trials spread evenly (golden ratio), where with k = p
+    // they would all round alike.
+    let start = product.hi.sqrt() * root * GOLDEN_ROOT;
     let mut best = (start, f64::INFINITY, 0.0);
     let mut k = precision.round(Dd::from(start));
     for _ in 0..TRIALS {
@@ -106,7 +111,7 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
     let balance = (step[(0, 1)].hi.abs() / step[(1, 0)].hi.abs()).sqrt();
     let balance = if balance.is_finite() && balance > 0.0 { balance } else { 1.0 };
     let independence = |s: [[Dd; 2]; 2]| {
-        let length = |r: [Dd; 2]| (r[0].hi * balance).hypot(r[1].hi);
+        let length = |r: [Dd; 2]| hypotenuse(r[0].hi * balance, r[1].hi);
         let det = (s[0][0] * s[1][1] - s[0][1] * s[1][0]).hi.abs() * balance;
         det / (length(s[0]) * length(s[1]))
     };
@@ -124,7 +129,7 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
             chosen = driven;
         }
     }
-    let mut scale = Dd::from(1.0 / (chosen[1][0].hi * balance).hypot(chosen[1][1].hi));
+    let mut scale = Dd::from(1.0 / hypotenuse(chosen[1][0].hi * balance, chosen[1][1].hi));
     if let Some(g) = drive {
         let on_v = chosen[1][0] * g[0] + chosen[1][1] * g[1];
         let alone = (chosen[0][0] * g[0] + chosen[0][1] * g[1] - p * on_v).hi.abs() <= 1e-20 * (p * on_v).hi.abs();
@@ -134,6 +139,12 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
     }
     let finite = size.iter().all(|x| x.is_finite()) && scale.is_finite();
     finite.then(|| Matrix::from_fn(2, 2, |i, j| chosen[i][j] * scale))
+}
+
+/// Written out, so that it is the same on every machine.
+fn hypotenuse(a: f64, b: f64) -> f64 {
+    let most = a.abs().max(b.abs());
+    if most == 0.0 { 0.0 } else { most * ((a / most).powi(2) + (b / most).powi(2)).sqrt() }
 }
 
 impl Lift {

@@ -12,6 +12,7 @@
 pub mod block;
 pub mod cell;
 pub mod hold;
+pub mod invariant;
 pub mod lift;
 pub mod modal;
 pub mod precision;
@@ -29,6 +30,7 @@ use crate::analysis::discrete::block::{Direct, Split};
 use crate::analysis::discrete::cell::{Maker, rounded_terms};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::poles::poles;
 use crate::base::{Dd, Number};
 use crate::system::{CoordinateKind, LinearSystem};
 
@@ -173,7 +175,10 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
 }
 
 fn split(system: &LinearSystem, modes: &Modes) -> Result<Split, AnalysisError> {
-    modal::split(system, modes).ok_or_else(|| AnalysisError::too_many_states(system, 2 * system.n(), 0))
+    match modal::split(system, modes) {
+        Some(split) => Ok(split),
+        None => invariant::split(system, &poles(system, modes)?),
+    }
 }
 
 fn coordinates(system: &LinearSystem) -> Vec<Port> {

@@ -3,7 +3,7 @@
 //! damping couples the modes. Clause: spec.md, "Simulation code".
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
-use crate::analysis::discrete::block::{Block, Split, add, product, sum, without_derivatives};
+use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::transfer::modal::{gram, newton};
@@ -12,8 +12,6 @@ use crate::system::{CoordinateId, LinearSystem};
 
 /// Entries that should vanish, beside the geometric mean of the diagonals: they are rounding of double-double, or coupling.
 const COUPLED: f64 = 1e-22;
-/// A participation below this share of the terms that it is a sum of is rounding of zero.
-pub const NOTHING: f64 = 1e-24;
 /// Two real rates a +- d are taken apart where d / a is above this: nearer ones are one block of two states.
 const APART: f64 = 0.05;
 
@@ -28,6 +26,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     for _ in 0..2 {
         x = newton(&x, &gram(&m, &x).mid(), &gram(&k, &x).mid());
     }
+    without_rounding(&mut x);
     let grams = [gram(&m, &x), gram(&c, &x), gram(&k, &x)];
     if !grams.iter().all(is_diagonal) {
         return None;
@@ -58,7 +57,7 @@ fn name(index: usize, mode: &Mode) -> String {
     match mode.kind {
         ModeKind::Oscillation => format!("mode {} ({frequency:.6} Hz)", index + 1),
         ModeKind::Rigid => format!("mode {} (rigid motion)", index + 1),
-        ModeKind::Divergence => format!("mode {} (divergence)", index + 1),
+        ModeKind::Divergence | ModeKind::Undetermined => format!("mode {} (slow)", index + 1),
     }
 }
 
@@ -70,6 +69,14 @@ fn is_diagonal(gram: &Matrix<Ball>) -> bool {
     (0..n).all(|j| {
         (0..j).all(|i| gram[(i, j)].is_finite() && gram[(i, j)].magnitude() <= COUPLED * (size(i) * size(j)).sqrt())
     })
+}
+
+/// A coordinate that a mode does not move is moved by rounding alone, 1e-31 of the largest.
+fn without_rounding(x: &mut Matrix<Dd>) {
+    for j in 0..x.columns() {
+        let most = x.column(j).iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
+        x.column_mut(j).iter_mut().filter(|x| x.hi.abs() < 1e-28 * most).for_each(|x| *x = Dd::ZERO);
+    }
 }
 
 /// M X

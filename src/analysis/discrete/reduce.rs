@@ -3,7 +3,7 @@
 //! block does that is static goes into the feed-through. Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Options;
-use crate::analysis::discrete::block::{Block, Split, add, product};
+use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
@@ -69,7 +69,7 @@ fn starts(block: &Block, start: &[Dd]) -> bool {
             let term = block.to[(i, j)] * start[j];
             (sum + term, size + term.hi.abs())
         });
-        sum.hi.abs() > super::modal::NOTHING * size
+        sum.hi.abs() > NOTHING * size
     })
 }
 

@@ -68,7 +68,7 @@ fn pair(lift: &Lift, inputs: f64) -> (f64, Vec<f64>) {
     let half = (1.0 - k * p + keep) / 2.0;
     let imaginary = (keep - half * half).max(0.0).sqrt();
     let real = 1.0 - p * k - half;
-    let mu = real.hypot(imaginary);
+    let mu = (real * real + imaginary * imaginary).sqrt();
     let counted = 4.0 + inputs;
     if imaginary > 0.05 * mu && k > 0.0 {
         // Of |zeta| = 1: the largest v and x.

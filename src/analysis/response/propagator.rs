@@ -131,6 +131,23 @@ impl StateSpace {
         image.column(0).to_vec()
     }
 
+    /// A, without its errors.
+    pub fn matrix(&self) -> Matrix<Dd> {
+        self.a.mid()
+    }
+
+    /// z's mechanical part as rows over displacements, then velocities, of all n coordinates.
+    pub fn motion_rows(&self, n: usize) -> Matrix<Dd> {
+        let mut rows = Matrix::zeros(self.mechanical, 2 * n);
+        let velocities = self.parts.heavy.iter().map(|&i| n + i);
+        for (position, column) in self.parts.states().into_iter().chain(velocities).enumerate() {
+            for i in 0..self.mechanical {
+                rows[(i, column)] = self.to_z[(i, position)].mid;
+            }
+        }
+        rows
+    }
+
     /// What a blow does: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by
     /// M dq = g1, C_0 dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
     pub fn blow(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
