@@ -10,7 +10,7 @@ use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 #[derive(Debug, Parser)]
 #[command(name = "vibc", version, max_term_width = 100, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit status: 0 done; 1 the model has errors; 2 the command line is wrong; 3 a file could not be \
+    after_help = "Exit status: 0 done; 1 the model has errors, or a requirement fails; 2 the command line is wrong; 3 a file could not be \
                         read or written; 4 a numerical limit, such as no rest found.\n\
                         To come: bench, lsp."
 )]
@@ -31,7 +31,7 @@ pub enum Command {
     Simulate(Simulate),
     /// Simulation code: the exact discrete system in C99 or Rust
     Emit(Emit),
-    /// Diagnostics, nothing else
+    /// Diagnostics, and how the requirements stand
     Check(Check),
     /// The one layout of a model file
     Fmt(Fmt),
@@ -75,6 +75,8 @@ pub struct Analyze {
     /// The relative error that every frequency and pole must be certain to, such as 1e-14; exit status 4 where one is not
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
+    #[command(flatten)]
+    pub measured: MeasureOptions,
 }
 
 impl Analyze {
@@ -201,6 +203,15 @@ pub struct Check {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub overrides: OverrideOptions,
+    #[command(flatten)]
+    pub measured: MeasureOptions,
+}
+
+#[derive(Debug, Args)]
+pub struct MeasureOptions {
+    /// How long `peak` and `rms` follow the motion, such as 10s; from the poles and signals without it
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub until: Option<Number>,
 }
 
 #[derive(Debug, Args)]

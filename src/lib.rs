@@ -5,7 +5,8 @@
 //! 2. [`model`]: tree to checked scene
 //! 3. [`lower`]: scene to linear system about its rest
 //! 4. [`analysis`]: system to answers, each with its error bound
-//! 5. [`backend`]: answers and systems to text, JSON, CSV, code
+//! 5. [`questions`]: what the model asks of them, `solve` and `require`; it goes through the steps before as often as needed
+//! 6. [`backend`]: answers and systems to text, JSON, CSV, code
 //!
 //! The core does no input or output: text in, data out. Standard streams and files are touched in `main.rs` only.
 
@@ -17,6 +18,7 @@ pub mod elements;
 pub mod joints;
 pub mod lower;
 pub mod model;
+pub mod questions;
 pub mod syntax;
 pub mod system;
 
@@ -25,7 +27,10 @@ use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use lower::Lowered;
 use model::scene::Damping;
-use model::{CheckedScene, Overrides};
+use model::{CheckedScene, Overrides, Setting};
+use questions::error::AskedError;
+use questions::{Requirement, Settled, Solved, Stages, Text};
+use syntax::tree::Tree;
 use system::LinearSystem;
 
 /// What a run found out about a model.
@@ -56,8 +61,23 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
 /// From the text of a model to a modal report of what is asked for. Where an accuracy that was asked for is not reached, the
 /// answer is there all the same, with the bounds that were.
 pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
+    analyze_until(sources, model, overrides, request, None)
+}
+
+/// The same with measures of the motion in time taken up to a time, s.
+pub fn analyze_until(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    request: &Request,
+    until: Option<&Number>,
+) -> Outcome<ModalAnswer> {
     let mut diagnostics = Diagnostics::new();
-    let answer = answered(sources, model, overrides, request, &mut diagnostics);
+    let answer = read(sources, model, overrides, until, &mut diagnostics).and_then(|read| {
+        let answer = answered(&read, request, &mut diagnostics)?;
+        let requirements = read.requirements(Some((&answer.modes, &answer.poles)), &mut diagnostics);
+        Some(ModalAnswer { requirements, solved: read.solved, ..answer })
+    });
     if let Some(ModalAnswer { system, modes, poles, .. }) = &answer
         && let Some(shortfall) = analysis::shortfall(system, modes, poles, request)
     {
@@ -66,15 +86,9 @@ pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, reque
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 
-fn answered(
-    sources: &Sources,
-    model: FileId,
-    overrides: &Overrides,
-    request: &Request,
-    diagnostics: &mut Diagnostics,
-) -> Option<ModalAnswer> {
-    let (name, lowered) = lowered(sources, model, overrides, diagnostics)?;
-    answer(name, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+fn answered(read: &Read, request: &Request, diagnostics: &mut Diagnostics) -> Option<ModalAnswer> {
+    let lowered = damped(&read.scene, diagnostics)?;
+    answer(read, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
 /// A model with its poles, ready for transfer tables.
@@ -90,8 +104,8 @@ pub struct Dynamics {
 /// From the text of a model to what transfer tables are computed from.
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     let mut diagnostics = Diagnostics::new();
-    let answer = answered(sources, model, overrides, &Request::default(), &mut diagnostics);
-    let answer = answer.map(|answer| {
+    let read = read(sources, model, overrides, None, &mut diagnostics);
+    let answer = read.and_then(|read| answered(&read, &Request::default(), &mut diagnostics)).map(|answer| {
         let ModalAnswer { model, system, modes, poles, .. } = answer;
         Dynamics { model, system, modes, poles }
     });
@@ -121,7 +135,7 @@ fn motion(
     times: &[Number],
     diagnostics: &mut Diagnostics,
 ) -> Option<Motion> {
-    let scene = checked_scene(sources, model, overrides, diagnostics)?;
+    let scene = read(sources, model, overrides, times.last(), diagnostics)?.scene;
     let system = damped(&scene, diagnostics)?.system;
     let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     let history = analysis::respond(&system, &drives, times);
@@ -182,13 +196,6 @@ fn emission(
     Some(Emission { model: scene.scene().name.clone(), system })
 }
 
-/// The diagnostics alone: everything up to the linear system.
-pub fn check(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<()> {
-    let mut diagnostics = Diagnostics::new();
-    let answer = lowered(sources, model, overrides, &mut diagnostics).map(|_| ());
-    Outcome { answer, diagnostics: diagnostics.sorted() }
-}
-
 /// The text of a model in its one layout; no answer where it is not in the grammar.
 pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     let mut diagnostics = Diagnostics::new();
@@ -199,16 +206,29 @@ pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 
-/// The model's name and its linear system.
-fn lowered(
+/// The diagnostics, and how the model's requirements stand.
+pub fn check(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    until: Option<&Number>,
+) -> Outcome<Vec<Requirement>> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = read(sources, model, overrides, until, &mut diagnostics).and_then(|read| {
+        damped(&read.scene, &mut diagnostics)?;
+        Some(read.requirements(None, &mut diagnostics))
+    });
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// The scene, with what it solves for at the values that were found.
+fn checked_scene(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
-) -> Option<(String, Lowered)> {
-    let scene = checked_scene(sources, model, overrides, diagnostics)?;
-    let lowered = damped(&scene, diagnostics)?;
-    Some((scene.scene().name.clone(), lowered))
+) -> Option<CheckedScene> {
+    read(sources, model, overrides, None, diagnostics).map(|read| read.scene)
 }
 
 /// The lowered scene with the damping that is declared for all of it.
@@ -230,12 +250,26 @@ fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered
     Some(lowered)
 }
 
-fn checked_scene(
-    sources: &Sources,
+/// A model that was read, with what it solves for at the values that were found.
+struct Read<'a> {
+    sources: &'a Sources,
+    overrides: &'a Overrides,
+    /// How long the motion in time is followed, where that is given, s.
+    until: Option<&'a Number>,
+    tree: Tree,
+    scene: CheckedScene,
+    settings: Vec<Setting>,
+    solved: Vec<Solved>,
+}
+
+/// What every run begins with: text to scene, and every `solve` settled.
+fn read<'a>(
+    sources: &'a Sources,
     model: FileId,
-    overrides: &Overrides,
+    overrides: &'a Overrides,
+    until: Option<&'a Number>,
     diagnostics: &mut Diagnostics,
-) -> Option<CheckedScene> {
+) -> Option<Read<'a>> {
     let files = [Some(model), overrides.settings, overrides.arguments];
     diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
     if diagnostics.has_errors() {
@@ -247,14 +281,57 @@ fn checked_scene(
     // A broken declaration does not hide what is wrong with the others.
     let checked = model::check(sources, &parsed.tree, overrides);
     diagnostics.extend(checked.diagnostics);
-    checked.scene.filter(|_| !broken)
+    let scene = checked.scene.filter(|_| !broken)?;
+    let tree = parsed.tree;
+    Read { sources, overrides, until, tree, scene, settings: Vec::new(), solved: Vec::new() }.solve(diagnostics)
 }
 
-fn answer(model: String, lowered: Lowered, request: &Request) -> Result<ModalAnswer, AnalysisError> {
+impl<'a> Read<'a> {
+    /// The scene with every unknown of its `solve` lines at its value; as it is where there are none.
+    fn solve(self, diagnostics: &mut Diagnostics) -> Option<Read<'a>> {
+        if self.scene.scene().solves.is_empty() {
+            return Some(self);
+        }
+        match self.asked(|text| questions::solve(text, &self.scene)) {
+            Ok(Settled { scene, settings, solved }) => Some(Read { scene, settings, solved, ..self }),
+            Err(errors) => {
+                diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
+                None
+            }
+        }
+    }
+
+    /// How the requirements stand; `known` modes and poles are not computed again.
+    fn requirements(&self, known: Option<(&Modes, &Poles)>, diagnostics: &mut Diagnostics) -> Vec<Requirement> {
+        if self.scene.scene().requires.is_empty() {
+            return Vec::new();
+        }
+        let known = known.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
+        let (list, errors) = self.asked(|text| questions::requirements(text, &self.scene, &self.settings, known));
+        diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
+        list
+    }
+
+    /// Asks something of the model, which may take it through all stages many times.
+    fn asked<T>(&self, ask: impl FnOnce(&Text) -> T) -> T {
+        let Read { sources, overrides, until, tree, .. } = self;
+        let stages = Stages {
+            lower: &|scene, diagnostics| damped(scene, diagnostics),
+            drives: &|scene, diagnostics| {
+                lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+            },
+        };
+        ask(&Text { sources, tree, overrides, stages, until: *until })
+    }
+}
+
+fn answer(read: &Read, lowered: Lowered, request: &Request) -> Result<ModalAnswer, AnalysisError> {
+    let model = read.scene.scene().name.clone();
     let Lowered { system, rest } = lowered;
     let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
     let buckling = analysis::buckling(&system);
-    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling })
+    let (solved, requirements) = (Vec::new(), Vec::new());
+    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling, solved, requirements })
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.
@@ -271,13 +348,14 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 6] = [
+const LIMITS: [&str; 7] = [
     "vib::rest::not_found",
     "vib::limit::modes",
     "vib::limit::range",
     "vib::limit::states",
     "vib::limit::signal",
     "vib::limit::tolerance",
+    "vib::require::undetermined",
 ];
 
 /// What says that a file which the model names could not be read.

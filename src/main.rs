@@ -60,7 +60,8 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
-    let analysis = vibc::analyze_as(&input.sources, input.model, &input.overrides, &options.request());
+    let until = options.measured.until.as_ref();
+    let analysis = vibc::analyze_until(&input.sources, input.model, &input.overrides, &options.request(), until);
     let status = failure(analysis.failure());
     show(&input.sources, analysis.diagnostics, messages);
     let Some(answer) = &analysis.answer else { return status };
@@ -70,7 +71,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Format::Text => backend::report::text(answer, &wanted),
         Format::Json => backend::json::json(answer, &wanted),
     };
-    // An accuracy that was not reached is told beside the answer.
+    // An accuracy that was not reached, or a requirement that fails, is told beside the answer.
     deliver(options.output.as_deref(), &text).max(status)
 }
 
@@ -240,10 +241,13 @@ fn deliver(output: Option<&Path>, text: &str) -> Status {
 fn check(options: &Check, messages: &Messages) -> Status {
     let checked = options.files.iter().map(|file| match read_all(file, &options.overrides) {
         Ok(input) => {
-            let outcome = vibc::check(&input.sources, input.model, &input.overrides);
+            let outcome = vibc::check(&input.sources, input.model, &input.overrides, options.measured.until.as_ref());
             let status = failure(outcome.failure());
+            let stand = outcome.answer.map_or(String::new(), |list| {
+                backend::report::requirements(&input.sources.file(input.model).name, &list)
+            });
             show(&input.sources, outcome.diagnostics, messages);
-            status
+            if stand.is_empty() { status } else { deliver(None, &stand).max(status) }
         }
         Err(unreadable) => unreadable.report(messages),
     });

@@ -8,13 +8,15 @@ use crate::base::{Ball, Number};
 use crate::system::Signal;
 
 /// A measured number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Measurement {
     Value(Ball),
     /// A resonance without damping, a free body under a steady load.
     Infinite,
     /// Why there is none.
     None(&'static str),
+    /// What stopped the analysis, in its own words.
+    Failed(String),
 }
 
 /// The i-th natural frequency without damping, Hz; i from 1. A rigid motion has the frequency 0.
@@ -27,6 +29,9 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
         Some(mode) if mode.kind == ModeKind::Undetermined => {
             Measurement::None("the sign of this mode's omega^2 is not certain")
         }
+        Some(mode) if mode.kind == ModeKind::Undetermined => {
+            Measurement::None("it is not certain whether this mode oscillates or diverges")
+        }
         Some(mode) => Measurement::Value(mode.omega / (Ball::from(2.0) * Ball::PI)),
     }
 }
@@ -35,6 +40,9 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
 pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
     let mut halves = 0;
     for pole in &poles.list {
+        if pole.kind == PoleKind::Undetermined {
+            return Measurement::None("it is not certain what kind of motion this is");
+        }
         let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
         halves += match (complex, pole.im.mid.hi > 0.0) {
             (true, true) => 2,
@@ -92,10 +100,22 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
     Measurement::Value(sizes.fold(Ball::ZERO, |sum, size| sum + size))
 }
 
+/// A steady load: the input, and its value.
+pub type Loads = Vec<(usize, Number)>;
+
+/// What stays on of a sum of signals: steps, ramps at their end, the last value of a table.
+pub fn lasting(signals: &[Signal]) -> Number {
+    signals.iter().fold(Number::ZERO, |sum, signal| match signal {
+        Signal::Step { value, .. } | Signal::Ramp { value, .. } => &sum + value,
+        Signal::Table { values, .. } => values.last().map_or(sum.clone(), |last| &sum + last),
+        _ => sum,
+    })
+}
+
 /// Where steady loads (input, value) bring an output: sum H(0) load.
 pub fn static_value(transfer: &Transfer, loads: &[(usize, Number)], output: usize) -> Measurement {
     let mut sum = Ball::ZERO;
-    for (input, load) in loads {
+    for (input, load) in loads.iter().filter(|(_, load)| !load.is_zero()) {
         match at(transfer, *input, output, &Number::ZERO) {
             Gain::Finite(disc) => {
                 let value = Ball::exact(disc.value.re).widen(disc.radius);

@@ -6,8 +6,10 @@ use super::decimal::{certain, certain_digits};
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{Buckling, Mode, ModeKind, Normalise, Pole, Share, Split, Stability, normalise, splits};
 use crate::base::{Ball, Dd};
+use crate::questions::answer::{Requirement, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::borrow::Cow;
 
 /// Matrices of more coordinates are shown on demand only.
 const MATRICES_UP_TO: usize = 200;
@@ -32,8 +34,8 @@ struct Report<'a> {
     splits: Vec<JsonSplit>,
     poles: Vec<JsonPole>,
     buckling: Option<JsonBuckling<'a>>,
-    solved: [(); 0],
-    requirements: [(); 0],
+    solved: Vec<JsonSolved<'a>>,
+    requirements: Vec<JsonRequirement<'a>>,
 }
 
 #[derive(serde::Serialize)]
@@ -156,6 +158,35 @@ struct JsonPole {
     damping_ratio_digits: Option<String>,
 }
 
+/// Value and bound in the parameter's own unit; the measure in SI, frequencies in Hz.
+#[derive(serde::Serialize)]
+struct JsonSolved<'a> {
+    parameter: &'a str,
+    value: f64,
+    unit: &'a str,
+    error_bound: f64,
+    si: f64,
+    measure: &'a str,
+    target: f64,
+    residual: f64,
+    residual_error_bound: Option<f64>,
+    slope: Option<f64>,
+    relative_slope: Option<f64>,
+    looked_at: usize,
+}
+
+/// In SI, frequencies in Hz.
+#[derive(serde::Serialize)]
+struct JsonRequirement<'a> {
+    text: &'a str,
+    holds: Option<bool>,
+    value: Option<f64>,
+    limit: Option<f64>,
+    margin: Option<f64>,
+    error_bound: Option<f64>,
+    told: Cow<'a, str>,
+}
+
 /// An object with a number for each name, in their order.
 struct ByName<'a> {
     names: &'a [String],
@@ -191,9 +222,49 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, names: &'a [Stri
         splits: splits(&answer.modes).iter().map(|split| json_split(split, options)).collect(),
         poles: answer.poles.list.iter().map(|pole| json_pole(pole, options)).collect(),
         buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names)),
-        solved: [],
-        requirements: [],
+        solved: answer.solved.iter().map(json_solved).collect(),
+        requirements: answer.requirements.iter().map(json_requirement).collect(),
     }
+}
+
+fn json_solved(solved: &Solved) -> JsonSolved<'_> {
+    let shown = solved.shown();
+    let value = shown.number.to_f64();
+    let rounding = (shown.number.mid - Dd::from(value)).abs().to_f64() + shown.number.rad;
+    JsonSolved {
+        parameter: &solved.parameter,
+        value,
+        unit: shown.unit,
+        error_bound: (solved.shown_bound() + rounding) / value.abs() * UP,
+        si: solved.value.to_f64(),
+        measure: &solved.measure,
+        target: solved.target.to_f64(),
+        residual: solved.residual.to_f64() + 0.0,
+        residual_error_bound: finite(solved.residual.rad),
+        slope: solved.slope.and_then(|slope| finite(slope.to_f64())),
+        relative_slope: solved.relative_slope().and_then(|slope| finite(slope.to_f64())),
+        looked_at: solved.looked_at,
+    }
+}
+
+fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
+    let value = match &requirement.value {
+        Value::Number(ball) => Some(ball),
+        _ => None,
+    };
+    JsonRequirement {
+        text: &requirement.text,
+        holds: requirement.holds,
+        value: value.map(|ball| ball.to_f64() + 0.0),
+        limit: requirement.limit.as_ref().map(|limit| limit.to_f64()),
+        margin: requirement.margin.and_then(|margin| finite(margin.to_f64() + 0.0)),
+        error_bound: value.and_then(|ball| finite(error_bound(ball))),
+        told: requirement.told(),
+    }
+}
+
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
 }
 
 /// As on the command line.

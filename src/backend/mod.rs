@@ -14,6 +14,7 @@ pub mod transfer;
 
 use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
 use crate::lower::Rest;
+use crate::questions::answer::{Requirement, Solved};
 use crate::system::LinearSystem;
 
 /// All that a modal report says.
@@ -28,6 +29,9 @@ pub struct ModalAnswer {
     pub stability: Stability,
     /// Where gravity, tensions or reactions take stiffness away.
     pub buckling: Option<Buckling>,
+    /// Parameters that were solved for, in order of their lines.
+    pub solved: Vec<Solved>,
+    pub requirements: Vec<Requirement>,
 }
 
 /// What of it is wanted, and how.

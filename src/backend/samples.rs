@@ -47,6 +47,8 @@ pub fn cart() -> ModalAnswer {
         poles: Poles { infinite: 0, list: poles, left_out: 0 },
         stability: Stability::Stable,
         buckling: None,
+        solved: Vec::new(),
+        requirements: Vec::new(),
     }
 }
 
@@ -85,6 +87,8 @@ pub fn free_pair() -> ModalAnswer {
         },
         stability: Stability::Neutral,
         buckling: None,
+        solved: Vec::new(),
+        requirements: Vec::new(),
     }
 }
 

@@ -6,11 +6,12 @@ use super::error::{NameError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
-use super::scene::{Comparison, InputId, InputKind, Measure, MotionTerm, Require, Solve};
-use super::scope::{self, DefinitionKind, Environment, Instance, State};
+use super::scene::{Comparison, InputId, InputKind, Measure, MotionTerm, Parameter, Question, Require, Solve, Written};
+use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, State};
 use super::suggestion::nearest;
-use super::value::Value;
-use crate::base::{Dimension, Name, Number, Span};
+use super::value::{Scalar, Value};
+use crate::base::unit::Scale;
+use crate::base::{Angle, Dimension, Name, Number, Quantity, Span};
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
 
 /// Every measure with its form.
@@ -59,24 +60,107 @@ impl<'a> Check<'a> {
         value: ExprId,
         environment: Environment,
     ) -> Evaluated<Solve> {
-        let name = self.solved_parameter(parameter, environment);
-        let measured = self.measure(measure, environment);
-        let (name, declared) = name?;
+        let id = self.solved_parameter(parameter, environment);
+        let measured = self.measure(measure, environment).map(|measured| (measured, self.tree.expr(measure).span));
+        let (id, declared) = id?;
         let low_value = self.like_parameter(low, &declared, environment);
-        let high_value = self.like_parameter(high, &declared, environment)?;
-        let low_value = low_value?;
+        let high_value = self.like_parameter(high, &declared, environment)?.si;
+        let like = low_value?;
+        let low_value = like.si.clone();
         if !(&high_value - &low_value).is_positive() {
             let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
             return self.fail(environment, QuestionError::RangeReversed { span });
         }
-        let measured = measured?;
-        let value = self.value_of_measure(&measured, value, environment)?;
-        let (low, high) = (low_value, high_value);
-        Ok(Solve { parameter: name, span: parameter.span, low, high, measure: measured.measure, value })
+        let (measured, at) = measured?;
+        let question = self.question(measured, at, value, environment)?;
+        let mut found = self.parameter(id, &declared);
+        if declared.bare_zero {
+            // Declared as a plain `0`: the range says what it is.
+            found.value = Quantity { si: Number::ZERO, ..like };
+            found.unit = self.written(low, found.value.dimension);
+        }
+        Ok(Solve { parameter: found, span: parameter.span, low: low_value, high: high_value, question })
+    }
+
+    /// Every `param` that is a number.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let ids = (0..).map(DefinitionId).zip(&self.definitions);
+        let numbers = ids.filter_map(|(id, definition)| match (definition.kind, &definition.state) {
+            (DefinitionKind::Param, State::Settled(Ok(Value::Scalar(value)))) => Some(self.parameter(id, value)),
+            _ => None,
+        });
+        numbers.collect()
+    }
+
+    /// A parameter with the value in use.
+    pub fn parameter(&self, id: DefinitionId, value: &Scalar) -> Parameter {
+        let definition = &self.definitions[id.0 as usize];
+        let mut unit = self.written(definition.expr, value.quantity.dimension);
+        if unit.text.is_empty() && value.quantity.dimension == Dimension::FREQUENCY {
+            unit.text = if value.quantity.angle == Angle::Radians { "rad/s" } else { "1/s" }.to_string();
+        }
+        Parameter {
+            name: self.words.display(definition.name),
+            span: definition.span,
+            value: value.quantity.clone(),
+            unit,
+        }
+    }
+
+    /// The unit of the first number of this dimension in an expression; the usual one where there is none.
+    fn written(&self, expr: ExprId, dimension: Dimension) -> Written {
+        self.unit_in(expr, dimension)
+            .unwrap_or_else(|| Written { text: usual_unit(dimension), factor: Some(Number::ONE) })
+    }
+
+    fn unit_in(&self, expr: ExprId, dimension: Dimension) -> Option<Written> {
+        let node = self.tree.expr(expr);
+        match node.kind {
+            ExprKind::Literal { number_len } => {
+                let text = self.sources.slice(node.span).get(usize::from(number_len)..)?.trim();
+                let unit = self.units.get(text).filter(|unit| unit.dimension == dimension)?;
+                let factor = match &unit.scale {
+                    Scale::Linear(factor) => Some(factor.clone()),
+                    Scale::Decibel => None,
+                };
+                Some(Written { text: text.to_string(), factor })
+            }
+            ExprKind::Negate { operand } => self.unit_in(operand, dimension),
+            ExprKind::Binary { left, right, .. } => {
+                self.unit_in(left, dimension).or_else(|| self.unit_in(right, dimension))
+            }
+            _ => None,
+        }
+    }
+
+    /// A measure with what it is compared with.
+    fn question(
+        &mut self,
+        measured: Measured,
+        at: Span,
+        value: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Question> {
+        let number = self.value_of_measure(&measured, value, environment)?;
+        let radians = match (&measured.measure, self.evaluate(value, environment)?) {
+            (Measure::Frequency { .. }, Value::Scalar(Scalar { quantity, .. })) => {
+                (quantity.angle == Angle::Radians).then_some(quantity.si)
+            }
+            _ => None,
+        };
+        let mut unit = self.written(value, measured.dimension);
+        if unit.text.is_empty() {
+            unit.text = match measured.measure {
+                Measure::Phase { .. } => "rad".to_string(),
+                Measure::Frequency { .. } => if radians.is_some() { "rad/s" } else { "Hz" }.to_string(),
+                _ => unit.text,
+            };
+        }
+        Ok(Question { measure: measured.measure, span: at, value: number, radians, unit })
     }
 
     /// The parameter that `solve` looks for, with its declared value.
-    fn solved_parameter(&mut self, ident: Ident, environment: Environment) -> Evaluated<(Name, super::value::Scalar)> {
+    fn solved_parameter(&mut self, ident: Ident, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
         let name = self.name(ident, environment)?;
         let Some(id) = self.values.get(name) else {
             let error = self.unknown_value(ident, Some(name));
@@ -86,7 +170,7 @@ impl<'a> Check<'a> {
         definition.used = true;
         let (kind, declared) = (definition.kind, definition.span);
         match (kind, definition.state.clone()) {
-            (DefinitionKind::Param, State::Settled(Ok(Value::Scalar(value)))) => Ok((name, value)),
+            (DefinitionKind::Param, State::Settled(Ok(Value::Scalar(value)))) => Ok((id, value)),
             (DefinitionKind::Param, _) => Err(Stop::Reported),
             _ => {
                 let word = self.words.display(name);
@@ -96,18 +180,13 @@ impl<'a> Check<'a> {
     }
 
     /// A bound of a parameter's range: a number like the parameter's own.
-    fn like_parameter(
-        &mut self,
-        expr: ExprId,
-        declared: &super::value::Scalar,
-        environment: Environment,
-    ) -> Evaluated<Number> {
+    fn like_parameter(&mut self, expr: ExprId, declared: &Scalar, environment: Environment) -> Evaluated<Quantity> {
         let value = self.evaluate(expr, environment)?;
         let given = self.as_scalar(&value, expr, environment, &super::overrides::ANY_NUMBER)?;
         match super::overrides::like(declared, given) {
             Ok(scalar) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
-                Ok(scalar.quantity.si)
+                Ok(scalar.quantity)
             }
             Err(unlike) => {
                 let span = self.tree.expr(expr).span;
@@ -122,10 +201,9 @@ impl<'a> Check<'a> {
             let DeclKind::Rare { index } = decl.kind else { continue };
             let Rare::Require { condition } = self.tree.rare[index as usize] else { continue };
             self.walk.varies = false;
-            if let Ok((measure, limit)) = self.requirement(condition, environment) {
+            if let Ok((question, comparison)) = self.requirement(condition, environment) {
                 let span = self.tree.expr(condition).span;
-                let text = self.sources.slice(span).to_string();
-                self.scene.requires.push(Require { span, text, measure, limit });
+                self.scene.requires.push(Require { span, question, comparison });
             }
         }
     }
@@ -135,12 +213,12 @@ impl<'a> Check<'a> {
         &mut self,
         condition: ExprId,
         environment: Environment,
-    ) -> Evaluated<(Measure, Option<(Comparison, Number)>)> {
+    ) -> Evaluated<(Question, Option<Comparison>)> {
         let node = *self.tree.expr(condition);
         let ExprKind::Binary { operator, left, right } = node.kind else {
             let measured = self.measure(condition, environment)?;
             return match measured.measure {
-                Measure::Stable => Ok((Measure::Stable, None)),
+                Measure::Stable => Ok((stable(node.span), None)),
                 _ => self.fail(environment, QuestionError::RequireWhat { span: node.span }),
             };
         };
@@ -150,8 +228,8 @@ impl<'a> Check<'a> {
         let (measure, value, comparison) =
             if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
         let measured = self.measure(measure, environment)?;
-        let value = self.value_of_measure(&measured, value, environment)?;
-        Ok((measured.measure, Some((comparison, value))))
+        let at = self.tree.expr(measure).span;
+        Ok((self.question(measured, at, value, environment)?, Some(comparison)))
     }
 
     fn is_measure(&self, expr: ExprId) -> bool {
@@ -326,6 +404,17 @@ impl<'a> Check<'a> {
         };
         self.number(expr, environment, &expected)
     }
+}
+
+/// `stable`, which is compared with nothing.
+fn stable(span: Span) -> Question {
+    let unit = Written { text: String::new(), factor: Some(Number::ONE) };
+    Question { measure: Measure::Stable, span, value: Number::ZERO, radians: None, unit }
+}
+
+/// Base units where a dimension has two usual ones.
+fn usual_unit(dimension: Dimension) -> String {
+    if dimension == Dimension::FREQUENCY { String::new() } else { dimension.usual_unit() }
 }
 
 fn comparison(operator: Binary) -> Option<Comparison> {

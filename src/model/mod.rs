@@ -15,7 +15,6 @@ mod ends;
 mod error;
 mod evaluate;
 mod expect;
-mod features;
 mod fields;
 mod freedoms;
 mod inputs;
@@ -36,7 +35,7 @@ mod unknown;
 mod value;
 
 use crate::base::unit::Unit;
-use crate::base::{Code, Diagnostics, FileId, Literals, Sources, Span, Symbol, Vec3, Words};
+use crate::base::{Code, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words};
 use crate::syntax::tree::Tree;
 use bodies::Directions;
 use collect::Instances;
@@ -45,7 +44,7 @@ use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
 use overrides::Given;
-use scene::{BaseId, BodyId, Scene, TableRows};
+use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -87,8 +86,17 @@ pub struct Checked {
 
 /// The scene that a tree means.
 pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
+    check_with(sources, tree, overrides, &[])
+}
+
+/// A parameter by its name, `k` or `m[3]`, and a value like its declared one.
+pub type Setting = (String, Quantity);
+
+/// The same with some parameters at other values, whatever the model or the overrides say.
+pub fn check_with(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Checked {
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
+    check.set(values);
     check.collect();
     check.overridden_names();
     check.settle_definitions();
@@ -106,8 +114,17 @@ pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
     check.solves();
     check.requires();
     check.unused();
-    check.features();
     check.finish()
+}
+
+/// Every `param` that is a number, with the value in use, in order of declaration.
+pub fn parameters(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Vec<Parameter> {
+    let mut check = Check::new(sources, tree, overrides.literals);
+    check.overrides(overrides);
+    check.set(values);
+    check.collect();
+    check.settle_definitions();
+    check.parameters()
 }
 
 /// The check in progress.

@@ -31,6 +31,8 @@ pub struct Override {
 #[derive(Debug, Default)]
 pub struct Given {
     values: Table<Name, Override>,
+    /// What an analysis tries: wins over everything.
+    trials: Table<Name, Scalar>,
     /// Every name in order of mention, and where.
     names: Vec<(Name, Span)>,
 }
@@ -60,6 +62,16 @@ impl<'a> Check<'a> {
         if let Some(file) = overrides.arguments {
             let settings = self.arguments(file);
             self.take_settings(settings);
+        }
+    }
+
+    /// Takes what an analysis tries.
+    pub fn set(&mut self, values: &[super::Setting]) {
+        for (name, quantity) in values {
+            let scalar = Scalar { quantity: quantity.clone(), bare_zero: false };
+            if let Some(name) = self.read_name(name) {
+                self.overrides.trials.insert(name, scalar);
+            }
         }
     }
 
@@ -153,6 +165,9 @@ impl<'a> Check<'a> {
     /// The value that a parameter has, given its declared one.
     pub fn overridden(&mut self, id: DefinitionId, declared: Scalar) -> Evaluated<Scalar> {
         let name = self.definitions[id.0 as usize].name;
+        if let Some(tried) = self.overrides.trials.get(&name) {
+            return Ok(tried.clone());
+        }
         let Some(Override { value, span }) = self.overrides.values.get(&name) else { return Ok(declared) };
         let span = *span;
         match like(&declared, value) {

@@ -4,7 +4,7 @@
 //! (a `repeat` unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a
 //! million bodies has many more ends than places.
 
-use crate::base::{Name, Number, Span, Vec3, Words};
+use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
 use std::sync::Arc;
 
 macro_rules! id {
@@ -325,26 +325,58 @@ pub enum Damping {
     Rayleigh { alpha: Number, beta: Number, span: Span },
 }
 
+/// A `param` with the value in use: what `solve` and sensitivities vary.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// With its indices, as in a model: `k`, `m[3]`.
+    pub name: String,
+    /// The word that declares it.
+    pub span: Span,
+    pub value: Quantity,
+    pub unit: Written,
+}
+
+/// The unit that a number was written in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// `N*m/rad`, `%`, `dB`; empty for a plain number.
+    pub text: String,
+    /// The SI value of one of it; `None` for `dB`, which is no multiple.
+    pub factor: Option<Number>,
+}
+
+/// A measure, what it is compared with, and how both were written.
+#[derive(Clone, Debug)]
+pub struct Question {
+    pub measure: Measure,
+    /// Of the measure as written.
+    pub span: Span,
+    /// In SI, a frequency in Hz, an angle in radians.
+    pub value: Number,
+    /// The same as an angular frequency, rad/s, where it was written as one: what may be exact.
+    pub radians: Option<Number>,
+    pub unit: Written,
+}
+
 /// `solve p in low .. high: measure = value`.
 #[derive(Clone, Debug)]
 pub struct Solve {
-    pub parameter: Name,
+    pub parameter: Parameter,
+    /// The parameter as named in the line.
     pub span: Span,
     pub low: Number,
     pub high: Number,
-    pub measure: Measure,
-    pub value: Number,
+    pub question: Question,
 }
 
 /// `require left < right`; `require stable` is a measure alone.
 #[derive(Clone, Debug)]
 pub struct Require {
+    /// The whole comparison.
     pub span: Span,
-    /// As written, for the report.
-    pub text: String,
-    pub measure: Measure,
-    /// `None` for `stable`.
-    pub limit: Option<(Comparison, Number)>,
+    pub question: Question,
+    /// How the measure has to compare; `None` for `stable`.
+    pub comparison: Option<Comparison>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,12 +5,14 @@
 mod matrices;
 mod modes;
 mod poles;
+pub(super) mod questions;
 mod rest;
 pub(super) mod table;
 
 use super::diagnostics::readable;
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{ModeKind, Share, Stability};
+use crate::questions::answer::Requirement;
 use crate::system::{CoordinateKind, LinearSystem};
 
 /// Columns that a report fills at most, long names aside.
@@ -21,6 +23,8 @@ const INDENT: usize = 2;
 /// The report, ending in a line feed.
 pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let sections = [
+        questions::solved(&answer.solved),
+        questions::requirements(&answer.requirements),
         rest::text(answer, options),
         matrices::text(answer, options),
         modes::table(answer, options),
@@ -33,6 +37,11 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
         text += section;
     }
     text
+}
+
+/// How the requirements of a file stand, below its name; nothing where it has none.
+pub fn requirements(file: &str, list: &[Requirement]) -> String {
+    questions::checked(&readable(file), list)
 }
 
 /// `cart · 2 freedoms, linearised about a stable rest`

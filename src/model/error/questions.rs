@@ -30,7 +30,6 @@ pub enum QuestionError {
     Unused { span: Span, name: String, kind: DefinitionKind },
     Idle { span: Span, name: String, word: &'static str, why: &'static str },
     IdleGravity { span: Span },
-    NotAvailable { span: Span, what: &'static str },
 }
 
 impl QuestionError {
@@ -107,10 +106,6 @@ impl QuestionError {
             }
             IdleGravity { span } => {
                 Diagnostic::note(Code("vib::unused::gravity"), span, "gravity moves nothing in this scene")
-            }
-            NotAvailable { span, what } => {
-                error("vib::feature::not_available", span, format!("{what} is not available in this version"))
-                    .help("it is checked already; analyses take it into account in a later version")
             }
         }
     }

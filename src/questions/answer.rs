@@ -1,0 +1,156 @@
+//! What was found out about the lines `solve` and `require`: plain data for reports.
+
+use crate::base::{Ball, Number, Span};
+use crate::model::scene::Written;
+use std::borrow::Cow;
+
+/// A parameter that was solved for.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// `k`, `m[3]`
+    pub parameter: String,
+    /// Where the line names it.
+    pub span: Span,
+    /// SI; the rest of the report is about the model with exactly this number.
+    pub value: Number,
+    /// How it is shown.
+    pub unit: Written,
+    /// Bound of |value - root|, SI.
+    pub bound: f64,
+    /// The measure as written.
+    pub measure: String,
+    /// What it should be, and how it is shown.
+    pub target: Number,
+    pub target_unit: Written,
+    /// Both are frequencies that were written in rad/s.
+    pub in_radians: bool,
+    /// The measure less what it should be, at this value.
+    pub residual: Ball,
+    /// Derivative of the measure by the parameter, SI; `None` where the measure has none.
+    pub slope: Option<Ball>,
+    /// At so many values of the range the measure was looked at.
+    pub looked_at: usize,
+}
+
+/// A requirement and how it stands.
+#[derive(Clone, Debug)]
+pub struct Requirement {
+    /// As written.
+    pub text: String,
+    pub span: Span,
+    /// `None` where the bound cannot decide, or where the measure has no value.
+    pub holds: Option<bool>,
+    pub value: Value,
+    /// `None` for `stable`.
+    pub limit: Option<Number>,
+    /// How far from its limit, relative to it (absolute where the limit is 0): positive where it holds.
+    pub margin: Option<Ball>,
+    /// How value and limit are shown.
+    pub unit: Written,
+    /// Value and limit are frequencies that were written in rad/s.
+    pub in_radians: bool,
+}
+
+/// What a measure came to.
+#[derive(Clone, Debug)]
+pub enum Value {
+    Number(Ball),
+    Infinite,
+    /// A word: `stable`, or why there is no number.
+    Said(String),
+}
+
+/// A number in the unit that it is shown in.
+#[derive(Clone, Debug)]
+pub struct Shown<'a> {
+    pub number: Ball,
+    /// Exact where the number is.
+    pub exact: Option<Number>,
+    /// Empty for a plain number.
+    pub unit: &'a str,
+}
+
+impl Solved {
+    /// The value in the parameter's own unit.
+    pub fn shown(&self) -> Shown<'_> {
+        shown(&self.value, &self.unit, false)
+    }
+
+    /// The bound in the parameter's own unit.
+    pub fn shown_bound(&self) -> f64 {
+        self.bound / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs())
+    }
+
+    /// What the measure should be, as it was written.
+    pub fn shown_target(&self) -> Shown<'_> {
+        shown(&self.target, &self.target_unit, self.in_radians)
+    }
+
+    /// (p / f) df/dp: the relative change of the measure for a relative change of the parameter.
+    pub fn relative_slope(&self) -> Option<Ball> {
+        let target = self.target.to_ball();
+        let slope = self.slope? * self.value.to_ball() / target;
+        slope.is_finite().then_some(slope)
+    }
+}
+
+impl Requirement {
+    pub fn shown_value(&self) -> Option<Shown<'_>> {
+        match &self.value {
+            Value::Number(ball) if self.limit.is_some() => {
+                Some(shown(&Number::Ball(*ball), &self.unit, self.in_radians))
+            }
+            _ => None,
+        }
+    }
+
+    pub fn shown_limit(&self) -> Option<Shown<'_>> {
+        self.limit.as_ref().map(|limit| shown(limit, &self.unit, self.in_radians))
+    }
+
+    /// What the measure came to, in words.
+    pub fn told(&self) -> Cow<'_, str> {
+        match (&self.value, self.shown_value()) {
+            (_, Some(shown)) => Cow::Owned(told(&shown)),
+            (Value::Said(text), _) => Cow::Borrowed(text),
+            (Value::Infinite, _) => Cow::Borrowed("infinite"),
+            (Value::Number(ball), None) => Cow::Owned(few_digits(ball.to_f64())),
+        }
+    }
+}
+
+/// A number (a frequency in Hz) in the unit that was written; a level where that was one of decibels.
+pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> {
+    let turned = if in_radians { si * &(&Number::pi() * &Number::from(2)) } else { si.clone() };
+    let number = match &unit.factor {
+        Some(factor) => &turned / factor,
+        None => decibel(&turned),
+    };
+    let exact = number.exact().map(|_| number.clone());
+    Shown { number: number.to_ball(), exact, unit: &unit.text }
+}
+
+/// 20 log10 of an amplitude ratio; unknown for zero.
+fn decibel(ratio: &Number) -> Number {
+    let unknown = Number::Ball(Ball::from(0.0).widen(f64::INFINITY));
+    match (ratio.abs().ln(), Number::from(10).ln()) {
+        (Some(level), Some(ten)) => &(&level * &Number::from(20)) / &ten,
+        _ => unknown,
+    }
+}
+
+/// A number and its unit, for a sentence.
+pub fn told(shown: &Shown) -> String {
+    let number = few_digits(shown.number.to_f64());
+    match shown.unit {
+        "" => number,
+        unit => format!("{number} {unit}"),
+    }
+}
+
+/// At most six digits.
+pub fn few_digits(x: f64) -> String {
+    let short: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    let size = short.abs();
+    if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{short:e}") } else { format!("{}", short + 0.0) }
+}

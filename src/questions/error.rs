@@ -1,0 +1,160 @@
+//! What is wrong with what a model asks: facts, and the diagnostics that they turn into.
+
+use crate::base::{Code, Diagnostic, Span};
+
+/// A parameter and a value of it, in words: `k`, `12 N/m`.
+pub type Told = String;
+
+/// What stops `solve`, and what a requirement that does not hold says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AskedError {
+    NoRoot { span: Span, measure: String, target: Told, name: String, range: (Told, Told), reach: Reach },
+    SeveralRoots { span: Span, measure: String, target: Told, name: String, roots: Vec<Told> },
+    Independent { span: Span, measure: String, at: Span, name: String },
+    NoValue { span: Span, measure: String, name: String, range: (Told, Told), why: String },
+    Twice { span: Span, name: String, first: Span },
+    Singular { span: Span, names: Vec<String>, others: Vec<Span> },
+    Apart { span: Span, names: Vec<String>, others: Vec<Span>, nearest: Vec<(String, Told)>, left: Vec<Told> },
+    SeveralTogether { span: Span, names: Vec<String>, others: Vec<Span>, roots: Vec<String> },
+    Fails { span: Span, value: Told, by: String, mover: Option<Mover> },
+    Undetermined { span: Span, value: Told, limit: Told, bound: String },
+    NoNumber { span: Span, why: String },
+}
+
+/// What a measure did over a range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// The least and the largest value, and where.
+    pub least: (Told, Told),
+    pub largest: (Told, Told),
+    /// Where it jumps over what it should be.
+    pub jump: Option<Told>,
+    /// Somewhere in the range it had no value: why.
+    pub gap: Option<String>,
+}
+
+/// The parameter that moves a measure most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mover {
+    pub name: String,
+    pub declared: Span,
+    /// Change of the measure in percent for one percent of the parameter.
+    pub percent: String,
+    /// About what value would do; `None` where a straight line does not reach there with the parameter's sign kept.
+    pub wanted: Option<Told>,
+    pub value: Told,
+}
+
+impl AskedError {
+    pub fn code(&self) -> Code {
+        Code(match self {
+            AskedError::NoRoot { .. } | AskedError::Apart { .. } => "vib::solve::no_root",
+            AskedError::SeveralRoots { .. } | AskedError::SeveralTogether { .. } => "vib::solve::several_roots",
+            AskedError::Independent { .. } => "vib::solve::independent",
+            AskedError::NoValue { .. } => "vib::solve::no_value",
+            AskedError::Twice { .. } => "vib::solve::twice",
+            AskedError::Singular { .. } => "vib::solve::singular",
+            AskedError::Fails { .. } => "vib::require::fails",
+            AskedError::Undetermined { .. } => "vib::require::undetermined",
+            AskedError::NoNumber { .. } => "vib::require::no_value",
+        })
+    }
+
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        use AskedError::*;
+        let error = |span: &Span, message: String| Diagnostic::error(self.code(), *span, message);
+        match self {
+            NoRoot { span, measure, target, name, range, reach } => {
+                let message = format!("no `{name}` in {} .. {} makes `{measure}` {target}", range.0, range.1);
+                let (least, largest) = (&reach.least, &reach.largest);
+                let seen = format!(
+                    "it goes from {} at {name} = {} to {} at {name} = {}",
+                    least.0, least.1, largest.0, largest.1
+                );
+                let jump = reach.jump.as_ref().map_or(String::new(), |at| format!(", and jumps over it near {at}"));
+                let gap = reach.gap.as_ref().map_or(String::new(), |why| format!("; for some values {why}"));
+                error(span, message)
+                    .label(seen + &jump + &gap)
+                    .help("ask for a value that is reached, or search in another range")
+            }
+            SeveralRoots { span, measure, target, name, roots } => {
+                let message = format!("{} values of `{name}` make `{measure}` {target}", roots.len());
+                error(span, message)
+                    .label(format!("{name} = {}", listed(roots)))
+                    .help("narrow the range to the one that is meant")
+            }
+            Independent { span, measure, at, name } => error(span, format!("`{measure}` does not depend on `{name}`"))
+                .label("the same for every value that was tried")
+                .related(*at, "this measure")
+                .help("solve for a parameter that the measure depends on"),
+            NoValue { span, measure, name, range, why } => {
+                let message = format!("`{measure}` has no value for any `{name}` in {} .. {}", range.0, range.1);
+                error(span, message).label(why.clone()).help("ask for another measure, or search in another range")
+            }
+            Twice { span, name, first } => error(span, format!("`{name}` is solved for twice"))
+                .related(*first, "here first")
+                .help("let each `solve` line look for a parameter of its own"),
+            Singular { span, names, others } => {
+                let message = format!("these conditions do not settle {}", quoted(names));
+                together(error(span, message), others)
+                    .label("the parameters can change together in a way that changes none of the measures")
+                    .help("solve for parameters that move the measures in different ways")
+            }
+            Apart { span, names, others, nearest, left } => {
+                let message = format!("no values of {} in their ranges meet these conditions together", quoted(names));
+                let at: Vec<String> = nearest.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+                together(error(span, message), others)
+                    .label(format!("nearest: {}, where the measures are {}", at.join(", "), listed(left)))
+                    .help("ask for values that are reached together, or search in other ranges")
+            }
+            SeveralTogether { span, names, others, roots } => {
+                let message = format!("{} sets of values of {} meet these conditions", roots.len(), quoted(names));
+                together(error(span, message), others)
+                    .label(roots.join("; or "))
+                    .help("narrow the ranges to the set that is meant")
+            }
+            Fails { span, value, by, mover } => {
+                let finding = error(span, "this requirement does not hold".to_string())
+                    .label(format!("it is {value}, which misses by {by}"));
+                match mover {
+                    None => finding.help("no parameter moves it"),
+                    Some(mover) => moved_by(finding, mover),
+                }
+            }
+            Undetermined { span, value, limit, bound } => error(span, "this requirement cannot be decided".to_string())
+                .label(format!("it is {value} within {bound}, and so is the limit {limit}"))
+                .help("move the limit by more than the bound"),
+            NoNumber { span, why } => error(span, "what this requirement compares has no value".to_string())
+                .label(why.clone())
+                .help("ask for what the scene has"),
+        }
+    }
+}
+
+fn moved_by(finding: Diagnostic, mover: &Mover) -> Diagnostic {
+    let Mover { name, declared, percent, wanted, value } = mover;
+    let moves = format!("`{name}` moves it most: {percent} % for each percent of `{name}`");
+    let help = match wanted {
+        Some(wanted) => format!("{moves}; about {name} = {wanted} would do"),
+        None => moves,
+    };
+    finding.related(*declared, format!("{value} now")).help(help)
+}
+
+fn together(finding: Diagnostic, others: &[Span]) -> Diagnostic {
+    others.iter().fold(finding, |finding, span| finding.related(*span, "together with this"))
+}
+
+fn quoted(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    listed(&quoted)
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}

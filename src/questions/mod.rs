@@ -1,0 +1,23 @@
+//! What a model asks: parameters that are solved for, requirements, and what moves them. In: the text, to be tried with
+//! parameters at other values. Out: the scene with what was solved, and an answer or a finding for each line.
+//! Clause: spec.md, "Measures, `solve`, `require`".
+//!
+//! # Steps
+//! 1. [`trial`]: values of parameters to a scene, a system, and the measures asked
+//! 2. [`together`]: the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
+//! 3. [`require`]: whether measures keep their limits, and by how much
+
+pub mod answer;
+mod derivative;
+pub mod error;
+mod newton;
+mod probe;
+mod require;
+mod search;
+mod together;
+pub mod trial;
+
+pub use answer::{Requirement, Solved};
+pub use require::requirements;
+pub use together::{Settled, solve};
+pub use trial::{Stages, Text};

@@ -1,0 +1,290 @@
+//! Several unknowns at once: Newton's method from many places of their ranges. In: equations that depend on each other's
+//! unknowns. Out: the one set of values that meets them all, or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
+
+use super::derivative::step;
+use super::error::AskedError;
+use super::search::{Difference, Root, exactly};
+use super::together::{Pairing, Unknowns, between, known};
+use crate::base::{Ball, Dd, Number};
+
+/// Places along each range from which the method starts, for so many unknowns.
+fn starts_of(unknowns: usize) -> i64 {
+    match unknowns {
+        2 => 7,
+        3 => 4,
+        4 => 3,
+        _ => 2,
+    }
+}
+
+/// Starts at most.
+const MOST_STARTS: usize = 128;
+const MOST_STEPS: usize = 60;
+/// Below this determinant, rows and columns scaled to one, the measures move as one.
+const SINGULAR: f64 = 1e-9;
+
+/// Where one start ended.
+struct End {
+    x: Vec<Dd>,
+    /// The sum of |difference|, each by its size over the ranges.
+    size: f64,
+    differences: Vec<Ball>,
+    /// It came as near as the measures can say.
+    arrived: bool,
+    singular: bool,
+}
+
+/// Settles the unknowns of a group.
+pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<AskedError>> {
+    let problem = Problem::of(unknowns, group);
+    let ends: Vec<End> = problem.starts().into_iter().filter_map(|start| problem.descend(start)).collect();
+    let mut roots: Vec<&End> = Vec::new();
+    for end in ends.iter().filter(|end| end.arrived) {
+        if !roots.iter().any(|known| problem.same(&known.x, &end.x)) {
+            roots.push(end);
+        }
+    }
+    let list: Vec<usize> = group.iter().map(|(_, unknown)| *unknown).collect();
+    if roots.iter().any(|root| root.singular) || roots.len() > MOST_TOLD {
+        return Err(vec![unknowns.singular(&list)]);
+    }
+    match roots[..] {
+        [root] => {
+            let within = problem.bound(root).ok_or_else(|| vec![unknowns.singular(&list)])?;
+            let (x, looks) = (root.x.clone(), problem.looks.get());
+            for (i, &(equation, unknown)) in group.iter().enumerate() {
+                unknowns.take(equation, unknown, &Root { near: x[i], within: within[i] }, looks);
+            }
+            Ok(())
+        }
+        [] => Err(vec![problem.nothing(&ends, &list)]),
+        _ => Err(vec![problem.several(&roots, &list)]),
+    }
+}
+
+/// More sets of values than this are a curve of them.
+const MOST_TOLD: usize = 6;
+
+struct Problem<'a, 'b> {
+    unknowns: &'a Unknowns<'b>,
+    group: &'a [Pairing],
+    equations: Vec<usize>,
+    low: Vec<Dd>,
+    high: Vec<Dd>,
+    looks: std::cell::Cell<usize>,
+}
+
+impl<'a, 'b> Problem<'a, 'b> {
+    fn of(unknowns: &'a Unknowns<'b>, group: &'a [Pairing]) -> Problem<'a, 'b> {
+        let ends = |of: fn(&crate::model::scene::Solve) -> &Number| {
+            group.iter().map(|&(_, unknown)| of(&unknowns.solves[unknown]).to_ball().mid).collect()
+        };
+        let equations = group.iter().map(|(equation, _)| *equation).collect();
+        let (low, high) = (ends(|solve| &solve.low), ends(|solve| &solve.high));
+        Problem { unknowns, group, equations, low, high, looks: std::cell::Cell::new(0) }
+    }
+
+    /// Places in the middle of equal parts of the ranges, in all combinations.
+    fn starts(&self) -> Vec<Vec<Dd>> {
+        let parts = starts_of(self.group.len());
+        let mut starts: Vec<Vec<Dd>> = vec![Vec::new()];
+        for &(_, unknown) in self.group {
+            let solve = &self.unknowns.solves[unknown];
+            let places: Vec<Dd> =
+                (0..parts).map(|i| between(&solve.low, &solve.high, 2 * i + 1, 2 * parts).to_ball().mid).collect();
+            let longer = |start: &Vec<Dd>| {
+                places.iter().map(|place| start.iter().copied().chain([*place]).collect()).collect::<Vec<Vec<Dd>>>()
+            };
+            starts = starts.iter().flat_map(longer).take(MOST_STARTS).collect();
+        }
+        starts
+    }
+
+    fn differences(&self, x: &[Dd]) -> Option<Vec<Ball>> {
+        self.looks.set(self.looks.get() + 1);
+        let mut values = self.unknowns.values.clone();
+        for (&(_, unknown), &x) in self.group.iter().zip(x) {
+            values[unknown] = exactly(x);
+        }
+        self.unknowns.differences(&self.equations, &values).into_iter().map(known).collect()
+    }
+
+    /// Rows: equations; columns: unknowns.
+    fn jacobian(&self, x: &[Dd], differences: &[Ball]) -> Option<Vec<Vec<f64>>> {
+        let mut columns = Vec::new();
+        for i in 0..x.len() {
+            let scale = exactly((self.high[i] - self.low[i]).abs());
+            let relative =
+                (differences.iter().enumerate()).map(|(e, ball)| ball.rad / self.target(e)).fold(0.0, f64::max);
+            let h = step(&exactly(x[i]), &scale, relative).to_ball().mid;
+            let moved = |h: Dd| {
+                let mut moved = x.to_vec();
+                moved[i] += h;
+                self.differences(&moved)
+            };
+            let (after, before) = (moved(h)?, moved(-h)?);
+            let column = after.iter().zip(&before).map(|(a, b)| ((a.mid - b.mid) / (h + h)).to_f64());
+            columns.push(column.collect::<Vec<f64>>());
+        }
+        Some((0..x.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
+    }
+
+    /// The size of what an equation compares with.
+    fn target(&self, equation: usize) -> f64 {
+        self.unknowns.solves[self.equations[equation]].question.value.to_f64().abs().max(f64::MIN_POSITIVE)
+    }
+
+    /// Newton steps, shortened until they bring the measures nearer, inside the ranges.
+    fn descend(&self, start: Vec<Dd>) -> Option<End> {
+        let mut x = start;
+        let mut here = self.differences(&x)?;
+        let size = |differences: &[Ball]| -> f64 {
+            differences.iter().enumerate().map(|(e, d)| d.to_f64().abs() / self.target(e)).sum()
+        };
+        let mut singular = false;
+        for _ in 0..MOST_STEPS {
+            if here.iter().all(Ball::contains_zero) {
+                break;
+            }
+            let Some(jacobian) = self.jacobian(&x, &here) else { break };
+            singular = self.is_singular(&jacobian);
+            let rhs: Vec<Dd> = here.iter().map(|d| d.mid).collect();
+            let Some(full) = solve_linear(&jacobian, &rhs) else {
+                singular = true;
+                break;
+            };
+            let mut part = 1.0;
+            let mut better = None;
+            while part > 1e-4 && better.is_none() {
+                let next: Vec<Dd> = (0..x.len()).map(|i| self.inside(i, x[i] - full[i].scale(part))).collect();
+                better = self.differences(&next).filter(|there| size(there) < size(&here)).map(|there| (next, there));
+                part *= 0.5;
+            }
+            let Some((next, there)) = better else { break };
+            (x, here) = (next, there);
+        }
+        let arrived =
+            here.iter().enumerate().all(|(e, d)| d.contains_zero() || d.to_f64().abs() < 1e-20 * self.target(e));
+        Some(End { size: size(&here), x, differences: here, arrived, singular })
+    }
+
+    fn inside(&self, i: usize, x: Dd) -> Dd {
+        if x < self.low[i] {
+            self.low[i]
+        } else if x > self.high[i] {
+            self.high[i]
+        } else {
+            x
+        }
+    }
+
+    fn same(&self, a: &[Dd], b: &[Dd]) -> bool {
+        let width = |i: usize| (self.high[i] - self.low[i]).to_f64();
+        a.iter().zip(b).enumerate().all(|(i, (a, b))| (*a - *b).abs().to_f64() <= 1e-9 * width(i))
+    }
+
+    /// By its determinant once every row and column is scaled to one: what is left is how parallel they are.
+    fn is_singular(&self, jacobian: &[Vec<f64>]) -> bool {
+        let mut scaled: Vec<Vec<f64>> = jacobian.to_vec();
+        for (i, column) in (0..scaled.len()).map(|i| (i, (self.high[i] - self.low[i]).to_f64())) {
+            scaled.iter_mut().for_each(|row| row[i] *= column);
+        }
+        for row in &mut scaled {
+            let length = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length == 0.0 {
+                return true;
+            }
+            row.iter_mut().for_each(|x| *x /= length);
+        }
+        determinant(scaled).abs() < SINGULAR
+    }
+
+    /// |J^-1| (|difference| + radius), twice: J changes by less than a half that near to the root.
+    fn bound(&self, end: &End) -> Option<Vec<f64>> {
+        let jacobian = self.jacobian(&end.x, &end.differences)?;
+        let mut bounds = vec![0.0; end.x.len()];
+        for (e, difference) in end.differences.iter().enumerate() {
+            let unit: Vec<Dd> = (0..end.x.len()).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect();
+            let column = solve_linear(&jacobian, &unit)?;
+            bounds.iter_mut().zip(column).for_each(|(bound, x)| *bound += 2.0 * x.hi.abs() * difference.magnitude());
+        }
+        let rounding = |i: usize| end.x[i].hi.abs() * 2f64.powi(-100);
+        Some(bounds.iter().enumerate().map(|(i, bound)| bound + rounding(i)).collect())
+    }
+
+    fn nothing(&self, ends: &[End], list: &[usize]) -> AskedError {
+        let (span, others) = self.unknowns.spans(list);
+        let names = self.unknowns.names(list);
+        match ends.iter().min_by(|a, b| a.size.total_cmp(&b.size)) {
+            Some(end) if end.singular => self.unknowns.singular(list),
+            Some(end) => {
+                let told = |(i, &unknown): (usize, &usize)| self.unknowns.told(unknown, &exactly(end.x[i]));
+                let nearest = names.iter().cloned().zip(list.iter().enumerate().map(told)).collect();
+                let reached = |(e, d): (&usize, &Ball)| self.unknowns.reached(*e, &Difference::Known(*d));
+                let left = self.equations.iter().zip(&end.differences).map(reached).collect();
+                AskedError::Apart { span, names, others, nearest, left }
+            }
+            None => self.unknowns.singular(list),
+        }
+    }
+
+    fn several(&self, roots: &[&End], list: &[usize]) -> AskedError {
+        let (span, others) = self.unknowns.spans(list);
+        let names = self.unknowns.names(list);
+        let told = |root: &&End| {
+            let one = |(i, &unknown): (usize, &usize)| {
+                format!("{} = {}", names[i], self.unknowns.told(unknown, &exactly(root.x[i])))
+            };
+            list.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+        };
+        let mut roots: Vec<String> = roots.iter().map(told).collect();
+        roots.sort();
+        AskedError::SeveralTogether { span, names, others, roots }
+    }
+}
+
+/// Gaussian elimination with partial pivoting; the right-hand side in double-double.
+fn solve_linear(a: &[Vec<f64>], b: &[Dd]) -> Option<Vec<Dd>> {
+    let n = b.len();
+    let mut a: Vec<Vec<Dd>> = a.iter().map(|row| row.iter().map(|&x| Dd::from(x)).collect()).collect();
+    let mut b = b.to_vec();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| a[i][k].hi.abs().total_cmp(&a[j][k].hi.abs()))?;
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        if a[k][k].is_zero() || !a[k][k].is_finite() {
+            return None;
+        }
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            let row = a[k].clone();
+            a[i].iter_mut().zip(row).skip(k).for_each(|(x, by)| *x -= factor * by);
+            let by = factor * b[k];
+            b[i] -= by;
+        }
+    }
+    for k in (0..n).rev() {
+        let sum = (k + 1..n).fold(b[k], |sum, j| sum - a[k][j] * b[j]);
+        b[k] = sum / a[k][k];
+    }
+    b.iter().all(|x| x.is_finite()).then_some(b)
+}
+
+fn determinant(mut a: Vec<Vec<f64>>) -> f64 {
+    let n = a.len();
+    let mut product = 1.0;
+    for k in 0..n {
+        let pivot = (k..n).fold(k, |best, i| if a[i][k].abs() > a[best][k].abs() { i } else { best });
+        if a[pivot][k] == 0.0 {
+            return 0.0;
+        }
+        a.swap(k, pivot);
+        product *= a[k][k];
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            let row = a[k].clone();
+            a[i].iter_mut().zip(row).skip(k).for_each(|(x, by)| *x -= factor * by);
+        }
+    }
+    product
+}

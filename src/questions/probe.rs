@@ -1,0 +1,153 @@
+//! Measures of a scene as measures of its linear system. In: a scene and questions; out: the scene with an output for each
+//! combination of motions that a question names, and probes that say what to measure; then, of a system, the numbers.
+
+use super::trial::Context;
+use crate::analysis::measures::{self, Loads};
+use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, stability};
+use crate::base::{Ball, Dimension, Number};
+use crate::lower::Lowered;
+use crate::model::scene::{Measure, MotionTerm, Output, Question, Scene, Signal};
+use crate::system::LinearSystem;
+
+/// What to measure of the system.
+#[derive(Clone, Debug)]
+pub enum Probe {
+    Frequency(usize),
+    Damping(usize),
+    Gain(usize, usize, Number),
+    Phase(usize, usize, Number),
+    Amplitude(usize),
+    Static(usize),
+    Peak(usize),
+    Rms(usize),
+    Stable,
+}
+
+/// Adds the outputs that the questions need; one probe for each question.
+pub fn prepare<'q>(scene: &mut Scene, questions: impl IntoIterator<Item = &'q Question>) -> Vec<Probe> {
+    questions.into_iter().map(|question| probe(scene, question)).collect()
+}
+
+fn probe(scene: &mut Scene, question: &Question) -> Probe {
+    let mut add = |terms: &[MotionTerm]| add_output(scene, question, terms);
+    match &question.measure {
+        Measure::Frequency { mode } => Probe::Frequency(*mode as usize),
+        Measure::DampingRatio { mode } => Probe::Damping(*mode as usize),
+        Measure::Gain { input, output, frequency } => Probe::Gain(input.index(), add(output), frequency.clone()),
+        Measure::Phase { input, output, frequency } => Probe::Phase(input.index(), add(output), frequency.clone()),
+        Measure::Amplitude { output } => Probe::Amplitude(add(output)),
+        Measure::Static { output } => Probe::Static(add(output)),
+        Measure::Peak { output } => Probe::Peak(add(output)),
+        Measure::Rms { output } => Probe::Rms(add(output)),
+        Measure::Stable => Probe::Stable,
+    }
+}
+
+fn add_output(scene: &mut Scene, question: &Question, terms: &[MotionTerm]) -> usize {
+    let name = crate::base::Name::plain(scene.words.intern("measure"));
+    scene.outputs.push(Output {
+        name,
+        span: question.span,
+        terms: terms.to_vec(),
+        dimension: Dimension::NONE,
+        is_angle: false,
+    });
+    scene.outputs.len() - 1
+}
+
+impl Probe {
+    /// Whether modes are needed.
+    pub fn of_modes(&self) -> bool {
+        matches!(self, Probe::Frequency(_)) || self.of_poles()
+    }
+
+    /// Whether poles are needed.
+    pub fn of_poles(&self) -> bool {
+        matches!(self, Probe::Damping(_) | Probe::Stable)
+    }
+
+    /// Whether the signals are needed.
+    pub fn of_signals(&self) -> bool {
+        matches!(self, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_) | Probe::Rms(_))
+    }
+
+    /// Whether the motion in time is needed.
+    pub fn of_time(&self) -> bool {
+        matches!(self, Probe::Peak(_) | Probe::Rms(_))
+    }
+
+    fn of_transfer(&self) -> bool {
+        matches!(self, Probe::Gain(..) | Probe::Phase(..) | Probe::Amplitude(_) | Probe::Static(_))
+    }
+}
+
+/// What the probes are applied to.
+pub struct Measured<'a> {
+    pub scene: &'a Scene,
+    pub lowered: &'a Lowered,
+    /// Where the probes need them.
+    pub modes: Option<&'a Modes>,
+    pub poles: Option<&'a Poles>,
+    pub context: &'a Context,
+}
+
+impl Measured<'_> {
+    /// The numbers, in the order of the probes.
+    pub fn measure(&self, probes: &[Probe]) -> Vec<Measurement> {
+        let system = &self.lowered.system;
+        let transfer = probes.iter().any(Probe::of_transfer).then(|| Transfer::of(system));
+        probes.iter().map(|probe| self.one(system, transfer.as_ref(), probe)).collect()
+    }
+
+    fn one(&self, system: &LinearSystem, transfer: Option<&Transfer>, probe: &Probe) -> Measurement {
+        const NONE: Measurement = Measurement::None("it could not be computed");
+        let drives = &self.context.drives;
+        match probe {
+            Probe::Frequency(mode) => self.modes.map_or(NONE, |modes| measures::frequency(modes, *mode)),
+            Probe::Damping(motion) => self.poles.map_or(NONE, |poles| measures::damping_ratio(poles, *motion)),
+            Probe::Stable => match (self.modes, self.poles) {
+                (Some(modes), Some(poles)) => verdict(stability(modes, poles)),
+                _ => NONE,
+            },
+            Probe::Gain(input, output, at) => {
+                transfer.map_or(NONE, |transfer| measures::gain(transfer, *input, *output, at))
+            }
+            Probe::Phase(input, output, at) => {
+                transfer.map_or(NONE, |transfer| measures::phase(transfer, *input, *output, at))
+            }
+            Probe::Amplitude(output) => {
+                transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
+            }
+            Probe::Static(output) => {
+                let loads = self.loads();
+                transfer.map_or(NONE, |transfer| measures::static_value(transfer, &loads, *output))
+            }
+            Probe::Peak(_) | Probe::Rms(_) => {
+                let _ = system;
+                NONE
+            }
+        }
+    }
+
+    /// What lasts of each input's signal: constants, which made the rest, and what stays on.
+    fn loads(&self) -> Loads {
+        let constants = self.scene.inputs.iter().map(|input| {
+            input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
+                Signal::Constant { value } => &sum + value,
+                _ => sum,
+            })
+        });
+        let lasting = self.context.drives.iter().map(|signals| measures::lasting(signals));
+        let lasting = lasting.chain(std::iter::repeat(Number::ZERO));
+        constants.zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
+    }
+}
+
+/// 1 where the rest is stable, 0 where it is not, and in between where that is not certain.
+fn verdict(stability: Stability) -> Measurement {
+    Measurement::Value(match stability {
+        Stability::Stable => Ball::ONE,
+        Stability::Neutral | Stability::Unstable => Ball::ZERO,
+        Stability::Undetermined => Ball::from(0.5).widen(0.5),
+    })
+}

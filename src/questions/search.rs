@@ -1,0 +1,341 @@
+//! The search of one unknown: where in a range a measure becomes what it should be. In: a function that measures, and the
+//! range. Out: every root that was seen, each between two numbers at which the enclosures of the measure lie on different
+//! sides; and what the measure did elsewhere. Clause: spec.md, "Measures, `solve`, `require`".
+
+use crate::base::{Ball, Dd, Number, Rational};
+use std::cmp::Ordering;
+
+/// The measure less what it should be, at one value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Difference {
+    Known(Ball),
+    /// Beyond all bounds: a resonance without damping.
+    Infinite,
+    /// Why there is none.
+    None(String),
+}
+
+/// One look.
+#[derive(Clone, Debug)]
+pub struct Look {
+    pub at: Number,
+    pub x: f64,
+    pub difference: Difference,
+}
+
+/// A root between two looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    pub near: Dd,
+    /// Bound of the distance.
+    pub within: f64,
+}
+
+/// What a search found.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    pub roots: Vec<Root>,
+    /// The first looks, ascending.
+    pub looks: Vec<Look>,
+    /// Where the measure jumps over what it should be.
+    pub jumps: Vec<f64>,
+    /// Looks in all.
+    pub count: usize,
+}
+
+/// Parts of the range that are looked at first; as many again in geometric progression where it covers decades.
+const PARTS: usize = 64;
+/// From this ratio of the range's ends on, the small values count as much as the large ones.
+const DECADES: f64 = 20.0;
+/// Looks that a turning point is worth.
+const TURNING: usize = 60;
+/// Looks between which a sign changes, at most.
+const NARROWING: usize = 240;
+
+/// Looks at a range and closes in on every root.
+pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
+    let mut search = Search { measure, count: 0 };
+    let looks: Vec<Look> = grid(low, high).into_iter().map(|at| search.look(at)).collect();
+    let mut seen = Seen::default();
+    for pair in looks.windows(2) {
+        search.between(&pair[0], &pair[1], &mut seen);
+    }
+    for look in looks.iter().filter(|look| sign(&look.difference) == Some(Ordering::Equal)) {
+        seen.add(search.certified(look));
+    }
+    for three in looks.windows(3) {
+        search.turn([&three[0], &three[1], &three[2]], &mut seen);
+    }
+    seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+    (seen.looks, seen.count) = (looks, search.count);
+    seen
+}
+
+struct Search<'a> {
+    measure: &'a dyn Fn(&Number) -> Difference,
+    count: usize,
+}
+
+impl Seen {
+    /// A root that was seen from two sides counts once.
+    fn add(&mut self, root: Option<Root>) {
+        let Some(root) = root else { return };
+        let same = |known: &Root| {
+            let distance = (known.near - root.near).abs().to_f64();
+            distance <= 4.0 * (known.within + root.within) + 1e-12 * root.near.hi.abs()
+        };
+        if !self.roots.iter().any(same) {
+            self.roots.push(root);
+        }
+    }
+}
+
+impl Search<'_> {
+    fn look(&mut self, at: Number) -> Look {
+        self.count += 1;
+        let difference = (self.measure)(&at);
+        Look { x: at.to_f64(), at, difference }
+    }
+
+    fn look_at(&mut self, x: Dd) -> Look {
+        self.look(exactly(x))
+    }
+
+    /// Closes in where two looks lie on different sides.
+    fn between(&mut self, a: &Look, b: &Look, seen: &mut Seen) {
+        let (Some(left), Some(right)) = (sign(&a.difference), sign(&b.difference)) else { return };
+        if left == right || left == Ordering::Equal || right == Ordering::Equal {
+            return;
+        }
+        let first = jump_size(a, b);
+        let (mut a, mut b) = (a.clone(), b.clone());
+        for step in 0..NARROWING {
+            let Some(x) = middle(&a, &b, step) else { break };
+            let c = self.look_at(x);
+            match sign(&c.difference) {
+                // Beside a pole an enclosure is so wide that it holds zero too.
+                Some(Ordering::Equal) if uncertainty(&c) > first => return seen.jumps.push(c.x),
+                // Too near to be told from it, as near as the measure can say.
+                Some(Ordering::Equal) => {
+                    a = c.clone();
+                    b = c;
+                    break;
+                }
+                Some(side) if side == left => a = c,
+                Some(_) => b = c,
+                // A gap in the measure: what is in it is not known.
+                None => return,
+            }
+        }
+        let over = jump_size(&a, &b);
+        if over > 1e-3 * first || over.is_infinite() {
+            seen.jumps.push(a.x);
+            return;
+        }
+        let near = if size(&a) <= size(&b) { a } else { b };
+        seen.add(self.certified(&near));
+    }
+
+    /// Two numbers around this one on different sides, as near to it as the enclosures allow.
+    fn certified(&mut self, near: &Look) -> Option<Root> {
+        let x = near.at.to_ball().mid;
+        let mut within = (x.hi.abs() * 2f64.powi(-100)).max(f64::MIN_POSITIVE * 2f64.powi(60));
+        for _ in 0..30 {
+            let (left, right) = (self.look_at(x - Dd::from(within)), self.look_at(x + Dd::from(within)));
+            let (a, b) = (sign(&left.difference), sign(&right.difference));
+            if let (Some(a), Some(b)) = (a, b)
+                && a != Ordering::Equal
+                && b == a.reverse()
+            {
+                return Some(Root { near: x, within });
+            }
+            if a.is_none() || b.is_none() || within > 1e-3 * x.hi.abs() {
+                break;
+            }
+            within *= 16.0;
+        }
+        // The measure touches what it should be, or is not told from it over a whole range.
+        Some(Root { near: x, within })
+    }
+
+    /// Follows |difference| down to where it turns, and looks whether it reaches the other side there.
+    fn turn(&mut self, looks: [&Look; 3], seen: &mut Seen) {
+        let [a, b, c] = looks;
+        let signs = looks.map(|look| sign(&look.difference));
+        let Some(side) = signs[1].filter(|side| *side != Ordering::Equal) else { return };
+        if signs.iter().any(|sign| *sign != Some(side)) || size(b) > size(a) || size(b) > size(c) {
+            return;
+        }
+        let (mut low, mut best, mut high) = (a.clone(), b.clone(), c.clone());
+        for _ in 0..TURNING {
+            // The golden section of the larger part.
+            let right = high.x - best.x > best.x - low.x;
+            let end = if right { &high } else { &low };
+            let (best_at, end_at) = (best.at.to_ball().mid, end.at.to_ball().mid);
+            let c = self.look_at(best_at + (end_at - best_at) * 0.381_966_011_250_105);
+            match sign(&c.difference) {
+                Some(found) if found == side => {}
+                Some(Ordering::Equal) => return seen.add(self.certified(&c)),
+                Some(_) => {
+                    self.between(&low, &c, seen);
+                    self.between(&c, &high, seen);
+                    return;
+                }
+                None => return,
+            }
+            let better = size(&c) < size(&best);
+            match (better, right) {
+                (true, true) => low = std::mem::replace(&mut best, c),
+                (true, false) => high = std::mem::replace(&mut best, c),
+                (false, true) => high = c,
+                (false, false) => low = c,
+            }
+            if high.x - low.x <= 1e-9 * best.x.abs() {
+                break;
+            }
+        }
+    }
+}
+
+/// Which side a difference lies on, for certain; equal where its ball holds zero.
+pub fn sign(difference: &Difference) -> Option<Ordering> {
+    match difference {
+        Difference::Infinite => Some(Ordering::Greater),
+        Difference::None(_) => None,
+        Difference::Known(ball) if !ball.is_finite() => None,
+        Difference::Known(ball) if ball.is_positive() => Some(Ordering::Greater),
+        Difference::Known(ball) if ball.is_negative() => Some(Ordering::Less),
+        Difference::Known(_) => Some(Ordering::Equal),
+    }
+}
+
+fn value(look: &Look) -> f64 {
+    match &look.difference {
+        Difference::Known(ball) => ball.to_f64(),
+        Difference::Infinite => f64::INFINITY,
+        Difference::None(_) => f64::NAN,
+    }
+}
+
+fn size(look: &Look) -> f64 {
+    value(look).abs()
+}
+
+fn uncertainty(look: &Look) -> f64 {
+    match &look.difference {
+        Difference::Known(ball) => ball.rad,
+        _ => f64::INFINITY,
+    }
+}
+
+fn jump_size(a: &Look, b: &Look) -> f64 {
+    (value(b) - value(a)).abs()
+}
+
+/// The next look between two: by the secant, by the middle every third time, and nearer to the far end where one end does not
+/// move. `None` where nothing lies between.
+fn middle(a: &Look, b: &Look, step: usize) -> Option<Dd> {
+    let (left, right) = (a.at.to_ball().mid, b.at.to_ball().mid);
+    let width = right - left;
+    let scale = left.hi.abs().max(right.hi.abs());
+    if width.to_f64() <= scale * 2f64.powi(-98) {
+        return None;
+    }
+    let secant = || match (&a.difference, &b.difference) {
+        (Difference::Known(a), Difference::Known(b)) => {
+            let part = a.mid / (a.mid - b.mid);
+            // A step beyond the secant's point brings the other end near too.
+            let beyond = if step.is_multiple_of(3) { 1e-3 } else { 0.0 };
+            let toward =
+                if part.to_f64() > 0.5 { part - (Dd::ONE - part).scale(1.0) * beyond } else { part * (1.0 + beyond) };
+            (part.is_finite()).then_some(toward)
+        }
+        _ => None,
+    };
+    let part = if step % 3 == 2 { Dd::from(0.5) } else { secant().unwrap_or(Dd::from(0.5)) };
+    let part = if part.to_f64() > 0.0 && part.to_f64() < 1.0 { part } else { Dd::from(0.5) };
+    let x = left + width * part;
+    // Rounding must not undo a step that was nearly there.
+    [rounded(x, width.to_f64()), x].into_iter().find(|x| *x > left && *x < right)
+}
+
+/// Few digits while the bracket is wide: exact arithmetic is then fast.
+fn rounded(x: Dd, width: f64) -> Dd {
+    let relative = width / x.hi.abs();
+    if relative > 1e-4 {
+        Dd::from(f64::from(x.hi as f32))
+    } else if relative > 1e-12 {
+        Dd::from(x.hi)
+    } else {
+        x
+    }
+}
+
+/// The double-double as a fraction.
+pub fn exactly(x: Dd) -> Number {
+    let parts = Rational::from_f64(x.hi).zip(Rational::from_f64(x.lo));
+    parts.map_or(Number::Ball(Ball::exact(x)), |(hi, lo)| Number::from(&hi + &lo))
+}
+
+/// The values looked at first, ascending.
+fn grid(low: &Number, high: &Number) -> Vec<Number> {
+    let (a, b) = (low.to_f64(), high.to_f64());
+    let mut inside: Vec<f64> = (1..PARTS).map(|i| a + (b - a) * (i as f64 / PARTS as f64)).collect();
+    if a > 0.0 && b > DECADES * a || b < 0.0 && a < DECADES * b {
+        // The 64th root by square roots, which are the same on every machine.
+        let ratio = (0..PARTS.ilog2()).fold(b / a, |ratio, _| ratio.sqrt());
+        inside.extend(std::iter::successors(Some(a * ratio), |x| Some(x * ratio)).take(PARTS - 1));
+    }
+    inside.iter_mut().for_each(|x| *x = f64::from(*x as f32));
+    inside.retain(|x| *x > a && *x < b && x.is_finite());
+    inside.sort_by(f64::total_cmp);
+    inside.dedup();
+    let inside = inside.into_iter().filter_map(|x| Rational::from_f64(x).map(Number::from));
+    std::iter::once(low.clone()).chain(inside).chain(std::iter::once(high.clone())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(low: i64, high: i64, f: impl Fn(Ball) -> Ball) -> Seen {
+        let measure = |x: &Number| Difference::Known(f(x.to_ball()));
+        search(&Number::from(low), &Number::from(high), &measure)
+    }
+
+    #[test]
+    fn a_root_is_found_to_the_last_digit() {
+        let seen = found(0, 3, |x| x * x - Ball::from(2.0));
+        let [root] = seen.roots[..] else { panic!("{:?}", seen.roots) };
+        assert!((root.near - Dd::from(2.0).sqrt()).abs().to_f64() <= root.within, "{root:?}");
+        assert!(root.within < 1e-28, "{root:?}");
+        assert!(seen.count < 120, "{}", seen.count);
+    }
+
+    #[test]
+    fn every_root_is_seen() {
+        let cubic = |x: Ball| (x - Ball::ONE) * (x - Ball::from(2.0)) * (x - Ball::from(7.0));
+        assert_eq!(found(0, 10, cubic).roots.len(), 3);
+        // Both roots between two of the first looks.
+        let close = |x: Ball| (x - Ball::from(1.001)) * (x - Ball::from(1.002));
+        assert_eq!(found(0, 10, close).roots.len(), 2);
+    }
+
+    #[test]
+    fn a_jump_is_no_root() {
+        let seen = found(0, 10, |x| if x.to_f64() < 3.3 { -Ball::ONE } else { Ball::ONE });
+        assert!(seen.roots.is_empty());
+        assert!((seen.jumps[0] - 3.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_pole_is_no_root() {
+        let seen = found(0, 10, |x| Ball::ONE / (x - Ball::from(3.3)));
+        assert!(seen.roots.is_empty(), "{:?}", seen.roots);
+    }
+
+    #[test]
+    fn nothing_is_found_where_nothing_is() {
+        assert!(found(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
+    }
+}

@@ -1,0 +1,472 @@
+//! The lines `solve`: every unknown found, alone where it can be found alone and together where not. In: the text and its
+//! scene. Out: a value for each unknown, or what is wrong. Clause: spec.md, "Measures, `solve`, `require`".
+
+use super::answer::{Shown, Solved, shown, told};
+use super::derivative::{slope, step};
+use super::error::{AskedError, Reach, Told};
+use super::newton;
+use super::search::{Difference, Look, Root, search};
+use super::trial::Text;
+use crate::analysis::Measurement;
+use crate::base::{Ball, Dd, Number, Quantity, Rational};
+use crate::model::scene::{Measure, Question, Solve};
+use crate::model::{CheckedScene, Setting};
+
+/// A scene with its unknowns at the values that were found.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    pub scene: CheckedScene,
+    /// The values, for whoever tries other values of other parameters.
+    pub settings: Vec<Setting>,
+    pub solved: Vec<Solved>,
+}
+
+/// Finds every unknown.
+pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
+    let solves = &scene.scene().solves;
+    let twice = twice(solves);
+    if !twice.is_empty() {
+        return Err(twice);
+    }
+    let mut unknowns = Unknowns::of(*text, solves);
+    for group in unknowns.groups()? {
+        match group[..] {
+            [(equation, unknown)] => unknowns.alone(equation, unknown)?,
+            _ => newton::together(&mut unknowns, &group)?,
+        }
+    }
+    let solved = (0..solves.len()).map(|i| unknowns.report(i)).collect();
+    let settings = unknowns.settings();
+    match text.scene(&settings) {
+        Ok(scene) => Ok(Settled { scene, settings, solved }),
+        Err(why) => Err(vec![unknowns.refused(why)]),
+    }
+}
+
+/// A parameter may be looked for once.
+fn twice(solves: &[Solve]) -> Vec<AskedError> {
+    let again = solves.iter().enumerate().filter_map(|(i, solve)| {
+        let first = solves[..i].iter().find(|first| first.parameter.name == solve.parameter.name)?;
+        Some(AskedError::Twice { span: solve.span, name: solve.parameter.name.clone(), first: first.span })
+    });
+    again.collect()
+}
+
+/// The unknowns with the values that they have so far.
+pub struct Unknowns<'a> {
+    text: Text<'a>,
+    pub solves: &'a [Solve],
+    /// SI.
+    pub values: Vec<Number>,
+    /// Bounds of the distance from the roots, SI.
+    pub within: Vec<f64>,
+    /// Values of each that were looked at.
+    pub looks: Vec<usize>,
+    /// Which equation was solved for each unknown.
+    equation: Vec<usize>,
+}
+
+/// An equation and the unknown that it is solved for.
+pub type Pairing = (usize, usize);
+
+impl<'a> Unknowns<'a> {
+    fn of(text: Text<'a>, solves: &'a [Solve]) -> Unknowns<'a> {
+        let start = |solve: &Solve| {
+            let declared = &solve.parameter.value.si;
+            let inside = !(declared - &solve.low).is_negative() && !(&solve.high - declared).is_negative();
+            if inside { declared.clone() } else { between(&solve.low, &solve.high, 1, 2) }
+        };
+        Unknowns {
+            text,
+            solves,
+            values: solves.iter().map(start).collect(),
+            within: vec![0.0; solves.len()],
+            looks: vec![0; solves.len()],
+            equation: (0..solves.len()).collect(),
+        }
+    }
+
+    fn settings_at(&self, values: &[Number]) -> Vec<Setting> {
+        let setting = |(solve, value): (&Solve, &Number)| {
+            let quantity = Quantity { si: value.clone(), ..solve.parameter.value.clone() };
+            (solve.parameter.name.clone(), quantity)
+        };
+        self.solves.iter().zip(values).map(setting).collect()
+    }
+
+    pub fn settings(&self) -> Vec<Setting> {
+        self.settings_at(&self.values)
+    }
+
+    /// The measures of some equations less what they should be, at values of all unknowns.
+    pub fn differences(&self, equations: &[usize], values: &[Number]) -> Vec<Difference> {
+        let questions = |scene: &CheckedScene| -> Vec<Question> {
+            equations.iter().map(|&i| scene.scene().solves[i].question.clone()).collect()
+        };
+        match self.text.measure(&self.settings_at(values), questions) {
+            Err(why) => vec![Difference::None(why); equations.len()],
+            Ok(measured) => {
+                let questions = equations.iter().map(|&i| &self.solves[i].question);
+                questions.zip(measured).map(|(question, measured)| difference(question, measured)).collect()
+            }
+        }
+    }
+
+    /// The same with one unknown at another value.
+    pub fn difference(&self, equation: usize, unknown: usize, value: &Number) -> Difference {
+        let mut values = self.values.clone();
+        values[unknown] = value.clone();
+        self.differences(&[equation], &values).pop().unwrap_or(Difference::None(String::new()))
+    }
+
+    /// Equations and unknowns in the order in which they can be solved; what depends on each other is one group.
+    fn groups(&self) -> Result<Vec<Vec<Pairing>>, Vec<AskedError>> {
+        let count = self.solves.len();
+        if count == 1 {
+            return Ok(vec![vec![(0, 0)]]);
+        }
+        let depends = self.dependence();
+        let Some(paired) = pairing(&depends) else { return Err(vec![self.unsettled(&depends)]) };
+        Ok(ordered(&depends, &paired))
+    }
+
+    /// Which equation depends on which unknown: its measure is looked at with the unknown at several places.
+    fn dependence(&self) -> Vec<Vec<bool>> {
+        let count = self.solves.len();
+        let all: Vec<usize> = (0..count).collect();
+        let mut depends = vec![vec![false; count]; count];
+        for places in [[1, 3], [2, 5]] {
+            let start: Vec<Number> =
+                self.solves.iter().map(|solve| between(&solve.low, &solve.high, places[0], places[1])).collect();
+            let here = self.differences(&all, &start);
+            for unknown in 0..count {
+                let mut values = start.clone();
+                values[unknown] = between(&self.solves[unknown].low, &self.solves[unknown].high, 3, 4);
+                let there = self.differences(&all, &values);
+                for equation in 0..count {
+                    let known = |d: &Difference| matches!(d, Difference::Known(_));
+                    let same = known(&here[equation]) && here[equation] == there[equation];
+                    depends[equation][unknown] |= !same;
+                }
+            }
+        }
+        depends
+    }
+
+    /// Some equation depends on no unknown, or several on too few.
+    fn unsettled(&self, depends: &[Vec<bool>]) -> AskedError {
+        let idle = depends.iter().position(|row| !row.contains(&true));
+        match idle {
+            Some(equation) => {
+                let Solve { parameter, span, question, .. } = &self.solves[equation];
+                let (measure, name) = (self.measure(question), parameter.name.clone());
+                AskedError::Independent { span: *span, measure, at: question.span, name }
+            }
+            None => self.singular(&(0..self.solves.len()).collect::<Vec<_>>()),
+        }
+    }
+
+    pub fn singular(&self, unknowns: &[usize]) -> AskedError {
+        let (span, others) = self.spans(unknowns);
+        AskedError::Singular { span, names: self.names(unknowns), others }
+    }
+
+    pub fn spans(&self, unknowns: &[usize]) -> (crate::base::Span, Vec<crate::base::Span>) {
+        let mut lines: Vec<usize> = unknowns.to_vec();
+        lines.sort_unstable();
+        let others = lines[1..].iter().map(|&i| self.solves[i].span).collect();
+        (self.solves[lines[0]].span, others)
+    }
+
+    pub fn names(&self, unknowns: &[usize]) -> Vec<String> {
+        unknowns.iter().map(|&i| self.solves[i].parameter.name.clone()).collect()
+    }
+
+    /// One unknown, one equation.
+    fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
+        let solve = &self.solves[unknown];
+        let seen = search(&solve.low, &solve.high, &|value| self.difference(equation, unknown, value));
+        let question = &self.solves[equation].question;
+        let root = match seen.roots[..] {
+            [root] => root,
+            [] => return Err(vec![self.no_root(equation, unknown, &seen.looks, seen.jumps.first())]),
+            _ if constant(&seen.looks) => return Err(vec![self.independent(equation, unknown)]),
+            _ => {
+                let roots = seen.roots.iter().map(|root| self.told(unknown, &super::search::exactly(root.near)));
+                return Err(vec![AskedError::SeveralRoots {
+                    span: solve.span,
+                    measure: self.measure(question),
+                    target: self.target(equation),
+                    name: solve.parameter.name.clone(),
+                    roots: roots.collect(),
+                }]);
+            }
+        };
+        self.take(equation, unknown, &root, seen.count);
+        Ok(())
+    }
+
+    /// Settles an unknown: on the shortest number in its own unit that the bound allows.
+    pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, looks: usize) {
+        let solve = &self.solves[unknown];
+        let value = shortest(root, solve.parameter.unit.factor.as_ref());
+        let away = (value.to_ball() - Ball::exact(root.near)).magnitude();
+        self.within[unknown] = (root.within + away) * (1.0 + 1e-12);
+        self.values[unknown] = value;
+        self.looks[unknown] = looks;
+        self.equation[unknown] = equation;
+    }
+
+    fn independent(&self, equation: usize, unknown: usize) -> AskedError {
+        let question = &self.solves[equation].question;
+        AskedError::Independent {
+            span: self.solves[unknown].span,
+            measure: self.measure(question),
+            at: question.span,
+            name: self.solves[unknown].parameter.name.clone(),
+        }
+    }
+
+    /// The model says no to the values that were found.
+    fn refused(&self, why: String) -> AskedError {
+        let Solve { parameter, span, question, low, high } = &self.solves[0];
+        let range = (self.told(0, low), self.told(0, high));
+        let (measure, name) = (self.measure(question), parameter.name.clone());
+        AskedError::NoValue { span: *span, measure, name, range, why }
+    }
+
+    fn no_root(&self, equation: usize, unknown: usize, looks: &[Look], jump: Option<&f64>) -> AskedError {
+        let solve = &self.solves[unknown];
+        let question = &self.solves[equation].question;
+        let (measure, name) = (self.measure(question), solve.parameter.name.clone());
+        let range = (self.told(unknown, &solve.low), self.told(unknown, &solve.high));
+        let gap = looks.iter().find_map(|look| match &look.difference {
+            Difference::None(why) => Some(why.clone()),
+            _ => None,
+        });
+        let size = |look: &&Look| match &look.difference {
+            Difference::Known(ball) => ball.to_f64(),
+            Difference::Infinite => f64::INFINITY,
+            Difference::None(_) => f64::NAN,
+        };
+        let known = || looks.iter().filter(|look| !size(look).is_nan());
+        let (Some(least), Some(largest)) =
+            (known().min_by(|a, b| size(a).total_cmp(&size(b))), known().max_by(|a, b| size(a).total_cmp(&size(b))))
+        else {
+            return AskedError::NoValue { span: solve.span, measure, name, range, why: gap.unwrap_or_default() };
+        };
+        if constant(looks) {
+            return self.independent(equation, unknown);
+        }
+        let at = |look: &Look| (self.reached(equation, &look.difference), self.told(unknown, &look.at));
+        let reach = Reach {
+            least: at(least),
+            largest: at(largest),
+            jump: jump.and_then(|&x| Rational::from_f64(x)).map(|x| self.told(unknown, &Number::from(x))),
+            gap,
+        };
+        AskedError::NoRoot { span: solve.span, measure, target: self.target(equation), name, range, reach }
+    }
+
+    /// A value of an unknown, in its own unit.
+    pub fn told(&self, unknown: usize, value: &Number) -> Told {
+        told(&shown(value, &self.solves[unknown].parameter.unit, false))
+    }
+
+    /// As it is written.
+    fn measure(&self, question: &Question) -> String {
+        self.text.sources.slice(question.span).to_string()
+    }
+
+    /// What a measure should be.
+    fn target(&self, equation: usize) -> Told {
+        told(&self.in_unit(equation, &self.solves[equation].question.value))
+    }
+
+    /// What a measure is where it differs by so much.
+    pub fn reached(&self, equation: usize, difference: &Difference) -> Told {
+        match difference {
+            Difference::Known(ball) => {
+                let value = self.solves[equation].question.value.to_ball() + *ball;
+                told(&self.in_unit(equation, &Number::Ball(value)))
+            }
+            Difference::Infinite => "infinity".to_string(),
+            Difference::None(why) => why.clone(),
+        }
+    }
+
+    fn in_unit(&self, equation: usize, value: &Number) -> Shown<'_> {
+        let question = &self.solves[equation].question;
+        shown(value, &question.unit, question.radians.is_some())
+    }
+
+    /// What is told of an unknown, all of them being settled.
+    fn report(&self, unknown: usize) -> Solved {
+        let equation = self.equation[unknown];
+        let (solve, question) = (&self.solves[unknown], &self.solves[equation].question);
+        let value = &self.values[unknown];
+        let residual = known(self.difference(equation, unknown, value));
+        let relative = residual.map_or(1.0, |ball| ball.rad / question.value.to_f64().abs().max(f64::MIN_POSITIVE));
+        let h = step(value, &Number::ONE, relative);
+        let at = |x: Number| known(self.difference(equation, unknown, &x));
+        let slope = slope(at(value - &h), residual, at(value + &h), &h).ok();
+        Solved {
+            parameter: solve.parameter.name.clone(),
+            span: solve.span,
+            value: value.clone(),
+            unit: solve.parameter.unit.clone(),
+            bound: self.within[unknown],
+            measure: self.measure(question),
+            target: question.value.clone(),
+            target_unit: question.unit.clone(),
+            in_radians: question.radians.is_some(),
+            residual: residual.unwrap_or(Ball::new(Dd::ZERO, f64::INFINITY)),
+            slope,
+            looked_at: self.looks[unknown],
+        }
+    }
+}
+
+pub fn known(difference: Difference) -> Option<Ball> {
+    match difference {
+        Difference::Known(ball) if ball.is_finite() => Some(ball),
+        _ => None,
+    }
+}
+
+/// The measure less what it should be; an angle by the shorter way round.
+pub fn difference(question: &Question, measured: Measurement) -> Difference {
+    let value = match measured {
+        Measurement::Value(value) => value,
+        Measurement::Infinite => return Difference::Infinite,
+        Measurement::None(why) => return Difference::None(why.to_string()),
+        Measurement::Failed(why) => return Difference::None(why),
+    };
+    let difference = value - question.value.to_ball();
+    let turn = Ball::from(2.0) * Ball::PI;
+    Difference::Known(match question.measure {
+        Measure::Phase { .. } if difference.to_f64() > std::f64::consts::PI => difference - turn,
+        Measure::Phase { .. } if difference.to_f64() < -std::f64::consts::PI => difference + turn,
+        _ => difference,
+    })
+}
+
+/// The same wherever it was looked at.
+fn constant(looks: &[Look]) -> bool {
+    looks.len() > 1 && looks.windows(2).all(|pair| pair[0].difference == pair[1].difference)
+}
+
+/// low + (high - low) part / whole
+pub fn between(low: &Number, high: &Number, part: i64, whole: i64) -> Number {
+    low + &(&(high - low) * &Number::from(Rational::new(part, whole)))
+}
+
+/// The number with the fewest digits, in the unit with this factor, that lies within the bound.
+fn shortest(root: &Root, factor: Option<&Number>) -> Number {
+    let one = Number::ONE;
+    let factor = factor.unwrap_or(&one);
+    let target = Ball::exact(root.near) / factor.to_ball();
+    let candidates = (1..=MOST_DIGITS).filter_map(|digits| decimal(target.mid, digits)).map(|d| &d * factor);
+    let mut near = candidates.filter(|value| (value.to_ball() - Ball::exact(root.near)).magnitude() <= root.within);
+    near.next().unwrap_or_else(|| super::search::exactly(root.near))
+}
+
+const MOST_DIGITS: i32 = 33;
+
+/// A double-double rounded to so many significant digits.
+fn decimal(x: Dd, digits: i32) -> Option<Number> {
+    let text = format!("{:e}", x.hi);
+    let exponent: i32 = text.split_once('e')?.1.parse().ok()?;
+    let shift = digits - 1 - exponent;
+    let Number::Exact(exact) = super::search::exactly(x) else { return None };
+    let power = Rational::from_decimal(&format!("1e{shift}"))?;
+    let whole = (&exact * &power).to_big().round().to_integer();
+    Rational::from_decimal(&format!("{whole}e{}", -shift)).map(Number::from)
+}
+
+/// An unknown for each equation such that each equation depends on its own; `None` where there is no such choice.
+fn pairing(depends: &[Vec<bool>]) -> Option<Vec<usize>> {
+    let count = depends.len();
+    let mut owner: Vec<Option<usize>> = vec![None; count];
+    // The unknown that stands in the equation's own line first.
+    for equation in 0..count {
+        let mut tried = vec![false; count];
+        if !claim(depends, equation, &mut owner, &mut tried) {
+            return None;
+        }
+    }
+    let mut unknown_of = vec![0; count];
+    owner.iter().enumerate().for_each(|(unknown, equation)| {
+        if let Some(equation) = equation {
+            unknown_of[*equation] = unknown;
+        }
+    });
+    Some(unknown_of)
+}
+
+/// Gives an equation an unknown, moving others where that must be (Kuhn's augmenting paths; as deep as there are lines).
+fn claim(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tried: &mut [bool]) -> bool {
+    let own_first = std::iter::once(equation).chain((0..depends.len()).filter(|&unknown| unknown != equation));
+    for unknown in own_first.collect::<Vec<_>>() {
+        if !depends[equation][unknown] || tried[unknown] {
+            continue;
+        }
+        tried[unknown] = true;
+        let free = match owner[unknown] {
+            None => true,
+            Some(other) => claim(depends, other, owner, tried),
+        };
+        if free {
+            owner[unknown] = Some(equation);
+            return true;
+        }
+    }
+    false
+}
+
+/// Groups of equations that depend on each other's unknowns, each after those that it depends on.
+fn ordered(depends: &[Vec<bool>], unknown_of: &[usize]) -> Vec<Vec<Pairing>> {
+    let count = depends.len();
+    // reaches[i][j]: equation i needs the unknown of equation j, directly or not (Warshall).
+    let mut reaches: Vec<Vec<bool>> =
+        (0..count).map(|i| (0..count).map(|j| i == j || depends[i][unknown_of[j]]).collect()).collect();
+    for through in 0..count {
+        for i in 0..count {
+            for j in 0..count {
+                reaches[i][j] |= reaches[i][through] && reaches[through][j];
+            }
+        }
+    }
+    let mut groups: Vec<Vec<Pairing>> = Vec::new();
+    let mut left: Vec<usize> = (0..count).collect();
+    while let Some(&first) = left.iter().find(|&&i| left.iter().all(|&j| !reaches[i][j] || reaches[j][i])) {
+        let group: Vec<usize> = left.iter().copied().filter(|&j| reaches[first][j] && reaches[j][first]).collect();
+        left.retain(|equation| !group.contains(equation));
+        groups.push(group.into_iter().map(|equation| (equation, unknown_of[equation])).collect());
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shortest_number_within_the_bound_is_taken() {
+        let root = Root { near: Dd::from(800.0) + Dd::from(1e-26), within: 1e-25 };
+        assert_eq!(shortest(&root, None), Number::from(800));
+        let third = Root { near: Dd::ONE / Dd::from(3.0), within: 1e-6 };
+        assert_eq!(shortest(&third, None), Number::from(Rational::from_decimal("0.333333").unwrap()));
+    }
+
+    #[test]
+    fn equations_are_solved_in_an_order_that_works() {
+        // The second depends on both unknowns, the first on the second alone.
+        let depends = vec![vec![false, true], vec![true, true]];
+        let paired = pairing(&depends).expect("a pairing");
+        assert_eq!(ordered(&depends, &paired), [vec![(0, 1)], vec![(1, 0)]]);
+        assert_eq!(pairing(&[vec![true, false], vec![true, false]]), None);
+        let both = vec![vec![true, true], vec![true, true]];
+        assert_eq!(ordered(&both, &pairing(&both).unwrap()).len(), 1);
+    }
+}
