@@ -185,7 +185,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
     let (code, hold) = match why {
         Why::InLine | Why::Branching | Why::Unclear => (RANK_DROP, "part of the loop"),
-        Why::Locked | Why::Opposed | Why::Driven => (CONFLICT, "together with this one"),
+        Why::Locked | Why::Opposed | Why::Open | Why::Driven => (CONFLICT, "together with this one"),
     };
     let names = listed(&names);
     let message = match why {
@@ -200,6 +200,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         }
         Why::Locked => format!("{names} hold each other: nothing that they tie can move"),
         Why::Opposed => format!("{names} contradict each other: only no motion at all fulfils them"),
+        Why::Open => format!("{names} cannot all be closed where the bases are held"),
         Why::Driven => format!("{names} hold a base whose motion is prescribed"),
     };
     let help = match why {
@@ -207,6 +208,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         Why::Unclear => "draw it in another position, or leave one of them out",
         Why::Locked => "leave one of them out, or draw the links so that they fit each other while they move",
         Why::Opposed => "leave one of them out, or correct its ratio",
+        Why::Open => "hold the bases nearer to where they are drawn",
         Why::Driven => "leave the joint out, or give the parts between the base and the ground one freedom more",
     };
     let mut diagnostic = Diagnostic::error(code, joints[0].1, message).label("closes the loop");

@@ -119,4 +119,9 @@ impl Constraints {
         let mut all = self.list.iter().chain(&self.redundant);
         state.is_drawn() || all.all(|c| c.equation.measure(kinematics, state, &mut reach).0.is_zero())
     }
+
+    /// The error of constraints that no position near the drawing fulfils with the bases where they are held.
+    pub fn open(&self, scene: &Scene, kinematics: &Kinematics, numbers: &[u32]) -> LowerError {
+        rank::wrong(scene, kinematics, self, numbers, Why::Open)
+    }
 }

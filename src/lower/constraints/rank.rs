@@ -61,6 +61,8 @@ pub enum Why {
     Locked,
     /// Couplings that no motion but none fulfils.
     Opposed,
+    /// No position near the drawing fulfils them.
+    Open,
     /// They hold a base whose motion is prescribed.
     Driven,
     /// Several motions branch off from this position.
@@ -173,11 +175,10 @@ fn opposed(
     errors
 }
 
-/// The error of a scene in which constraints leave no freedom.
-pub fn locked(scene: &Scene, kinematics: &Kinematics, all: &Constraints) -> LowerError {
-    let numbers: Vec<u32> = (0..all.list.len() as u32).collect();
+/// The error of some constraints.
+pub fn wrong(scene: &Scene, kinematics: &Kinematics, all: &Constraints, numbers: &[u32], why: Why) -> LowerError {
     let sources = sources(all, numbers.iter());
-    loops(scene, kinematics, sources[0], &sources, Why::Locked)
+    loops(scene, kinematics, sources[0], &sources, why)
 }
 
 /// The error of a rest at which the constraints that are independent in the drawing are not.
@@ -243,6 +244,10 @@ impl Constraints {
         kinematics: &Kinematics,
         reduction: &Reduction,
     ) -> Result<(), Vec<LowerError>> {
-        if reduction.n() > 0 { Ok(()) } else { Err(vec![locked(scene, kinematics, self)]) }
+        if reduction.n() > 0 {
+            return Ok(());
+        }
+        let all: Vec<u32> = (0..self.list.len() as u32).collect();
+        Err(vec![wrong(scene, kinematics, self, &all, Why::Locked)])
     }
 }

@@ -10,7 +10,8 @@
 //! definiteness*, BIT 46 (2006) 433: every entry rounds by gamma of its row times the roots of two diagonal entries, here
 //! ones). What H(X) differs by from the matrix eliminated is bounded by its largest row of radii.
 
-use super::enclosure::{MAX_REFINEMENTS, NEAR, Refinement};
+use super::enclosure::Refinement;
+use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
 use crate::base::{Dd, Number};
 use crate::lower::kinematics::Index;

@@ -7,15 +7,19 @@
 //! 4. [`enclosure`]: refined, and proven
 //! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms
 
+mod constrained;
 pub mod convex;
 pub mod drawn;
 pub mod enclosure;
 pub mod exact;
+mod krawczyk;
 pub mod linear;
 pub mod newton;
 pub mod potential;
+mod reactions;
 pub mod survey;
 
+use super::constraints::equation::Equation;
 use super::constraints::{Constraints, Reduction};
 use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::kinematics::{Index, Kinematics, State};
@@ -99,13 +103,9 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     if left.iter().all(Number::is_zero) && constraints.hold_exactly(kinematics, &found.state) {
         return Ok(found);
     }
-    if !drawn.is_trivial() {
-        let span = constraints.list[0].source.span(scene);
-        return Err(vec![LowerError::NotAvailable { what: "a closed loop that rests away from its drawing", span }]);
-    }
     let forces = left;
-    let mut survey = survey::survey(scene, kinematics, forces);
-    found.search(scene, kinematics, &mut survey)?;
+    let mut survey = survey::survey(scene, kinematics, constraints, &found.state, forces);
+    found.search(scene, kinematics, constraints, &mut survey)?;
     found.survey = Some(survey);
     Ok(found)
 }
@@ -143,11 +143,23 @@ impl Found {
     }
 
     /// Every part but the large linear ones.
-    fn search(&mut self, scene: &Scene, kinematics: &Kinematics, survey: &mut Survey) -> Result<(), Vec<LowerError>> {
+    fn search(
+        &mut self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        constraints: &Constraints,
+        survey: &mut Survey,
+    ) -> Result<(), Vec<LowerError>> {
         let mut steering: State<f64> = self.state.converted(kinematics);
         let mut lost = Vec::new();
         let Survey { parts, local, .. } = survey;
         for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
+            if !part.constraints.is_empty() {
+                if let Err(error) = self.search_along(scene, kinematics, constraints, part, local, &mut steering) {
+                    lost.push(error);
+                }
+                continue;
+            }
             let descended = descend(kinematics, part, local, &mut steering);
             if !descended.settled {
                 lost.push(no_rest(scene, kinematics, part, &descended));
@@ -161,6 +173,46 @@ impl Found {
             self.rest.proven &= refined.proven;
         }
         if lost.is_empty() { Ok(()) } else { Err(lost) }
+    }
+
+    /// A part with constraints.
+    fn search_along(
+        &mut self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        constraints: &Constraints,
+        part: &Part,
+        local: &[u32],
+        steering: &mut State<f64>,
+    ) -> Result<(), LowerError> {
+        let equations = || part.constraints.iter().map(|number| &constraints.list[*number as usize].equation);
+        let coordinates = &part.coordinates[..];
+        let descent = constrained::Descent {
+            kinematics,
+            coordinates,
+            local,
+            potential: part.potential.converted(),
+            equations: equations().map(Equation::converted).collect(),
+            length: part.length().max(constraints.length),
+            state: &mut *steering,
+        };
+        let descended = match descent.run(part.unbalanced) {
+            constrained::Ended::Open => return Err(constraints.open(scene, kinematics, &part.constraints)),
+            constrained::Ended::Settled(descended) if !descended.settled => {
+                return Err(no_rest(scene, kinematics, part, &descended));
+            }
+            constrained::Ended::Settled(descended) => descended,
+        };
+        let values: Vec<f64> = coordinates.iter().map(|i| *steering.value(*i)).collect();
+        let (potential, equations) = (&part.potential, equations().collect());
+        let state = &mut self.state;
+        let balance =
+            reactions::Balance { kinematics, coordinates, local, potential, equations, state, multipliers: Vec::new() };
+        let refined = balance.run(&values);
+        self.rest.steps += descended.steps;
+        self.rest.residual = self.rest.residual.max(refined.residual);
+        self.rest.proven &= refined.proven;
+        Ok(())
     }
 
     /// The rest of all coordinates; large linear parts by the stiffness that was assembled.
@@ -195,7 +247,7 @@ impl Found {
 
 impl Part {
     pub fn is_large_and_linear(&self) -> bool {
-        self.linear && self.coordinates.len() > MAX_DENSE
+        self.linear && self.constraints.is_empty() && self.coordinates.len() > MAX_DENSE
     }
 }
 

@@ -30,18 +30,18 @@ pub struct Descended {
 }
 
 /// Steps before it is given up: a step is at most half a radian or half a length of the part at first.
-const MAX_STEPS: u32 = 500;
+pub const MAX_STEPS: u32 = 500;
 /// A step this small in the measure D changes nothing that binary64 can hold: rounding of the positions is 1e-16.
-const STILL: f64 = 1e-13;
+pub const STILL: f64 = 1e-13;
 /// Forces that balance to this part of their sizes: rounding of the sums of a few terms.
-const BALANCED: f64 = 1e-14;
-const FIRST_RADIUS: f64 = 0.5;
+pub const BALANCED: f64 = 1e-14;
+pub const FIRST_RADIUS: f64 = 0.5;
 /// Angles do not turn by more than about this in one step, so that no rest is jumped over.
-const LARGEST_RADIUS: f64 = 1.0;
+pub const LARGEST_RADIUS: f64 = 1.0;
 /// Lengths of the part beyond which it is taken to fall.
 const AWAY: f64 = 1e6;
 /// A pivot that is less than this part of what it was made from is rounding.
-const LEAST_PIVOT: f64 = 1e-13;
+pub const LEAST_PIVOT: f64 = 1e-13;
 
 impl Descent<'_> {
     pub fn run(mut self) -> Descended {

@@ -7,7 +7,8 @@
 use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
 use crate::base::Number;
 use crate::elements::{DeadForce, Stretch};
-use crate::lower::kinematics::{Index, Kinematics, Path, State};
+use crate::lower::constraints::Constraints;
+use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
 use crate::lower::loads::{self, Between, Load};
 use crate::model::scene::Scene;
 
@@ -19,6 +20,8 @@ pub struct Part {
     /// Empty for a large linear set, whose stiffness the matrices hold.
     pub potential: Potential<Number>,
     pub linear: bool,
+    /// Numbers of the constraints on its coordinates.
+    pub constraints: Vec<u32>,
     /// Whether a force on it is certainly not zero.
     pub unbalanced: bool,
 }
@@ -58,10 +61,17 @@ pub fn energy(
 }
 
 /// The parts on which `forces` leave a load.
-pub fn survey(scene: &Scene, kinematics: &Kinematics, forces: Vec<Number>) -> Survey {
+pub fn survey(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    constraints: &Constraints,
+    state: &State<Number>,
+    forces: Vec<Number>,
+) -> Survey {
     let mut sets = Sets::new(kinematics);
     loads::visit(scene, kinematics, false, |load| sets.tie(load));
-    let parts_of_roots = sets.loaded(&forces);
+    let displaced = sets.tie_constraints(constraints, state);
+    let parts_of_roots = sets.loaded(&forces, &displaced);
     let mut survey = Survey { parts: Vec::new(), local: vec![ELSEWHERE; kinematics.total()], forces };
     let mut part_of = vec![ELSEWHERE; kinematics.total()];
     for (coordinate, part) in part_of[..kinematics.n()].iter_mut().enumerate() {
@@ -69,6 +79,12 @@ pub fn survey(scene: &Scene, kinematics: &Kinematics, forces: Vec<Number>) -> Su
         *part = parts_of_roots[root];
         if *part != ELSEWHERE {
             survey.join(*part as usize, coordinate, !sets.curved[root]);
+        }
+    }
+    for (number, constraint) in constraints.list.iter().enumerate() {
+        let part = constraint.equation.coordinates(kinematics).map(|i| part_of[i as usize]).find(|p| *p != ELSEWHERE);
+        if let Some(part) = part {
+            survey.parts[part as usize].constraints.push(number as u32);
         }
     }
     if survey.parts.iter().any(|part| !part.is_large_and_linear()) {
@@ -96,7 +112,8 @@ impl Survey {
     fn join(&mut self, part: usize, coordinate: usize, linear: bool) {
         if part == self.parts.len() {
             let potential = Potential::default();
-            self.parts.push(Part { coordinates: Vec::new(), potential, linear, unbalanced: false });
+            let (coordinates, constraints) = (Vec::new(), Vec::new());
+            self.parts.push(Part { coordinates, potential, linear, constraints, unbalanced: false });
         }
         let members = &mut self.parts[part];
         self.local[coordinate] = members.coordinates.len() as u32;
@@ -217,10 +234,34 @@ impl<'a> Sets<'a> {
         }
     }
 
+    /// What a constraint holds hangs together; returns a coordinate of each constraint that displaced bases leave open.
+    fn tie_constraints(&mut self, constraints: &Constraints, state: &State<Number>) -> Vec<usize> {
+        let n = self.parents.len();
+        let kinematics = self.kinematics;
+        let mut reach = Reach::default();
+        let mut displaced = Vec::new();
+        for constraint in &constraints.list {
+            let equation = &constraint.equation;
+            let mut held = equation.coordinates(kinematics).filter(|i| (*i as usize) < n);
+            let Some(first) = held.next() else { continue };
+            for coordinate in held {
+                self.unite(first as usize, coordinate as usize);
+            }
+            if !equation.is_linear() {
+                self.mark_curved(first);
+            }
+            if !state.is_drawn() && !equation.measure(kinematics, state, &mut reach).0.is_zero() {
+                displaced.push(first as usize);
+            }
+        }
+        displaced
+    }
+
     /// For each root its number among the loaded ones, in the order of their least coordinates.
-    fn loaded(&mut self, forces: &[Number]) -> Vec<u32> {
+    fn loaded(&mut self, forces: &[Number], displaced: &[usize]) -> Vec<u32> {
         let mut loaded = vec![false; self.parents.len()];
-        for coordinate in (0..forces.len()).filter(|&i| !forces[i].is_zero()) {
+        let forced = (0..forces.len()).filter(|&i| !forces[i].is_zero());
+        for coordinate in forced.chain(displaced.iter().copied()) {
             let root = self.find(coordinate);
             loaded[root] = true;
         }

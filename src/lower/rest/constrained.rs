@@ -1,0 +1,276 @@
+//! The way down along constraints: from the drawing to a rest of one part whose coordinates depend on each other, in
+//! binary64. Clause: spec.md, 7.5.
+//!
+//! Sequential quadratic steps in the null space of the constraints (J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd
+//! ed. 2006, sections 15.3 and 18.1): with G the gradients of the constraints, the columns of Z a basis of G z = 0 and the
+//! multipliers lambda that leave the least of grad V + G^T lambda, a step p = Z y makes V + lambda g least within a trust
+//! radius, and Newton steps across the constraints bring it back onto g = 0. Every step lowers the energy.
+
+use super::newton::{BALANCED, Descended, FIRST_RADIUS, LARGEST_RADIUS, MAX_STEPS, STILL};
+use super::potential::{Detail, ELSEWHERE, Energy, Potential};
+use crate::lower::constraints::equation::Equation;
+use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use nalgebra::{DMatrix, DVector, linalg::QR};
+
+/// A part with constraints on its way down.
+pub struct Descent<'a> {
+    pub kinematics: &'a Kinematics,
+    pub coordinates: &'a [Index],
+    pub local: &'a [u32],
+    pub potential: Potential<f64>,
+    pub equations: Vec<Equation<f64>>,
+    pub state: &'a mut State<f64>,
+    /// What a length is measured in, m.
+    pub length: f64,
+}
+
+/// Newton steps across the constraints before a step is taken to lead too far away from them.
+const MAX_RETURNS: u32 = 30;
+/// Radians or lengths of the part by which a constraint may be off: rounding of sums of a few lengths.
+const CLOSED: f64 = 1e-14;
+/// Radians or lengths beyond which it is taken to fall.
+const AWAY: f64 = 1e6;
+
+/// How the loops ended.
+pub enum Ended {
+    Settled(Descended),
+    /// No position near the drawing fulfils the constraints.
+    Open,
+}
+
+/// Everything that a step needs, in units of motion: radians, lengths of the part.
+struct Here {
+    energy: Energy<f64>,
+    /// grad V + G^T lambda.
+    left: DVector<f64>,
+    /// An orthonormal basis of the motions that the constraints allow.
+    basis: DMatrix<f64>,
+    /// Z^T (grad^2 V + lambda . grad^2 g) Z.
+    curvature: DMatrix<f64>,
+    multipliers: DVector<f64>,
+}
+
+impl Descent<'_> {
+    /// `moves`: whether any force is certainly unbalanced as drawn.
+    pub fn run(mut self, moves: bool) -> Ended {
+        if !self.comes_back() {
+            return Ended::Open;
+        }
+        let mut here = self.look();
+        if !moves {
+            return Ended::Settled(self.ended(true, 0, here));
+        }
+        let mut radius = FIRST_RADIUS;
+        for steps in 0..MAX_STEPS {
+            let gradient = here.basis.transpose() * &here.left;
+            if self.imbalance(&here) <= BALANCED {
+                return Ended::Settled(self.ended(true, steps, here));
+            }
+            let Some((step, predicted)) = step(&here.curvature, &gradient, radius) else { break };
+            let (before, length) = (self.values(), step.norm());
+            self.walk(&(&here.basis * step));
+            let back = self.comes_back();
+            let next = self.look();
+            let noise = 1e-15 * (here.energy.size + next.energy.size);
+            if back && predicted <= noise {
+                // The energies cannot tell any more: the forces do.
+                if self.imbalance(&next) > 0.5 * self.imbalance(&here) {
+                    self.put(&before);
+                    return Ended::Settled(self.ended(true, steps, here));
+                }
+                here = next;
+                continue;
+            }
+            let gain = (here.energy.value - next.energy.value + noise) / (predicted + noise);
+            if !back || gain.is_nan() || gain < 0.1 {
+                self.put(&before);
+                radius = length / 4.0;
+            } else {
+                here = next;
+                if gain > 0.75 {
+                    radius = radius.max(2.0 * length).min(LARGEST_RADIUS);
+                } else if gain < 0.25 {
+                    radius = length / 4.0;
+                }
+            }
+            if length <= STILL {
+                return Ended::Settled(self.ended(true, steps + 1, here));
+            }
+            let measured = self.values();
+            if measured.iter().zip(self.coordinates).any(|(value, i)| (value / self.unit(*i)).abs() > AWAY) {
+                break;
+            }
+        }
+        Ended::Settled(self.ended(false, MAX_STEPS, here))
+    }
+
+    /// What is left of the forces is what it reports.
+    fn ended(&self, settled: bool, steps: u32, here: Here) -> Descended {
+        let mut energy = here.energy;
+        for (place, coordinate) in self.coordinates.iter().enumerate() {
+            energy.gradient[place] = here.left[place] / self.unit(*coordinate);
+        }
+        Descended { settled, steps, energy }
+    }
+
+    fn unit(&self, coordinate: Index) -> f64 {
+        if self.kinematics.is_angle(coordinate) { 1.0 } else { self.length }
+    }
+
+    fn units(&self) -> DVector<f64> {
+        DVector::from_iterator(self.coordinates.len(), self.coordinates.iter().map(|i| self.unit(*i)))
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.coordinates.iter().map(|coordinate| *self.state.value(*coordinate)).collect()
+    }
+
+    fn put(&mut self, values: &[f64]) {
+        for (coordinate, value) in self.coordinates.iter().zip(values) {
+            self.state.set(self.kinematics, *coordinate, *value);
+        }
+    }
+
+    fn walk(&mut self, step: &DVector<f64>) {
+        let steps = step.component_mul(&self.units());
+        let moved: Vec<f64> = self.values().iter().zip(steps.iter()).map(|(at, step)| at + step).collect();
+        self.put(&moved);
+    }
+
+    /// g and G, lengths in lengths of the part.
+    fn constraints(&self) -> (DVector<f64>, DMatrix<f64>) {
+        let mut reach = Reach::default();
+        let mut values = DVector::zeros(self.equations.len());
+        let mut rows = DMatrix::zeros(self.equations.len(), self.coordinates.len());
+        for (k, equation) in self.equations.iter().enumerate() {
+            let (value, row) = equation.measure(self.kinematics, self.state, &mut reach);
+            let scale = if equation.components.is_empty() { 1.0 } else { 1.0 / self.length };
+            values[k] = value * scale;
+            for (coordinate, entry) in row {
+                let place = self.local[coordinate as usize];
+                if place != ELSEWHERE {
+                    rows[(k, place as usize)] = entry * scale * self.unit(coordinate);
+                }
+            }
+        }
+        (values, rows)
+    }
+
+    /// Newton steps across the constraints, each the shortest one; false where they do not lead back.
+    fn comes_back(&mut self) -> bool {
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_RETURNS {
+            let (values, rows) = self.constraints();
+            let off = values.amax();
+            if off <= CLOSED {
+                return true;
+            }
+            // Near the end rounding stops it.
+            if off.is_nan() || (off >= last && off < 1e3 * CLOSED) {
+                return off.is_finite();
+            }
+            if off > 1e3 * last {
+                return false;
+            }
+            last = off;
+            let square = &rows * rows.transpose();
+            let Some(weights) = square.lu().solve(&values) else { return false };
+            self.walk(&(-(rows.transpose() * weights)));
+        }
+        false
+    }
+
+    fn look(&self) -> Here {
+        let n = self.coordinates.len();
+        let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Curvature);
+        let units = self.units();
+        let (_, rows) = self.constraints();
+        let gradient = DVector::from_column_slice(&energy.gradient).component_mul(&units);
+        let (basis, multipliers) = split(&rows, &gradient);
+        let left = &gradient + rows.transpose() * &multipliers;
+        let mut curvature = DMatrix::zeros(n, n);
+        let mut add = |i: u32, j: u32, value: f64| {
+            let (i, j) = (i as usize, j as usize);
+            let value = value * units[i] * units[j];
+            curvature[(i, j)] += value;
+            if i != j {
+                curvature[(j, i)] += value;
+            }
+        };
+        for (i, j, value) in &energy.curvature {
+            add(*i, *j, *value);
+        }
+        let mut reach = Reach::default();
+        for (equation, multiplier) in self.equations.iter().zip(multipliers.iter()) {
+            let scale = if equation.components.is_empty() { 1.0 } else { 1.0 / self.length };
+            equation.curvature(self.kinematics, self.state, &(multiplier * scale), &mut reach, |i, j, value| {
+                let (i, j) = (self.local[i as usize], self.local[j as usize]);
+                if i != ELSEWHERE && j != ELSEWHERE {
+                    add(i, j, value);
+                }
+            });
+        }
+        let curvature = basis.transpose() * curvature * &basis;
+        Here { energy, left, basis, curvature, multipliers }
+    }
+
+    /// The largest force that is left, relative to those that act on its coordinate, reactions included.
+    fn imbalance(&self, here: &Here) -> f64 {
+        let (_, rows) = self.constraints();
+        let reactions = rows.map(f64::abs).transpose() * here.multipliers.map(f64::abs);
+        let relative = |place: usize| {
+            let acting = here.energy.forces[place] * self.unit(self.coordinates[place]) + reactions[place];
+            let left = here.left[place].abs();
+            if left == 0.0 { 0.0 } else { left / acting }
+        };
+        (0..here.left.len()).map(relative).fold(0.0, f64::max)
+    }
+}
+
+/// A basis of what the rows let be, and the multipliers that leave the least of a gradient.
+fn split(rows: &DMatrix<f64>, gradient: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let (m, n) = rows.shape();
+    let qr = QR::new(rows.transpose());
+    let mut turned = DMatrix::identity(n, n);
+    qr.q_tr_mul(&mut turned);
+    let across = turned.rows(0, m.min(n)).into_owned();
+    let basis = turned.rows(m.min(n), n - m.min(n)).transpose();
+    // G^T = Y R: the least squares of G^T lambda = -gradient.
+    let multipliers = qr.r().solve_upper_triangular(&(-(across * gradient)));
+    (basis, multipliers.unwrap_or_else(|| DVector::zeros(m)))
+}
+
+/// The step that makes gradient . y + y . curvature y / 2 least within the radius, and what that gains: by the shifts of
+/// Moré and Sorensen, as in `newton`. `None` where numbers leave binary64.
+fn step(curvature: &DMatrix<f64>, gradient: &DVector<f64>, radius: f64) -> Option<(DVector<f64>, f64)> {
+    let n = gradient.len();
+    if n == 0 {
+        return Some((DVector::zeros(0), 0.0));
+    }
+    let scale = curvature.amax().max(gradient.amax() / radius);
+    let mut shift = 0.0;
+    for _ in 0..200 {
+        let shifted = curvature + DMatrix::identity(n, n) * shift;
+        let Some(factors) = shifted.clone().cholesky().filter(|factors| is_sound(factors.l_dirty(), &shifted)) else {
+            shift = if shift == 0.0 { 1e-10 * scale } else { 4.0 * shift };
+            continue;
+        };
+        let step = -factors.solve(gradient);
+        let length = step.norm();
+        if !length.is_finite() || shift > 1e30 * scale {
+            return None;
+        }
+        if length <= 1.1 * radius {
+            let predicted = 0.5 * (shift * length * length - gradient.dot(&step));
+            return Some((step, predicted));
+        }
+        let bent = factors.solve(&step);
+        shift += (length / radius - 1.0) * length * length / step.dot(&bent);
+    }
+    None
+}
+
+/// Whether every pivot is more than the rounding of what it was made from.
+fn is_sound(l: &DMatrix<f64>, matrix: &DMatrix<f64>) -> bool {
+    (0..matrix.nrows()).all(|i| l[(i, i)] * l[(i, i)] > super::newton::LEAST_PIVOT * matrix[(i, i)].abs())
+}

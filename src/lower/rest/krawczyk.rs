@@ -1,0 +1,163 @@
+//! From a solution in binary64 to one that is known: refined in double-double, then proven. In: equations F(z) = 0 with a
+//! symmetric derivative, and a start; out: a box that holds exactly one solution. Clause: spec.md, "Rest".
+//!
+//! With Y near the inverse of F', the Krawczyk operator m - Y F(m) + (1 - Y F'(Z)) (Z - m) maps the box Z about m into its
+//! interior only if Z holds exactly one solution (R. Krawczyk, *Newton-Algorithmen zur Bestimmung von Nullstellen mit
+//! Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear systems*, SIAM
+//! J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
+
+use crate::base::{Ball, Dd, Number};
+use nalgebra::{DMatrix, DVector};
+
+/// Equations F(z) = 0 with a box of z at hand.
+pub trait Equations {
+    /// Puts z at these middles with these radii.
+    fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64);
+
+    /// F over the box.
+    fn left(&self) -> Vec<Number>;
+
+    /// F' over the box: binary64 numbers, and what they may be wrong by.
+    fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>);
+}
+
+/// An approximate inverse of the derivative, and the motions that it leaves out because nothing holds them.
+pub struct Inverse {
+    y: DMatrix<f64>,
+    neutral: DMatrix<f64>,
+}
+
+/// Each step gains the sixteen digits of binary64, less those that the conditioning takes.
+pub const MAX_REFINEMENTS: usize = 8;
+/// Steps are compared with the solution, or with this where that is smaller.
+pub const NEAR: f64 = 1e-9;
+
+impl Inverse {
+    /// `None` where the numbers leave binary64. `scale` makes the rows of all sizes comparable, so that what is small for
+    /// its units only does not count as singular.
+    pub fn of(slope: &DMatrix<f64>, scale: &[f64]) -> Option<Inverse> {
+        let n = scale.len();
+        let scaled = DMatrix::from_fn(n, n, |i, j| slope[(i, j)] * scale[i] * scale[j]);
+        let (inverse, neutral) = inverted(scaled)?;
+        let y = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        let neutral = DMatrix::from_fn(n, neutral.ncols(), |i, j| neutral[(i, j)] * scale[i]);
+        y.iter().all(|entry| entry.is_finite()).then_some(Inverse { y, neutral })
+    }
+
+    /// Whether there are motions that nothing holds.
+    pub fn is_singular(&self) -> bool {
+        self.neutral.ncols() > 0
+    }
+
+    /// Newton steps until they gain nothing; returns the size of the last one, relative.
+    pub fn refine(&self, equations: &mut impl Equations, middle: &mut [Dd]) -> f64 {
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            equations.place(middle, &|_| 0.0);
+            let step = self.apply(&equations.left());
+            let size =
+                step.iter().zip(middle.iter()).map(|(step, at)| step.abs() / at.hi.abs().max(NEAR)).fold(0.0, f64::max);
+            if size >= last {
+                break;
+            }
+            last = size;
+            for (at, step) in middle.iter_mut().zip(&step) {
+                *at -= Dd::from(*step);
+            }
+        }
+        last
+    }
+
+    /// Takes back the drift along motions that nothing holds: the rest nearest to the drawing is meant.
+    pub fn without_drift(&self, middle: &mut [Dd]) {
+        let Some(inverse) = (self.neutral.transpose() * &self.neutral).try_inverse() else { return };
+        let at = DVector::from_iterator(middle.len(), middle.iter().map(|at| at.to_f64()));
+        let drift = &self.neutral * (inverse * (self.neutral.transpose() * at));
+        for (at, drift) in middle.iter_mut().zip(drift.iter()) {
+            *at -= Dd::from(*drift);
+        }
+    }
+
+    /// Y F, in binary64.
+    fn apply(&self, left: &[Number]) -> Vec<f64> {
+        let left = DVector::from_iterator(left.len(), left.iter().map(Number::to_f64));
+        (&self.y * left).iter().copied().collect()
+    }
+
+    /// Finds radii that the Krawczyk operator maps into themselves; leaves the equations at that box.
+    pub fn prove(&self, equations: &mut impl Equations, middle: &[Dd]) -> bool {
+        let n = middle.len();
+        equations.place(middle, &|_| 0.0);
+        let left = equations.left();
+        let defect: Vec<f64> = (0..n).map(|i| self.defect(i, &left)).collect();
+        let mut radius: Vec<f64> =
+            (0..n).map(|i| 2.0 * defect[i] + middle[i].hi.abs() * Dd::EPSILON + f64::MIN_POSITIVE).collect();
+        for _ in 0..6 {
+            equations.place(middle, &|i| radius[i]);
+            let mapped = self.mapped(equations.slope(), &defect, &radius);
+            if mapped.iter().zip(&radius).all(|(mapped, radius)| mapped < radius) {
+                return true;
+            }
+            for (radius, mapped) in radius.iter_mut().zip(&mapped) {
+                *radius = 4.0 * mapped.max(*radius);
+            }
+        }
+        false
+    }
+
+    /// A bound of |Y F|_i.
+    fn defect(&self, i: usize, left: &[Number]) -> f64 {
+        let products = left.iter().enumerate().map(|(j, force)| force.to_ball() * Ball::from(self.y[(i, j)]));
+        products.fold(Ball::ZERO, |sum, product| sum + product).magnitude()
+    }
+
+    /// A bound of |Y F| + |1 - Y F'(Z)| r, rounding included.
+    fn mapped(&self, (middle, spread): (DMatrix<f64>, DMatrix<f64>), defect: &[f64], radius: &[f64]) -> Vec<f64> {
+        let n = radius.len();
+        let product = &self.y * &middle;
+        let sizes = self.y.abs() * (middle.abs() * ((n + 2) as f64 * f64::EPSILON) + spread);
+        let radii = DVector::from_column_slice(radius);
+        let wrong = DMatrix::from_fn(n, n, |i, j| {
+            let identity = if i == j { 1.0 } else { 0.0 };
+            (identity - product[(i, j)]).abs() * (1.0 + f64::EPSILON) + sizes[(i, j)]
+        });
+        // Sums of n positive numbers: each is right to n roundings, which the factor covers for all n that are dense.
+        (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * (1.0 + 1e-12)).collect()
+    }
+}
+
+/// The inverse; where it is singular to working precision, the inverse of what is not, and the motions that nothing holds.
+fn inverted(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let n = matrix.nrows();
+    if let Some(inverse) = matrix.clone().try_inverse() {
+        let wrong = (&inverse * &matrix - DMatrix::identity(n, n)).amax();
+        if wrong < 0.1 {
+            return Some((inverse, DMatrix::zeros(n, 0)));
+        }
+    }
+    let eigen = matrix.try_symmetric_eigen(f64::EPSILON, 0)?;
+    // Below this an eigenvalue is the rounding of a few hundred sums.
+    let least = 1e-12 * eigen.eigenvalues.amax();
+    let inverse = eigen.eigenvalues.map(|value| if value.abs() > least { value.recip() } else { 0.0 });
+    let neutral: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i].abs() <= least).collect();
+    let inverse = &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose();
+    Some((inverse, eigen.eigenvectors.select_columns(&neutral)))
+}
+
+/// A symmetric matrix given by entries of one triangle, each pair once, places may repeat: binary64 numbers and what they
+/// may be wrong by.
+pub fn dense<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let mut sums = vec![Number::ZERO; n * n];
+    for (i, j, value) in entries {
+        let sum = &mut sums[i.max(j) as usize * n + i.min(j) as usize];
+        *sum = &*sum + value;
+    }
+    let at = |i: usize, j: usize| sums[i.max(j) * n + i.min(j)].to_ball();
+    let middle = DMatrix::from_fn(n, n, |i, j| at(i, j).mid.hi);
+    // The low part of the middle, and the radius.
+    let spread = DMatrix::from_fn(n, n, |i, j| {
+        let ball = at(i, j);
+        (ball.mid.lo.abs() + ball.rad) * (1.0 + 1e-15)
+    });
+    (middle, spread)
+}

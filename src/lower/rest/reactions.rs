@@ -1,0 +1,195 @@
+//! The rest of a part with constraints, known: coordinates and multipliers together. Clause: spec.md, 7.6.
+//!
+//! The equations are grad V + G^T lambda = 0 and g = 0 in z = (q, lambda), with the symmetric derivative
+//! [W G^T; G 0], W = grad^2 V + lambda . grad^2 g: refined and enclosed as in [`krawczyk`].
+
+use super::enclosure::{MAX_DENSE, Refined};
+use super::exact::simplest;
+use super::krawczyk::{self, Equations, Inverse, NEAR};
+use super::potential::{Detail, ELSEWHERE, Potential};
+use crate::base::{Ball, Dd, Number, Rational};
+use crate::lower::constraints::equation::Equation;
+use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use nalgebra::{DMatrix, DVector};
+
+/// A part with constraints near its rest.
+pub struct Balance<'a> {
+    pub kinematics: &'a Kinematics,
+    pub coordinates: &'a [Index],
+    pub local: &'a [u32],
+    pub potential: &'a Potential<Number>,
+    pub equations: Vec<&'a Equation<Number>>,
+    pub state: &'a mut State<Number>,
+    pub multipliers: Vec<Number>,
+}
+
+impl Balance<'_> {
+    /// Refines the state from these values in binary64 and encloses the rest.
+    pub fn run(mut self, values: &[f64]) -> Refined {
+        let n = values.len();
+        let mut middle: Vec<Dd> = values.iter().copied().map(Dd::from).collect();
+        middle.resize(n + self.equations.len(), Dd::ZERO);
+        self.place(&middle, &|_| 0.0);
+        for (at, multiplier) in middle[n..].iter_mut().zip(self.least_multipliers()) {
+            *at = Dd::from(multiplier);
+        }
+        let proven = self.refine_and_prove(&mut middle);
+        Refined { residual: self.residual(), proven }
+    }
+
+    fn refine_and_prove(&mut self, middle: &mut [Dd]) -> bool {
+        if middle.len() > 2 * MAX_DENSE {
+            return false;
+        }
+        self.place(middle, &|_| 0.0);
+        let (slope, _) = self.slope();
+        let Some(inverse) = Inverse::of(&slope, &equilibrium(&slope)) else { return false };
+        if inverse.is_singular() {
+            inverse.without_drift(middle);
+        }
+        let last = inverse.refine(self, middle);
+        let proven = inverse.prove(self, middle);
+        if !proven {
+            // An estimate: another step would gain as many digits as the last one did.
+            let radius = |i: usize| last * middle[i].hi.abs().max(NEAR);
+            self.place(middle, &radius);
+        }
+        // Along a motion that nothing holds there is a choice of rests.
+        let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
+        self.is_exactly_rational(known) || proven
+    }
+
+    /// Whether everything balances exactly at the simplest fractions within the relative distance `known`; leaves the state
+    /// there then.
+    fn is_exactly_rational(&mut self, known: f64) -> bool {
+        let fraction = |ball: Ball| if ball.contains_zero() { Some(Rational::ZERO) } else { simplest(ball, known) };
+        let balls: Vec<Ball> = self.coordinates.iter().map(|i| self.state.value(*i).to_ball()).collect();
+        let multipliers = self.multipliers.clone();
+        let fractions: Option<Vec<_>> =
+            balls.iter().copied().chain(multipliers.iter().map(Number::to_ball)).map(fraction).collect();
+        let Some(fractions) = fractions else { return false };
+        for (place, fraction) in fractions.into_iter().map(Number::Exact).enumerate() {
+            match self.coordinates.get(place) {
+                Some(coordinate) => self.state.set(self.kinematics, *coordinate, fraction),
+                None => self.multipliers[place - self.coordinates.len()] = fraction,
+            }
+        }
+        let exact = self.left().iter().all(Number::is_zero);
+        if !exact {
+            for (coordinate, ball) in self.coordinates.iter().zip(balls) {
+                self.set(*coordinate, ball);
+            }
+            self.multipliers = multipliers;
+        }
+        exact
+    }
+
+    fn set(&mut self, coordinate: Index, value: Ball) {
+        let value = if value.is_zero() { Number::ZERO } else { Number::Ball(value) };
+        self.state.set(self.kinematics, coordinate, value);
+    }
+
+    /// In binary64, the multipliers that leave the least of the forces.
+    fn least_multipliers(&self) -> Vec<f64> {
+        let (n, m) = (self.coordinates.len(), self.equations.len());
+        let gradient = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
+        let gradient = DVector::from_iterator(n, gradient.iter().map(Number::to_f64));
+        let mut rows = DMatrix::zeros(m, n);
+        for (k, (_, row)) in self.measured().iter().enumerate() {
+            for (place, entry) in row {
+                rows[(k, *place as usize)] = entry.to_f64();
+            }
+        }
+        let square = &rows * rows.transpose();
+        square.lu().solve(&-(&rows * gradient)).map_or(vec![0.0; m], |found| found.iter().copied().collect())
+    }
+
+    /// g and its gradient over places in the part.
+    fn measured(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
+        let mut reach = Reach::default();
+        let of = |equation: &&Equation<Number>| {
+            let (value, row) = equation.measure(self.kinematics, self.state, &mut reach);
+            let placed = row.into_iter().map(|(coordinate, entry)| (self.local[coordinate as usize], entry));
+            (value, placed.filter(|(place, _)| *place != ELSEWHERE).collect())
+        };
+        self.equations.iter().map(of).collect()
+    }
+
+    /// The largest force that is left, relative to those that act on its coordinate, reactions included.
+    fn residual(&self) -> f64 {
+        let n = self.coordinates.len();
+        let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Sizes);
+        let mut sizes = energy.forces;
+        for ((_, row), multiplier) in self.measured().iter().zip(&self.multipliers) {
+            for (place, entry) in row {
+                sizes[*place as usize] += (entry.to_f64() * multiplier.to_f64()).abs();
+            }
+        }
+        let left = self.left();
+        let relative = |place: usize| match left[place].to_f64().abs() {
+            0.0 => 0.0,
+            force => force / sizes[place],
+        };
+        (0..n).map(relative).fold(0.0, f64::max)
+    }
+}
+
+impl Equations for Balance<'_> {
+    fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64) {
+        let (coordinates, n) = (self.coordinates, self.coordinates.len());
+        for (place, coordinate) in coordinates.iter().enumerate() {
+            self.set(*coordinate, Ball::new(middle[place], radius(place)));
+        }
+        let ball = |place: usize| Number::Ball(Ball::new(middle[place], radius(place)));
+        self.multipliers = (n..middle.len()).map(ball).collect();
+    }
+
+    fn left(&self) -> Vec<Number> {
+        let n = self.coordinates.len();
+        let mut left = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
+        let measured = self.measured();
+        for ((_, row), multiplier) in measured.iter().zip(&self.multipliers) {
+            for (place, entry) in row {
+                let sum = &left[*place as usize] + &(multiplier * entry);
+                left[*place as usize] = sum;
+            }
+        }
+        left.extend(measured.into_iter().map(|(value, _)| value));
+        left
+    }
+
+    fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let n = self.coordinates.len();
+        let mut entries = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Curvature).curvature;
+        let mut reach = Reach::default();
+        for (equation, multiplier) in self.equations.iter().zip(&self.multipliers) {
+            equation.curvature(self.kinematics, self.state, multiplier, &mut reach, |i, j, value| {
+                let (i, j) = (self.local[i as usize], self.local[j as usize]);
+                if i != ELSEWHERE && j != ELSEWHERE {
+                    entries.push((i, j, value));
+                }
+            });
+        }
+        for (k, (_, row)) in self.measured().into_iter().enumerate() {
+            entries.extend(row.into_iter().map(|(place, entry)| ((n + k) as u32, place, entry)));
+        }
+        krawczyk::dense(entries.iter().map(|(i, j, value)| (*i, *j, value)), n + self.equations.len())
+    }
+}
+
+/// Factors of rows and columns that make the largest entry of each about 1: a few rounds of D. Ruiz, *A scaling algorithm to
+/// equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034.
+fn equilibrium(matrix: &DMatrix<f64>) -> Vec<f64> {
+    let n = matrix.nrows();
+    let mut scale = vec![1.0; n];
+    for _ in 0..8 {
+        let largest = |i: usize| (0..n).map(|j| (matrix[(i, j)] * scale[j]).abs()).fold(0.0, f64::max) * scale[i];
+        let rows: Vec<f64> = (0..n).map(largest).collect();
+        for (scale, row) in scale.iter_mut().zip(rows) {
+            if row > 0.0 {
+                *scale /= row.sqrt();
+            }
+        }
+    }
+    scale
+}
