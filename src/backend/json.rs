@@ -17,7 +17,9 @@ const MATRICES_UP_TO: usize = 200;
 /// One object and a line feed.
 pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let names = answer.system.coordinate_names();
-    let report = report(answer, options, &names);
+    let dependent = answer.rest.dependent.iter().map(|dependent| answer.system.display(dependent.coordinate.name));
+    let all: Vec<String> = names.iter().cloned().chain(dependent).collect();
+    let report = report(answer, options, &all);
     serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
 }
 
@@ -26,6 +28,8 @@ struct Report<'a> {
     vibc: &'static str,
     model: &'a str,
     coordinates: &'a [String],
+    /// What closed loops and couplings make follow from the coordinates.
+    dependent_coordinates: &'a [String],
     rest: Rest<'a>,
     matrices: Option<Matrices>,
     normalisation: &'static str,
@@ -203,13 +207,16 @@ impl Serialize for ByName<'_> {
     }
 }
 
-fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, names: &'a [String]) -> Report<'a> {
+/// `all`: the names of the coordinates, then of those that depend on them.
+fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String]) -> Report<'a> {
+    let (names, dependent) = all.split_at(answer.system.n());
     let wanted = options.matrices || answer.system.n() <= MATRICES_UP_TO;
     Report {
         vibc: env!("CARGO_PKG_VERSION"),
         model: &answer.model,
         coordinates: names,
-        rest: rest(answer, names),
+        dependent_coordinates: dependent,
+        rest: rest(answer, all),
         matrices: wanted.then(|| matrices(&answer.system)),
         normalisation: normalisation(options.normalise),
         not_computed: NotComputed {
@@ -280,10 +287,11 @@ fn normalisation(normalise: Normalise) -> &'static str {
 fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
     let tensions = answer.rest.tensions.iter();
     let tensions = tensions.map(|found| (answer.system.display(found.spring), found.tension.to_f64() + 0.0));
+    let displacement = answer.displacements();
     Rest {
         stable: answer.stability == Stability::Stable,
         kind: answer.stability.name(),
-        displacement: ByName { names, values: answer.rest.displacement.iter().map(|q| q.to_f64() + 0.0).collect() },
+        displacement: ByName { names, values: displacement.map(|(_, q)| q.to_f64() + 0.0).collect() },
         distance: distance(answer),
         residual: answer.rest.residual,
         proven: answer.rest.proven,
@@ -294,9 +302,10 @@ fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
 
 fn distance(answer: &ModalAnswer) -> Distance {
     let largest = |kind: CoordinateKind| {
-        let coordinates = answer.system.coordinates.iter().zip(&answer.rest.displacement);
-        let sizes =
-            coordinates.filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value.to_f64().abs());
+        let sizes = answer
+            .displacements()
+            .filter(|(coordinate, _)| coordinate.kind == kind)
+            .map(|(_, value)| value.to_f64().abs());
         sizes.fold(0.0, f64::max)
     };
     Distance { translation_m: largest(CoordinateKind::Translation), rotation_rad: largest(CoordinateKind::Rotation) }

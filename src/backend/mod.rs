@@ -13,9 +13,10 @@ pub mod simulation;
 pub mod transfer;
 
 use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
+use crate::base::Number;
 use crate::lower::Rest;
 use crate::questions::answer::{Requirement, Solved};
-use crate::system::LinearSystem;
+use crate::system::{Coordinate, LinearSystem};
 
 /// All that a modal report says.
 #[derive(Clone, Debug)]
@@ -32,6 +33,15 @@ pub struct ModalAnswer {
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
+}
+
+impl ModalAnswer {
+    /// Every coordinate with its displacement at rest: those of the system, then those that depend on them.
+    fn displacements(&self) -> impl Iterator<Item = (&Coordinate, &Number)> {
+        let own = self.system.coordinates.iter().zip(&self.rest.displacement);
+        let dependent = self.rest.dependent.iter().map(|dependent| (&dependent.coordinate, &dependent.displacement));
+        own.chain(dependent)
+    }
 }
 
 /// What of it is wanted, and how.

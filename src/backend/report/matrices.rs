@@ -5,6 +5,7 @@ use super::super::{ModalAnswer, ReportOptions};
 use super::table::characters;
 use super::{INDENT, WIDTH, line, unit};
 use crate::base::Number;
+use crate::lower::Dependent;
 use crate::system::{Form, LinearSystem};
 
 /// Matrices of more coordinates are shown on demand only.
@@ -13,7 +14,7 @@ const DIGITS: usize = 5;
 
 pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let system = &answer.system;
-    let mut text = coordinates(system);
+    let mut text = coordinates(system) + &dependent(answer);
     if system.n() > 0 && (options.matrices || system.n() <= MOST) {
         text += &line("M q″ + C q′ + K q = 0, in kg, m, s, rad");
         text += &side_by_side(&[("M", &system.m), ("C", &system.c), ("K", &system.k)], system.n());
@@ -44,6 +45,18 @@ fn coordinates(system: &LinearSystem) -> String {
         current += &format!("{name}{end} ");
     }
     if names.is_empty() { line("q = (): nothing can move") } else { text + &line(current.trim_end()) }
+}
+
+/// The coordinates that closed loops and couplings leave no choice.
+fn dependent(answer: &ModalAnswer) -> String {
+    const MOST: usize = 8;
+    let dependent = &answer.rest.dependent;
+    let name = |dependent: &Dependent| answer.system.display(dependent.coordinate.name);
+    let mut names: Vec<String> = dependent.iter().take(MOST).map(name).collect();
+    if dependent.len() > MOST {
+        names.push(format!("{} more", dependent.len() - MOST));
+    }
+    if names.is_empty() { String::new() } else { line(format!("following from q by the joints: {}", names.join(", "))) }
 }
 
 /// Beside each other as far as they fit.

@@ -8,7 +8,7 @@ use super::{INDENT, carried_by, counted, line, poles, unit};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::base::{Ball, Number};
 use crate::lower::Tension;
-use crate::system::CoordinateKind;
+use crate::system::{Coordinate, CoordinateKind};
 
 /// Displaced coordinates that are listed; the largest ones.
 const MOST: usize = 12;
@@ -20,12 +20,12 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
 }
 
 fn displacement(answer: &ModalAnswer) -> String {
-    let rest = &answer.rest;
-    let mut moved: Vec<usize> = (0..rest.displacement.len()).filter(|i| !rest.displacement[*i].is_zero()).collect();
+    let all: Vec<(&Coordinate, &Number)> = answer.displacements().collect();
+    let mut moved: Vec<usize> = (0..all.len()).filter(|i| !all[*i].1.is_zero()).collect();
     if moved.is_empty() {
         return as_drawn(answer);
     }
-    let size = |i: &usize| rest.displacement[*i].to_f64().abs();
+    let size = |i: &usize| all[*i].1.to_f64().abs();
     moved.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
     let left = moved.len().saturating_sub(MOST);
     moved.truncate(MOST);
@@ -36,8 +36,8 @@ fn displacement(answer: &ModalAnswer) -> String {
         Align::Left,
     );
     for i in moved {
-        let coordinate = &answer.system.coordinates[i];
-        let (value, unit) = (&rest.displacement[i], unit(coordinate.kind));
+        let (coordinate, value) = all[i];
+        let unit = unit(coordinate.kind);
         let degrees = match coordinate.kind {
             CoordinateKind::Translation => String::new(),
             CoordinateKind::Rotation => format!("= {}°", certain(&degrees(value), DIGITS)),
@@ -57,8 +57,7 @@ fn displacement(answer: &ModalAnswer) -> String {
 /// The largest translation and the largest turn: `0.0245 m and 1.4°`.
 fn farthest(answer: &ModalAnswer) -> String {
     let largest = |kind: CoordinateKind| {
-        let coordinates = answer.system.coordinates.iter().zip(&answer.rest.displacement);
-        let values = coordinates.filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value);
+        let values = answer.displacements().filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value);
         values.filter(|value| !value.is_zero()).max_by(|a, b| a.to_f64().abs().total_cmp(&b.to_f64().abs()))
     };
     let moved = largest(CoordinateKind::Translation).map(|x| format!("{} m", certain_number(&x.abs(), DISTANCE)));
