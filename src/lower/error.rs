@@ -187,8 +187,10 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         Why::InLine | Why::Branching | Why::Unclear => (RANK_DROP, "part of the loop"),
         Why::Locked | Why::Opposed | Why::Open | Why::Driven => (CONFLICT, "together with this one"),
     };
+    let alone = names.len() == 1;
     let names = listed(&names);
     let message = match why {
+        Why::Locked if alone => format!("{names} lets nothing move"),
         Why::InLine => {
             format!("all links of the loop of {names} are in line: in this position its freedoms are not determined")
         }
@@ -206,6 +208,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     let help = match why {
         Why::InLine | Why::Branching => "draw it in a position beside this one",
         Why::Unclear => "draw it in another position, or leave one of them out",
+        Why::Locked if alone => "leave it out, or let it hold less",
         Why::Locked => "leave one of them out, or draw the links so that they fit each other while they move",
         Why::Opposed => "leave one of them out, or correct its ratio",
         Why::Open => "hold the bases nearer to where they are drawn",

@@ -16,6 +16,7 @@ mod independent;
 mod language;
 mod language_page;
 mod literals;
+mod loops;
 mod lowering;
 mod massless;
 mod models;

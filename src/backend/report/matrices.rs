@@ -56,7 +56,11 @@ fn dependent(answer: &ModalAnswer) -> String {
     if dependent.len() > MOST {
         names.push(format!("{} more", dependent.len() - MOST));
     }
-    if names.is_empty() { String::new() } else { line(format!("following from q by the joints: {}", names.join(", "))) }
+    if names.is_empty() {
+        String::new()
+    } else {
+        line(format!("following from q by joints and couplings: {}", names.join(", ")))
+    }
 }
 
 /// Beside each other as far as they fit.

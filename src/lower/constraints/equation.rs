@@ -62,9 +62,13 @@ impl Equation<Number> {
         self.components.iter().flat_map(way).chain(self.turns.iter().map(|(angle, _)| *angle))
     }
 
-    /// The longest arm, m.
-    pub fn longest_arm(&self) -> f64 {
-        self.components.iter().map(|component| component.path.longest_arm()).fold(0.0, f64::max)
+    /// The longest arm, m; of a relation between displacements and angles, what turns one into the other.
+    pub fn length(&self) -> f64 {
+        let arm = self.components.iter().map(|component| component.path.longest_arm()).fold(0.0, f64::max);
+        let sizes = self.components.iter().map(|component| component.direction.norm_squared().to_f64().sqrt());
+        let displacement = sizes.fold(0.0, f64::max);
+        let turn = self.turns.iter().map(|(_, factor)| factor.to_f64().abs()).fold(0.0, f64::max);
+        if displacement > 0.0 { arm.max(turn / displacement) } else { arm }
     }
 }
 

@@ -44,7 +44,7 @@ pub struct Constraints {
     pub list: Vec<Constraint>,
     /// Equations that follow from the others.
     pub redundant: Vec<Constraint>,
-    /// The longest arm of a loop, m: what a length is measured in; 1 m where nothing turns.
+    /// The longest arm of a loop or a coupling, m: what a length is measured in; 1 m where nothing turns.
     pub length: f64,
 }
 
@@ -54,7 +54,7 @@ pub fn build(scene: &Scene, kinematics: &Kinematics) -> Result<(Constraints, Vec
     if list.is_empty() {
         return Ok((Constraints::default(), Vec::new()));
     }
-    let longest = list.iter().map(|constraint| constraint.equation.longest_arm()).fold(0.0, f64::max);
+    let longest = list.iter().map(|constraint| constraint.equation.length()).fold(0.0, f64::max);
     let length = if longest > 0.0 { longest } else { 1.0 };
     let all = Constraints { list, redundant: Vec::new(), length };
     rank::sorted(scene, kinematics, all)

@@ -102,6 +102,33 @@ pub fn tree(seed: u64, bodies: usize, loaded: bool) -> String {
     scene.text
 }
 
+/// A tree in which further joints and couplings close one loop or more.
+pub fn linkage(seed: u64, bodies: usize, loaded: bool) -> String {
+    let mut scene = Scene::new(seed);
+    scene.loaded = loaded;
+    if loaded {
+        scene.gravity();
+    }
+    let n = 2 + scene.random.below(bodies - 1);
+    for _ in 0..n {
+        scene.body();
+    }
+    for _ in 0..1 + scene.random.below(2) {
+        scene.closure();
+    }
+    for i in 0..n {
+        scene.held(i);
+    }
+    for _ in 0..scene.random.below(n + 1) {
+        scene.element();
+    }
+    for _ in 0..scene.random.below(3) {
+        scene.input();
+    }
+    scene.output();
+    scene.text
+}
+
 /// A network of masses on one line: springs and dampers between any two, some to the ground.
 pub fn network(seed: u64, bodies: usize) -> String {
     let mut random = Random::new(seed);
@@ -257,6 +284,33 @@ impl Scene {
                 self.line(format_args!("pivot j{i}: {ends}"));
                 true
             }
+        }
+    }
+
+    /// A joint or coupling between parts that hang on the ground already.
+    fn closure(&mut self) {
+        let (c, n) = (self.fresh(), self.centres.len());
+        let b = self.random.below(n);
+        let a = self.part(b);
+        let other = a.map_or("ground".into(), |a| format!("b{a}"));
+        let ends = self.either(&other, &format!("b{b}"));
+        let at = self.place();
+        let factor = self.random.decimal(1, 4);
+        match self.random.below(6) {
+            0 => {
+                let along = self.direction();
+                self.line(format_args!("slide c{c}: {ends} along {along}"));
+            }
+            1 => self.line(format_args!("couple c{c}: b{b}@{at}.x = b{}@(1 m, 0.5 m).y * {factor}", (b + 1) % n)),
+            2 => {
+                let turning: Vec<usize> = (0..n).filter(|i| self.turns[*i]).collect();
+                match turning[..] {
+                    [i, j, ..] => self.line(format_args!("couple c{c}: b{i}.angle * {factor} = -b{j}.angle")),
+                    [i] => self.line(format_args!("couple c{c}: b{i}.angle * {factor} * 1 m = b{b}@{at}.y")),
+                    [] => self.line(format_args!("pivot c{c}: b{b}@{at} -- {other}")),
+                }
+            }
+            _ => self.line(format_args!("pivot c{c}: b{b}@{at} -- {other}")),
         }
     }
 

@@ -1,0 +1,386 @@
+//! Closed loops, couplings and what they leave: published and closed-form answers, and a second formulation in absolute
+//! coordinates with multipliers on linkages written by hand and on random ones.
+
+use crate::ask::{Answer, ask, refusal, try_ask};
+use crate::independent::{assert_two_roads_meet_within, random_scenes};
+use vibc::base::{Number, Rational};
+
+/// By both roads. The second one differentiates numerically and eliminates in double-double: 1e-22 of the energies, lost
+/// again by the lever arms of a loop near a dead centre.
+const TOLERANCE: f64 = 1e-13;
+
+fn by_both_roads(text: &str) -> Answer {
+    let answer = ask(text);
+    assert_two_roads_meet_within(&answer, TOLERANCE, text);
+    answer
+}
+
+fn assert_omegas(answer: &Answer, truth: &[f64]) {
+    let found = answer.omegas();
+    assert_eq!(found.len(), truth.len(), "{found:?}");
+    for (found, truth) in found.iter().zip(truth) {
+        assert!((found - truth).abs() <= 1e-12 * truth.abs(), "{found:e}, published {truth:e}");
+    }
+}
+
+/// The IFToMM five-bar, turned about A by some degrees; gravity turns with it.
+fn five_bar(gravity: bool, turned: &str) -> String {
+    let gravity = if gravity { "gravity (9.81 m/s^2 * s, -9.81 m/s^2 * c)" } else { "" };
+    format!(
+        "let c = cos({turned})\nlet s = sin({turned})\n{gravity}
+        point A = (0, 0)
+        point B = (c * 1 m, s * 1 m)
+        point C = ((s - c) * 1 m, (-s - c) * 1 m)
+        point D = ((c / 2 + 2 * s) * 1 m, (s / 2 - 2 * c) * 1 m)
+        point E = ((2 * c + s) * 1 m, (2 * s - c) * 1 m)
+        body ac {{ mass = 1 kg, shape = rod(A, C) }}
+        body cd {{ mass = 1.5 kg, shape = rod(C, D) }}
+        body de {{ mass = 1.5 kg, shape = rod(D, E) }}
+        body eb {{ mass = 1 kg, shape = rod(E, B) }}
+        pivot a: ground@A -- ac\npivot c: ac@C -- cd\npivot d: cd@D -- de\npivot e: de@E -- eb\npivot b: eb@B -- ground
+        spring s1: ground@B -- ac@C {{ k = 100 N/m }}
+        spring s2: ground@B -- cd@D {{ k = 100 N/m }}"
+    )
+}
+
+/// P08 and P09 of the published cases.
+#[test]
+fn the_five_bar_finds_its_rest_and_its_frequencies() {
+    let answer = by_both_roads(&five_bar(true, "0"));
+    assert_omegas(&answer, &[3.284544215896, 7.1262316531576]);
+    let rest = &answer.lowered.rest;
+    assert!(rest.proven && rest.residual < 1e-25, "{rest:?}");
+    // C turns with the rod AC about A.
+    let angle = rest.displacement[0].to_f64();
+    let (x, y) = (angle.sin() - angle.cos(), -angle.sin() - angle.cos());
+    assert!((x + 0.79400867881339).abs() < 1e-14 && (y + 1.1702778379381).abs() < 1e-13, "{x} {y}");
+    assert_omegas(&by_both_roads(&five_bar(false, "0")), &[1.8151442052098, 7.1912609755035]);
+}
+
+#[test]
+fn a_turned_drawing_has_the_same_frequencies() {
+    for turned in ["30 deg", "-75 deg", "180 deg"] {
+        assert_omegas(&ask(&five_bar(true, turned)), &[3.284544215896, 7.1262316531576]);
+        assert_omegas(&ask(&five_bar(false, turned)), &[1.8151442052098, 7.1912609755035]);
+    }
+}
+
+/// A bar hung on two parallel links of length l swings as a pendulum of that length: omega^2 = g / l, all of it from the
+/// curvature of the constraint.
+#[test]
+fn a_trapeze_is_a_pendulum() {
+    let answer = by_both_roads(
+        "gravity 9.81 m/s^2
+        body left { mass = 0 kg, shape = rod((0, 0), (0, -2 m)) }
+        body bar { mass = 3 kg, shape = rod((0, -2 m), (1 m, -2 m)) }
+        body right { mass = 0 kg, shape = rod((1 m, 0), (1 m, -2 m)) }
+        pivot a: ground@(0, 0) -- left\npivot b: left@(0, -2 m) -- bar
+        pivot c: bar@(1 m, -2 m) -- right\npivot d: right@(1 m, 0) -- ground",
+    );
+    let (m, k) = (&answer.lowered.system.m.entries(1)[0][0], &answer.lowered.system.k.entries(1)[0][0]);
+    assert_eq!(&(m * &Number::from(981)) / &Number::from(200), *k);
+}
+
+/// Two gears on parallel shafts and three discs: T03 of the published cases (Friswell).
+#[test]
+fn a_gear_pair_between_rotors() {
+    let answer = ask("body motor { inertia = 400e-6 kg*m^2, turns }
+        body pinion { inertia = 25e-6 kg*m^2, turns }
+        body gear { inertia = 25e-6 kg*m^2, turns }
+        body first { inertia = 700e-6 kg*m^2, turns }
+        body second { inertia = 700e-6 kg*m^2, turns }
+        spring s: motor -- pinion { k = 1e4 N*m/rad }
+        spring t: pinion -- first { k = 5000 N*m/rad }
+        spring u: gear -- second { k = 5000 N*m/rad }
+        couple mesh: gear.angle = -pinion.angle");
+    let found = answer.frequencies();
+    for (found, truth) in found.iter().zip([0.0, 425.359477472, 634.072760023, 3247.19235372]) {
+        assert!((found - truth).abs() <= 1e-11 * truth, "{found} {truth}");
+    }
+    assert_eq!(found.len(), 4);
+}
+
+/// Two damped shafts with a gear pair of 10 and 60 teeth: T09, the matrices of openTorsion's test, divided by the inertia
+/// of the pair.
+#[test]
+fn geared_shafts_have_their_published_matrices() {
+    let answer = ask("body d[1] { inertia = 1 kg*m^2, turns }
+        body d[2] { inertia = 0.1 kg*m^2, turns }
+        body d[3] { inertia = 0.1 kg*m^2, turns }
+        body d[4] { inertia = 1 kg*m^2, turns }
+        spring k1: d[1] -- d[2] { k = 400 N*m/rad }\ndamper c1: d[1] -- d[2] { c = 1 N*m*s/rad }
+        spring k2: d[3] -- d[4] { k = 800 N*m/rad }\ndamper c2: d[3] -- d[4] { c = 0.5 N*m*s/rad }
+        damper b1: ground -- d[1] { c = 0.5 N*m*s/rad }\ndamper b2: ground -- d[2] { c = 0.1 N*m*s/rad }
+        damper b3: ground -- d[3] { c = 0.1 N*m*s/rad }\ndamper b4: ground -- d[4] { c = 1 N*m*s/rad }
+        couple mesh: d[3].angle * 60 = -10 * d[2].angle");
+    let system = &answer.lowered.system;
+    assert_eq!(system.coordinate_names(), ["d[1].angle", "d[2].angle", "d[4].angle"]);
+    let entries = [&system.m, &system.c, &system.k].map(|form| form.entries(3));
+    let quotient = |of: usize, i: usize, j: usize| -(&entries[of][i][j] / &entries[0][i][i]).to_f64();
+    let row = |of: usize, i: usize| [0, 1, 2].map(|j| quotient(of, i, j));
+    let published = [
+        (row(2, 0), [-400.0, 400.0, 0.0]),
+        (row(1, 0), [-1.5, 1.0, 0.0]),
+        (row(2, 1), [3891.891891891892, -4108.108108108108, -1297.297297297297]),
+        (row(1, 1), [9.72972972972973, -10.864864864864865, -0.810810810810811]),
+        (row(2, 2), [0.0, -133.33333333333333, -800.0]),
+        (row(1, 2), [0.0, -0.08333333333333333, -1.5]),
+    ];
+    for (found, truth) in published {
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found - truth).abs() <= 1e-14 * truth.abs(), "{found} {truth}");
+        }
+    }
+}
+
+/// A disc that rolls: x = -r theta, so that M = m r^2 + J, K = k r^2, omega^2 = 2 k / 3 m.
+#[test]
+fn a_rolling_disc_carries_its_inertia() {
+    let answer = by_both_roads(
+        "body disc { mass = 2 kg, at = (0, 0.3 m), shape = disk(0.3 m), free }
+        couple roll: disc.x = -disc.angle * 0.3 m
+        couple road: disc.y = 0
+        spring s: ground@(-1 m, 0.3 m) -- disc { k = 30 N/m }",
+    );
+    assert_omegas(&answer, &[10f64.sqrt()]);
+}
+
+/// Two weights over a massive pulley, one of them on a spring: a rope of fixed length.
+#[test]
+fn a_pulley_turns_with_its_rope() {
+    let answer = by_both_roads(
+        "gravity 9.81 m/s^2
+        body left { mass = 3 kg, moves y, at = (-0.2 m, -1 m) }
+        body right { mass = 2 kg, moves y, at = (0.2 m, -1 m) }
+        body wheel { mass = 4 kg, at = (0, 0), shape = disk(0.2 m), turns }
+        couple rope: left.y = -right.y
+        couple grip: wheel.angle * 0.2 m = right.y
+        spring s: ground@(0.2 m, -3 m) -- right { k = 70 N/m }",
+    );
+    // 3 + 2 + J / r^2 = 7 kg on 70 N/m; the heavier one sinks by g / 70.
+    assert_omegas(&answer, &[10f64.sqrt()]);
+    let rest = &answer.lowered.rest;
+    assert_eq!(answer.lowered.system.coordinate_names(), ["left.y"]);
+    assert_eq!(rest.displacement, [Number::from(Rational::new(-981, 7000))]);
+    assert!(rest.proven);
+}
+
+/// A lever with arms a and b between two masses: the coupling is linear in the displacements.
+#[test]
+fn a_lever_multiplies() {
+    let answer = by_both_roads(
+        "body m { mass = 1 kg, moves y }\nbody n { mass = 9 kg, moves y }
+        couple lever: m.y / 3 m = -n.y / 1 m
+        spring s: ground -- n { k = 36 N/m }",
+    );
+    // Measured at n: 9 + 9 kg on 36 N/m.
+    assert_omegas(&answer, &[2f64.sqrt()]);
+}
+
+/// A slider-crank: the piston follows the crank by a rod, and is drawn on a closing slide or a freedom clause alike.
+#[test]
+fn a_slider_crank_is_the_same_however_the_piston_is_guided() {
+    let with = |piston: &str, guide: &str| {
+        format!(
+            "gravity 9.81 m/s^2
+            point A = (0, 0)\npoint B = (0.3 m, 0.4 m)\npoint C = (1.5 m, -0.5 m)
+            body crank {{ mass = 2 kg, shape = rod(A, B) }}
+            body rod {{ mass = 1 kg, shape = rod(B, C) }}
+            body piston {{ mass = 3 kg, at = C{piston} }}
+            pivot a: ground@A -- crank\npivot b: crank@B -- rod\npivot c: rod@C -- piston
+            {guide}
+            spring s: ground@(3 m, -0.5 m) -- piston {{ k = 200 N/m, preload = 10 N }}
+            damper d: ground -- crank {{ c = 0.2 N*m*s/rad }}
+            force F: piston along x\noutput x = piston.x\noutput turn = rod.angle"
+        )
+    };
+    let guided = by_both_roads(&with(", moves x", ""));
+    let slid = by_both_roads(&with("", "slide g: ground -- piston along (1, 0)"));
+    let along = by_both_roads(&with(", inertia = 1 kg*m^2, free", "slide g: piston -- ground along (-2, 0)"));
+    assert_eq!(guided.omegas().len(), 1);
+    for other in [slid, along] {
+        for (a, b) in guided.omegas().iter().zip(other.omegas()) {
+            assert!((a - b).abs() <= 1e-14 * a, "{a} {b}");
+        }
+    }
+}
+
+/// A scissor of three stages under a load, on a slide at its foot: one freedom.
+#[test]
+fn a_scissor_lift() {
+    let mut text = String::from(
+        "gravity 9.81 m/s^2
+        body foot { mass = 1 kg, at = (1.6 m, 0), moves x }
+        spring s: ground@(0, 0) -- foot { k = 90000 N/m, preload = 200 N }\n",
+    );
+    for i in 0..3 {
+        let (low, high) = (f64::from(i) * 1.2, f64::from(i + 1) * 1.2);
+        text += &format!(
+            "body up{i} {{ mass = 2 kg, shape = rod((0, {low:.1} m), (1.6 m, {high:.1} m)) }}
+            body down{i} {{ mass = 2 kg, shape = rod((1.6 m, {low:.1} m), (0, {high:.1} m)) }}
+            pivot m{i}: up{i}@(0.8 m, {:.1} m) -- down{i}\n",
+            0.5 * (low + high)
+        );
+        text += &match i {
+            0 => "pivot a: ground@(0, 0) -- up0\npivot b: foot@(1.6 m, 0) -- down0\n".to_string(),
+            _ => format!(
+                "pivot a{i}: down{0}@(0, {low:.1} m) -- up{i}\npivot b{i}: up{0}@(1.6 m, {low:.1} m) -- down{i}\n",
+                i - 1
+            ),
+        };
+    }
+    let answer = by_both_roads(&text);
+    assert_eq!(answer.omegas().len(), 1);
+    assert!(answer.lowered.rest.proven && answer.remarks.is_empty(), "{:?}", answer.remarks);
+}
+
+/// Bases that carry a tree, a loop and a turning arm.
+#[test]
+fn bases_carry_loops() {
+    let text = "gravity 9.81 m/s^2
+        base floor { moves x y, at = (0, 0) }
+        base shaft { turns, at = (4 m, 0) }
+        body left { mass = 1 kg, shape = rod((0, 0), (0.3 m, -1 m)) }
+        body bar { mass = 2 kg, shape = rod((0.3 m, -1 m), (1.5 m, -1.1 m)) }
+        body right { mass = 1 kg, shape = rod((2 m, 0), (1.5 m, -1.1 m)) }
+        pivot a: floor@(0, 0) -- left\npivot b: left@(0.3 m, -1 m) -- bar
+        pivot c: bar@(1.5 m, -1.1 m) -- right\npivot d: right@(2 m, 0) -- floor
+        body arm { mass = 1 kg, shape = rod((4.5 m, 0), (4.8 m, -1 m)) }
+        pivot e: shaft@(4.5 m, 0) -- arm
+        body nut { mass = 0.5 kg, inertia = 0.1 kg*m^2, at = (4 m, 1 m) }
+        slide f: shaft -- nut along (0, 1)
+        spring n: shaft@(4 m, 0) -- nut { k = 500 N/m, preload = -4 N }
+        spring h: shaft -- arm { k = 20 N*m/rad }
+        damper w: floor -- bar { c = 3 N*m*s/rad }
+        output swing = bar.x - floor.x\noutput tip = arm@(4.8 m, -1 m).ax\noutput pull = n.force";
+    let answer = by_both_roads(text);
+    let system = &answer.lowered.system;
+    assert_eq!(system.inputs.len(), 3);
+    assert!(system.inputs.iter().all(|input| !input.b[2].is_empty()), "inertia is driven");
+}
+
+/// A base whose motion drives a loop by a coupling.
+#[test]
+fn a_cam_drives_a_linkage() {
+    let text = "base cam { turns, at = (0, 0) }
+        body follower { mass = 2 kg, moves y, at = (0, 1 m) }
+        body load { mass = 1 kg, moves y, at = (0, 2 m) }
+        couple lift: follower.y = cam.angle * 0.05 m
+        spring s: follower -- load { k = 100 N/m }
+        damper d: ground -- load { c = 1 N*s/m }";
+    let answer = by_both_roads(text);
+    assert_omegas(&answer, &[10.0]);
+    assert_eq!(answer.lowered.system.inputs[0].b[0][0].1, Number::from(5));
+}
+
+/// What the third bar of a parallel linkage asks is told, and changes nothing.
+#[test]
+fn a_third_bar_is_redundant() {
+    let linkage = |bars: usize| {
+        format!(
+            "gravity 9.81 m/s^2
+            body bar {{ mass = 2 kg, shape = rod((0, -1 m), (2 m, -1 m)) }}
+            repeat i in 0..{} {{
+              body  link[i] {{ mass = 0 kg, shape = rod((i * 1 m, 0), (i * 1 m, -1 m)) }}
+              pivot a[i]: ground@(i * 1 m, 0) -- link[i]
+              pivot b[i]: bar@(i * 1 m, -1 m) -- link[i]
+            }}",
+            bars - 1
+        )
+    };
+    let (two, three) = (by_both_roads(&linkage(2)), by_both_roads(&linkage(3)));
+    assert_eq!((two.omegas(), two.remarks.len()), (three.omegas(), 0));
+    assert_eq!(three.remarks.iter().map(|d| d.code.to_string()).collect::<Vec<_>>(), ["vib::loop::redundant"]);
+}
+
+#[test]
+fn what_cannot_move_or_branches_is_refused() {
+    let three_bars = |last: &str| {
+        format!(
+            "gravity 9.81 m/s^2
+            body bar {{ mass = 2 kg, shape = rod((0, -1 m), (2 m, -1 m)) }}
+            body l1 {{ mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }}
+            body l2 {{ mass = 1 kg, shape = rod((1 m, 0), (1 m, -1 m)) }}
+            body l3 {{ mass = 1 kg, shape = rod({last}, (2 m, -1 m)) }}
+            pivot a1: ground@(0, 0) -- l1\npivot b1: bar@(0, -1 m) -- l1
+            pivot a2: ground@(1 m, 0) -- l2\npivot b2: bar@(1 m, -1 m) -- l2
+            pivot a3: ground@{last} -- l3\npivot b3: bar@(2 m, -1 m) -- l3"
+        )
+    };
+    // Shorter, and aside: both lock.
+    assert_eq!(refusal(&three_bars("(2 m, -0.3 m)")), ["vib::loop::conflict"]);
+    assert_eq!(refusal(&three_bars("(2.5 m, 0)")), ["vib::loop::conflict"]);
+    let gears = "body a { inertia = 1 kg*m^2, turns }\nbody b { inertia = 1 kg*m^2, turns }
+        body m { mass = 1 kg, moves x }\nspring s: ground -- m { k = 1 N/m }
+        couple one: a.angle = 2 * b.angle\ncouple two: a.angle = 3 * b.angle";
+    assert_eq!(refusal(gears), ["vib::loop::conflict"]);
+    let driven = "base floor { moves y }\nbody m { mass = 1 kg, moves x, at = (0, 0) }\nbody n { mass = 1 kg, moves x }
+        weld w: floor -- m";
+    assert_eq!(refusal(driven), ["vib::loop::conflict"]);
+    // P18 of the published cases: links of 1 m and 1 kg, all in line.
+    for turned in ["0", "30 deg"] {
+        let mut text = format!("gravity 9.81 m/s^2\nlet c = cos({turned}) * 1 m\nlet s = sin({turned}) * 1 m\n");
+        for i in 0..3 {
+            text += &format!(
+                "body l{i} {{ mass = 1 kg, shape = rod(({i} * c, {i} * s), (({i} + 1) * c, ({i} + 1) * s)) }}\n"
+            );
+            let carrier = if i == 0 { "ground".to_string() } else { format!("l{}", i - 1) };
+            text += &format!("pivot p{i}: {carrier}@({i} * c, {i} * s) -- l{i}\n");
+        }
+        text += "pivot p3: ground@(3 * c, 3 * s) -- l2\n";
+        assert_eq!(refusal(&text), ["vib::loop::rank_drop"], "{turned}");
+    }
+}
+
+const RANDOM: u64 = 120;
+
+/// Random loops, as drawn and under loads. What is refused is over-constrained, or has no such motion.
+#[test]
+fn random_linkages() {
+    let mut met = 0;
+    for seed in 1..=RANDOM {
+        let text = random_scenes::linkage(seed, 5, seed % 2 == 0);
+        match try_ask(&text) {
+            Ok(answer) => {
+                met += usize::from(!answer.lowered.rest.dependent.is_empty());
+                assert_two_roads_meet_within(&answer, TOLERANCE, &text);
+            }
+            Err(diagnostics) => {
+                for error in diagnostics.iter().filter(|diagnostic| diagnostic.is_error()) {
+                    let known = ["vib::loop::conflict", "vib::element::no_end_turns", "vib::motion::impossible"];
+                    assert!(known.contains(&error.code.0), "{error:?} in\n{text}");
+                }
+            }
+        }
+    }
+    assert!(met > 60, "{met}");
+}
+
+/// Stiff springs in the place of constraints come nearer to them as their stiffness grows: the distance of every frequency
+/// falls as 1/k.
+#[test]
+fn penalty_springs_tend_to_the_constraint() {
+    let linkage = |last: &str| {
+        format!(
+            "gravity 9.81 m/s^2
+            body a {{ mass = 1 kg, shape = rod((0, 0), (-1 m, -1 m)) }}
+            body b {{ mass = 2 kg, shape = rod((-1 m, -1 m), (1 m, -1.5 m)) }}
+            body c {{ mass = 1 kg, shape = rod((1 m, -1.5 m), (1.5 m, 0)) }}
+            pivot p: ground@(0, 0) -- a\npivot q: a@(-1 m, -1 m) -- b\npivot r: ground@(1.5 m, 0) -- c
+            spring s: ground -- a {{ k = 5 N*m/rad }}\n{last}"
+        )
+    };
+    let truth = ask(&linkage("pivot w: b@(1 m, -1.5 m) -- c")).omegas();
+    let gap = |k: &str| {
+        let spring = |axis: &str| {
+            format!("spring w{axis}: b@(1 m, -1.5 m) -- c@(1 m, -1.5 m) {{ k = {k} N/m, along = {axis} }}\n")
+        };
+        let omegas = ask(&linkage(&(spring("x") + &spring("y")))).omegas();
+        truth.iter().zip(&omegas).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max)
+    };
+    let gaps = [gap("1e6"), gap("1e8"), gap("1e10")];
+    assert!(gaps[0] < 1e-3, "{gaps:?}");
+    for pair in gaps.windows(2) {
+        assert!((pair[0] / pair[1] - 100.0).abs() < 5.0, "{gaps:?}");
+    }
+}
