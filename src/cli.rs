@@ -63,6 +63,9 @@ pub struct Analyze {
     /// Print M, C and K however large they are
     #[arg(long)]
     pub matrices: bool,
+    /// Tell what was kept of the model, what was left out, and why
+    #[arg(long)]
+    pub explain_model: bool,
     /// Compute so many of the lowest modes; without it all, or 20 where all would take minutes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub modes: Option<u32>,

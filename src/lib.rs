@@ -25,7 +25,7 @@ pub mod system;
 use analysis::{AnalysisError, DiscreteSystem, History, Modal, Modes, Poles, Request, Which};
 use backend::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
-use lower::Lowered;
+use lower::{Account, Lowered};
 use model::scene::Damping;
 use model::{CheckedScene, Overrides, Setting};
 use questions::error::AskedError;
@@ -196,6 +196,27 @@ fn emission(
     Some(Emission { model: scene.scene().name.clone(), system })
 }
 
+/// What a model was taken for: kept, left out, and why.
+#[derive(Clone, Debug)]
+pub struct Explained {
+    /// The model's name.
+    pub model: String,
+    pub system: LinearSystem,
+    pub account: Account,
+}
+
+/// From the text of a model to what was kept of it; no analysis is needed for that.
+pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Explained> {
+    let mut diagnostics = Diagnostics::new();
+    let scene = checked_scene(sources, model, overrides, &mut diagnostics);
+    let explained = scene.and_then(|scene| {
+        let system = lower::lower(&scene).lowered?.system;
+        let account = lower::account(&scene, &system);
+        Some(Explained { model: scene.scene().name.clone(), system, account })
+    });
+    Outcome { answer: explained, diagnostics: diagnostics.sorted() }
+}
+
 /// The text of a model in its one layout; no answer where it is not in the grammar.
 pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     let mut diagnostics = Diagnostics::new();
@@ -331,7 +352,7 @@ fn answer(read: &Read, lowered: Lowered, request: &Request) -> Result<ModalAnswe
     let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
     let buckling = analysis::buckling(&system);
     let (solved, requirements) = (Vec::new(), Vec::new());
-    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling, solved, requirements })
+    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling, solved, requirements, account: None })
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.

@@ -61,10 +61,20 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Err(unreadable) => return unreadable.report(messages),
     };
     let until = options.measured.until.as_ref();
-    let analysis = vibc::analyze_until(&input.sources, input.model, &input.overrides, &options.request(), until);
+    let mut analysis = vibc::analyze_until(&input.sources, input.model, &input.overrides, &options.request(), until);
     let status = failure(analysis.failure());
-    show(&input.sources, analysis.diagnostics, messages);
-    let Some(answer) = &analysis.answer else { return status };
+    show(&input.sources, std::mem::take(&mut analysis.diagnostics), messages);
+    let explained = options.explain_model.then(|| vibc::explain(&input.sources, input.model, &input.overrides));
+    let explained = explained.and_then(|outcome| outcome.answer);
+    let Some(answer) = &mut analysis.answer else {
+        // A model that is too large to be analysed can be explained all the same.
+        if let Some(explained) = explained.filter(|_| options.format == Format::Text) {
+            let text = backend::report::explanation(&explained.model, &explained.account, &explained.system);
+            return deliver(options.output.as_deref(), &text).max(status);
+        }
+        return status;
+    };
+    answer.account = explained.map(|explained| explained.account);
     let wanted =
         ReportOptions { normalise: options.normalise.into(), matrices: options.matrices, digits: options.digits };
     let text = match options.format {

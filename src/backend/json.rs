@@ -4,8 +4,11 @@
 
 use super::decimal::{certain, certain_digits};
 use super::{ModalAnswer, ReportOptions};
-use crate::analysis::{Buckling, Mode, ModeKind, Normalise, Pole, Share, Split, Stability, normalise, splits};
+use crate::analysis::{
+    Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
+};
 use crate::base::{Ball, Dd};
+use crate::lower::Remark;
 use crate::questions::answer::{Requirement, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -38,6 +41,8 @@ struct Report<'a> {
     splits: Vec<JsonSplit>,
     poles: Vec<JsonPole>,
     buckling: Option<JsonBuckling<'a>>,
+    parts: Vec<JsonPart>,
+    explained: Option<Explained<'a>>,
     solved: Vec<JsonSolved<'a>>,
     requirements: Vec<JsonRequirement<'a>>,
 }
@@ -52,6 +57,40 @@ struct Rest<'a> {
     proven: bool,
     steps: u32,
     tensions: Named,
+}
+
+/// Coordinates that act on each other and on nothing else.
+#[derive(serde::Serialize)]
+struct JsonPart {
+    form: &'static str,
+    coordinates: Vec<String>,
+    modes: Vec<usize>,
+}
+
+impl JsonPart {
+    fn of(net: &Net, names: &[String]) -> JsonPart {
+        let coordinates = net.coordinates.iter().map(|i| names[i.index()].clone()).collect();
+        JsonPart { form: net.form.name(), coordinates, modes: Vec::new() }
+    }
+}
+
+/// What was kept of the model, and what was left out.
+#[derive(serde::Serialize)]
+struct Explained<'a> {
+    kept: Vec<JsonRemark<'a>>,
+    left_out: Vec<JsonRemark<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonRemark<'a> {
+    what: &'a str,
+    why: &'a str,
+}
+
+impl JsonRemark<'_> {
+    fn of(remark: &Remark) -> JsonRemark<'_> {
+        JsonRemark { what: &remark.what, why: &remark.why }
+    }
 }
 
 /// How far the rest is from the drawing: the largest displacements of coordinates.
@@ -229,6 +268,11 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         splits: splits(&answer.modes).iter().map(|split| json_split(split, options)).collect(),
         poles: answer.poles.list.iter().map(|pole| json_pole(pole, options)).collect(),
         buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names)),
+        parts: parts(answer, names),
+        explained: answer.account.as_ref().map(|account| Explained {
+            kept: account.kept.iter().map(JsonRemark::of).collect(),
+            left_out: account.left_out.iter().map(JsonRemark::of).collect(),
+        }),
         solved: answer.solved.iter().map(json_solved).collect(),
         requirements: answer.requirements.iter().map(json_requirement).collect(),
     }
@@ -272,6 +316,16 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
 
 fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
+}
+
+/// The independent parts, each with the numbers of its modes.
+fn parts(answer: &ModalAnswer, names: &[String]) -> Vec<JsonPart> {
+    let nets = nets(&answer.system);
+    let mut parts: Vec<JsonPart> = nets.iter().map(|net| JsonPart::of(net, names)).collect();
+    for ((number, _), part) in answer.modes.numbered().zip(parts_of_modes(&nets, &answer.modes.list)) {
+        parts[part].modes.push(number);
+    }
+    parts
 }
 
 /// As on the command line.

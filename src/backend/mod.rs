@@ -14,7 +14,7 @@ pub mod transfer;
 
 use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
 use crate::base::Number;
-use crate::lower::Rest;
+use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Solved};
 use crate::system::{Coordinate, LinearSystem};
 
@@ -30,6 +30,8 @@ pub struct ModalAnswer {
     pub stability: Stability,
     /// Where gravity, tensions or reactions take stiffness away.
     pub buckling: Option<Buckling>,
+    /// What was kept of the model and what was left out, where that was asked for.
+    pub account: Option<Account>,
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
@@ -41,6 +43,15 @@ impl ModalAnswer {
         let own = self.system.coordinates.iter().zip(&self.rest.displacement);
         let dependent = self.rest.dependent.iter().map(|dependent| (&dependent.coordinate, &dependent.displacement));
         own.chain(dependent)
+    }
+}
+
+/// `1, 2, 3, ... 17 more`
+fn counted_names(names: &[String]) -> String {
+    const MOST: usize = 6;
+    match names.len().checked_sub(MOST) {
+        Some(more) if more > 1 => format!("{}, {more} more", names[..MOST].join(", ")),
+        _ => names.join(", "),
     }
 }
 

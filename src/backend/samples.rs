@@ -49,6 +49,7 @@ pub fn cart() -> ModalAnswer {
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
+        account: None,
     }
 }
 
@@ -89,6 +90,7 @@ pub fn free_pair() -> ModalAnswer {
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
+        account: None,
     }
 }
 

@@ -8,6 +8,7 @@
 //! 4. [`rest`]: where everything stays
 //! 5. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
 
+pub mod account;
 pub mod assembly;
 pub mod constraints;
 mod drives;
@@ -18,6 +19,7 @@ pub mod loads;
 pub mod rest;
 pub mod tree;
 
+pub use account::{Account, Remark, account};
 pub use drives::drives;
 pub use rest::{Dependent, Rest, Tension};
 

@@ -24,6 +24,7 @@ mod modes;
 mod pole_bounds;
 mod poles;
 mod properties;
+mod pruning;
 mod published;
 mod readme;
 mod reports;

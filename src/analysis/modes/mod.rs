@@ -52,7 +52,7 @@ pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
 
 /// The undamped modes asked for, ascending in omega^2.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
-    let parts = independent_undamped(system);
+    let parts = if request.together { vec![Part::whole(system)] } else { independent_undamped(system) };
     let request = &Request { which: settled(request.which, system.n(), &parts), ..*request };
     if system.n() > MAX_ALL && request.which == Which::All {
         let (count, limit) = (system.n(), MAX_ALL);

@@ -13,6 +13,14 @@ pub struct Part {
     pub k: Vec<u32>,
 }
 
+impl Part {
+    /// Everything, whether it hangs together or not.
+    pub fn whole(system: &LinearSystem) -> Part {
+        let all = |form: &Form| (0..form.terms().len() as u32).collect();
+        Part { coordinates: (0..system.n() as u32).collect(), m: all(&system.m), c: all(&system.c), k: all(&system.k) }
+    }
+}
+
 /// The parts in the order of their first coordinates.
 pub fn independent(system: &LinearSystem) -> Vec<Part> {
     let mut parts = joined_by(system.n(), &[&system.m, &system.c, &system.k]);

@@ -8,6 +8,8 @@ pub struct Request {
     pub tolerance: f64,
     /// Relative bound that a user asked for of every frequency and pole, where one did: what is above it is an error.
     pub asked: Option<f64>,
+    /// Solve all independent parts as one: what the parts save is measured against this, and must not change a result.
+    pub together: bool,
 }
 
 /// Larger bounds are told without having been asked for.
@@ -36,7 +38,7 @@ pub const FEW: usize = 20;
 
 impl Default for Request {
     fn default() -> Request {
-        Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, asked: None }
+        Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, asked: None, together: false }
     }
 }
 

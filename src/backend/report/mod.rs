@@ -4,6 +4,7 @@
 
 mod matrices;
 mod modes;
+mod parts;
 mod poles;
 pub(super) mod questions;
 mod rest;
@@ -12,6 +13,7 @@ pub(super) mod table;
 use super::diagnostics::readable;
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{ModeKind, Share, Stability};
+use crate::lower::Account;
 use crate::questions::answer::Requirement;
 use crate::system::{CoordinateKind, LinearSystem};
 
@@ -30,6 +32,8 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
         modes::table(answer, options),
         modes::shares(answer),
         poles::text(answer, options),
+        parts::parts(answer),
+        answer.account.as_ref().map_or_else(String::new, |account| parts::explained(account, &answer.system)),
     ];
     let mut text = title(answer) + "\n";
     for section in sections.iter().filter(|section| !section.is_empty()) {
@@ -42,6 +46,11 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
 /// How the requirements of a file stand, below its name; nothing where it has none.
 pub fn requirements(file: &str, list: &[Requirement]) -> String {
     questions::checked(&readable(file), list)
+}
+
+/// What was kept of a model and what was left out, where there is no more to report.
+pub fn explanation(model: &str, account: &Account, system: &LinearSystem) -> String {
+    format!("{}\n\n{}", readable(model), parts::explanation(account, system))
 }
 
 /// `cart · 2 freedoms, linearised about a stable rest`

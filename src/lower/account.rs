@@ -1,0 +1,194 @@
+//! What lowering kept of a scene, what it left out, and why. In: a checked scene and the system that it became; out: a list
+//! for people. Worked out on demand only: a scene that nobody asks about does not pay for it. Clause: spec.md 9.3.
+//!
+//! Nothing is left out that could change an answer: a term whose row is zero, a weight that does no work, a property that no
+//! freedom uses. So results with and without are the same numbers.
+
+use super::kinematics::{End, Kinematics, Path};
+use super::loads::{self, Between};
+use super::tree;
+use crate::base::{Name, Number};
+use crate::model::CheckedScene;
+use crate::model::scene::{Body, BodyId, Element, InputKind, Law, Part, Scene};
+use crate::system::{Form, LinearSystem};
+use std::collections::BTreeSet;
+
+/// What a model was taken for.
+#[derive(Clone, Debug, Default)]
+pub struct Account {
+    pub kept: Vec<Remark>,
+    pub left_out: Vec<Remark>,
+}
+
+/// A thing of the model and what is said of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    pub what: String,
+    pub why: String,
+}
+
+/// Explains a system that came of a scene.
+pub fn account(scene: &CheckedScene, system: &LinearSystem) -> Account {
+    let scene = scene.scene();
+    // A scene that became a system has a tree.
+    let Ok(tree) = tree::build(scene) else { return Account::default() };
+    let mut explanation = Explanation {
+        scene,
+        kinematics: &Kinematics::new(scene, tree),
+        system,
+        path: Path::default(),
+        account: Account::default(),
+    };
+    explanation.freedoms();
+    explanation.bodies();
+    explanation.gravity();
+    explanation.elements();
+    explanation.inputs_and_outputs();
+    explanation.account
+}
+
+struct Explanation<'a> {
+    scene: &'a Scene,
+    kinematics: &'a Kinematics,
+    system: &'a LinearSystem,
+    path: Path<Number>,
+    account: Account,
+}
+
+impl Explanation<'_> {
+    fn keep(&mut self, what: impl Into<String>, why: impl Into<String>) {
+        self.account.kept.push(Remark { what: what.into(), why: why.into() });
+    }
+
+    fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
+        self.account.left_out.push(Remark { what: what.into(), why: why.into() });
+    }
+
+    fn name(&self, name: Name) -> String {
+        self.scene.words.display(name)
+    }
+
+    fn freedoms(&mut self) {
+        let (n, all) = (self.system.n(), self.kinematics.n());
+        self.keep(
+            counted(n, "freedom", "freedoms"),
+            "as the bodies' own clauses and the joints give them, and no others",
+        );
+        if n < all {
+            let dependent = counted(all - n, "motion", "motions");
+            self.leave_out(dependent, "joints that close loops, or couplings, make them follow the others");
+        }
+    }
+
+    fn bodies(&mut self) {
+        let mut members: Vec<u32> = vec![0; self.kinematics.tree.pieces.len()];
+        for piece in &self.kinematics.tree.bodies {
+            members[*piece as usize] += 1;
+        }
+        let welded = members.iter().filter(|count| **count > 1).count();
+        if welded > 0 {
+            let what = counted(welded, "set of welded bodies", "sets of welded bodies");
+            self.keep(what, "each is one rigid piece");
+        }
+        for (index, body) in self.scene.bodies.iter().enumerate() {
+            self.body(BodyId(index as u32), body);
+        }
+    }
+
+    fn body(&mut self, id: BodyId, body: &Body) {
+        let piece = self.kinematics.tree.piece(Part::Body(id));
+        let turns = self.kinematics.angle(piece).is_some();
+        loads::absolute(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut self.path);
+        let moves = !self.path.is_empty();
+        let name = self.name(body.name);
+        let has = |property: &Option<Number>| property.as_ref().is_some_and(|value| !value.is_zero());
+        if !moves && !turns {
+            return self.leave_out(name, "it is fixed to the ground");
+        }
+        if has(&body.mass) && !moves {
+            self.leave_out(format!("mass of {name}"), "its centre does not move");
+        }
+        if has(&body.inertia) && !turns {
+            self.leave_out(format!("inertia of {name}"), "it does not turn");
+        }
+        if !(has(&body.mass) || turns && has(&body.inertia)) {
+            self.keep(
+                name,
+                "without inertia: it follows the others by its springs, or lags behind them by its dampers",
+            );
+        }
+    }
+
+    fn gravity(&mut self) {
+        if self.scene.gravity.is_zero() {
+            return;
+        }
+        let way = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
+        let stiffens = (0..self.system.k.source_count()).any(|source| {
+            let label = self.system.k.source_name(source as u32);
+            self.system.words.display(label.name) == "gravity"
+                && self.system.k.terms().iter().any(|term| term.source == source as u32)
+        });
+        if way.is_empty() {
+            self.leave_out("gravity", "no weight can do work in any motion of the scene");
+        } else if stiffens {
+            self.keep("gravity", "weights load the rest, and add stiffness where bodies turn");
+        } else {
+            self.keep("gravity", "weights load the rest; no motion changes what they do, so they add no stiffness");
+        }
+    }
+
+    fn elements(&mut self) {
+        let mut felt = with_terms(&self.system.k);
+        felt.append(&mut with_terms(&self.system.c));
+        let mut between = Between::default();
+        for element in &self.scene.elements {
+            if !felt.contains(&element.name) {
+                let why = self.why_idle(element, &mut between);
+                self.leave_out(self.name(element.name), why);
+            }
+        }
+        let count = self.scene.elements.iter().filter(|element| felt.contains(&element.name)).count();
+        if count > 0 {
+            self.keep(counted(count, "spring or damper", "springs and dampers"), "their ends move against each other");
+        }
+    }
+
+    fn why_idle(&self, element: &Element, between: &mut Between<Number>) -> &'static str {
+        let [a, b] = [0, 1].map(|end| self.kinematics.end(&element.ends[end]).piece);
+        let (Law::Spring { stiffness: size, .. } | Law::Damper { damping: size }) = &element.law;
+        between.connect(self.kinematics, &element.ends, &element.geometry);
+        match () {
+            () if size.is_zero() => "its value is zero",
+            () if a == b => "both ends are on one rigid piece",
+            () if between.path.is_empty() && between.angles == [None; 2] => "its ends cannot move against each other",
+            () => "no motion stretches it, and it carries no tension",
+        }
+    }
+
+    fn inputs_and_outputs(&mut self) {
+        for (declared, input) in self.scene.inputs.iter().zip(&self.system.inputs) {
+            if input.b.iter().all(Vec::is_empty) {
+                let why = match declared.kind {
+                    InputKind::Base { .. } => "nothing that moves is attached to this motion",
+                    _ => "it does no work in any motion of the scene",
+                };
+                self.leave_out(self.system.display(input.name), why);
+            }
+        }
+        for output in &self.system.outputs {
+            if output.p.iter().all(Vec::is_empty) && output.d.iter().all(Vec::is_empty) {
+                self.leave_out(self.system.display(output.name), "it is zero in every motion of the scene");
+            }
+        }
+    }
+}
+
+/// What has terms in a form.
+fn with_terms(form: &Form) -> BTreeSet<Name> {
+    form.terms().iter().map(|term| form.source_name(term.source).name).collect()
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
