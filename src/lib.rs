@@ -97,17 +97,29 @@ pub struct Dynamics {
     /// The model's name.
     pub model: String,
     pub system: LinearSystem,
-    pub modes: Modes,
-    pub poles: Poles,
+    /// `None` where there are more coordinates than modes or poles are computed of: a table does without them where its
+    /// range is given.
+    pub spectrum: Option<(Modes, Poles)>,
 }
 
 /// From the text of a model to what transfer tables are computed from.
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     let mut diagnostics = Diagnostics::new();
-    let read = read(sources, model, overrides, None, &mut diagnostics);
-    let answer = read.and_then(|read| answered(&read, &Request::default(), &mut diagnostics)).map(|answer| {
-        let ModalAnswer { model, system, modes, poles, .. } = answer;
-        Dynamics { model, system, modes, poles }
+    let answer = checked_scene(sources, model, overrides, &mut diagnostics).and_then(|scene| {
+        let system = damped(&scene, &mut diagnostics)?.system;
+        let spectrum = analysis::modes(&system).and_then(|modes| {
+            let poles = analysis::poles(&system, &modes)?;
+            Ok((modes, poles))
+        });
+        let spectrum = match spectrum {
+            Ok(spectrum) => Some(spectrum),
+            Err(AnalysisError::TooManyCoordinates { .. }) => None,
+            Err(error) => {
+                diagnostics.push(error.to_diagnostic());
+                return None;
+            }
+        };
+        Some(Dynamics { model: scene.scene().name.clone(), system, spectrum })
     });
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }

@@ -122,7 +122,15 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         inputs,
         outputs,
     };
-    let table = analysis::table(&Roads::of(system, &dynamics.modes), &dynamics.poles, &sweep);
+    if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
+        complain(&format!(
+            "the poles of {} coordinates are not computed: say which frequencies with `--range`",
+            system.n()
+        ));
+        return Status::Limit;
+    }
+    let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
+    let table = analysis::table(&Roads::of(system, &modes), &poles, &sweep);
     let text = match options.format {
         TableFormat::Text => backend::transfer::text(&dynamics.model, system, &table),
         TableFormat::Csv => backend::transfer::csv(system, &table),

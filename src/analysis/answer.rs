@@ -136,7 +136,7 @@ pub struct Share<T> {
 }
 
 /// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Poles {
     /// How many of two for each coordinate are infinite: motions without inertia.
     pub infinite: usize,

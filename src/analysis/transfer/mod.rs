@@ -8,14 +8,17 @@
 
 pub(in crate::analysis) mod exact;
 pub(in crate::analysis) mod inverse;
+pub(in crate::analysis) mod lanes;
 pub mod modal;
 pub(in crate::analysis) mod sparse;
 pub mod table;
+pub(in crate::analysis) mod two_sided;
 
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::sparse::Pattern;
+use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 
@@ -80,6 +83,8 @@ struct Solution {
 
 /// Refinement stops below this relative radius: the value is then right in binary64, and two digits more.
 const SETTLED: f64 = 1e-18;
+/// Sums in binary64 are hardly ever better than this.
+const FAST_ABOVE: f64 = 1e-14;
 /// Inverses of more coordinates take too long at every frequency.
 const MOST_DENSE: usize = 300;
 /// From a certified inverse each step wins at least half a digit; this is for the worst.
@@ -129,6 +134,10 @@ impl Gain {
 impl Disc {
     pub(in crate::analysis) fn of(value: Complex<Ball>) -> Disc {
         Disc { value: value.mid(), radius: value.radius() }
+    }
+
+    fn known(self) -> Gain {
+        if self.radius.is_finite() { Gain::Finite(self) } else { Gain::Unknown }
     }
 
     /// |value|, a ball: |true| lies within the disc's radius of it.
@@ -188,6 +197,35 @@ impl<'a> Transfer<'a> {
             exact::solve(self.system, frequency, inputs, outputs, &mut gains);
         }
         gains
+    }
+
+    /// H at many frequencies: for each of them every input, for each input every output, all in one list. Several frequencies
+    /// are computed at once where dampers resist every motion; the others take the road of [`Transfer::between`].
+    pub fn many(&self, frequencies: &[Frequency], inputs: &[usize], outputs: &[usize], tolerance: f64) -> Vec<Gain> {
+        let mut gains = self.side_by_side(frequencies, inputs, outputs, tolerance);
+        let pairs = inputs.len() * outputs.len();
+        for (frequency, gains) in frequencies.iter().zip(gains.chunks_mut(pairs.max(1))) {
+            if worst_radius(gains) > tolerance {
+                gains.copy_from_slice(&self.between(frequency, inputs, outputs).concat());
+            }
+        }
+        gains
+    }
+
+    /// What the two-sided road gives, in the order of [`Transfer::many`]; unknown where it proves nothing.
+    fn side_by_side(
+        &self,
+        frequencies: &[Frequency],
+        inputs: &[usize],
+        outputs: &[usize],
+        tolerance: f64,
+    ) -> Vec<Gain> {
+        match TwoSided::of(self) {
+            Some(road) => {
+                road.sweep(self, frequencies, inputs, outputs, tolerance).into_iter().map(Disc::known).collect()
+            }
+            None => vec![Gain::Unknown; frequencies.len() * inputs.len() * outputs.len()],
+        }
     }
 
     /// Fills in what sparse elimination in discs gives.

@@ -34,6 +34,15 @@ pub struct Factors<'a> {
     reciprocal: Vec<Disc>,
 }
 
+/// The steps of an elimination.
+pub struct Symbolic {
+    /// For each place the columns of L that it needs, in order, and where its own entry of them stands.
+    pub touched: Vec<Vec<(u32, u32)>>,
+    /// Where the columns of L begin, and the row of each entry.
+    pub starts: Vec<u32>,
+    pub below: Vec<u32>,
+}
+
 const NONE: usize = usize::MAX;
 /// More entries of L than this are slower than the other roads.
 const MOST_ENTRIES: usize = 4_000_000;
@@ -76,6 +85,31 @@ impl Pattern {
         Some(Pattern { n, place, columns, parent, starts })
     }
 
+    /// The place of a coordinate in the elimination.
+    pub fn place(&self, coordinate: usize) -> usize {
+        self.place[coordinate]
+    }
+
+    /// What [`Pattern::factor`] does, without numbers.
+    pub fn symbolic(&self) -> Symbolic {
+        let n = self.n;
+        let (mut filled, mut flag) = (self.starts[..n].to_vec(), vec![NONE; n]);
+        let mut below = vec![0u32; self.starts[n]];
+        let (mut path, mut touched) = (Vec::new(), Vec::new());
+        let mut plan = Vec::with_capacity(n);
+        for k in 0..n {
+            self.reach(k, &mut flag, &mut path, &mut touched);
+            let mut needs = Vec::with_capacity(touched.len());
+            for &i in touched.iter().rev() {
+                needs.push((i as u32, filled[i] as u32));
+                below[filled[i]] = k as u32;
+                filled[i] += 1;
+            }
+            plan.push(needs);
+        }
+        Symbolic { touched: plan, starts: self.starts.iter().map(|&start| start as u32).collect(), below }
+    }
+
     /// `None` where a pivot may be zero.
     pub fn factor(&self, entries: &[Entry]) -> Option<Factors<'_>> {
         let n = self.n;
@@ -85,7 +119,10 @@ impl Pattern {
         let mut reciprocal: Vec<Disc> = Vec::with_capacity(n);
         let (mut path, mut touched) = (Vec::new(), Vec::new());
         for k in 0..n {
-            self.scatter(k, entries, &mut y, &mut flag, &mut path, &mut touched);
+            self.reach(k, &mut flag, &mut path, &mut touched);
+            for &(row, index) in &self.columns[k] {
+                y[row] = Disc::of(entries[index].value);
+            }
             let mut pivot = std::mem::replace(&mut y[k], Disc::ZERO);
             for &i in touched.iter().rev() {
                 let value = std::mem::replace(&mut y[i], Disc::ZERO);
@@ -103,20 +140,11 @@ impl Pattern {
         Some(Factors { pattern: self, rows, l, reciprocal })
     }
 
-    /// Column k of Q into y; the rows of L's row k, later ones first.
-    fn scatter(
-        &self,
-        k: usize,
-        entries: &[Entry],
-        y: &mut [Disc],
-        flag: &mut [usize],
-        path: &mut Vec<usize>,
-        touched: &mut Vec<usize>,
-    ) {
+    /// The rows of L's row k, later ones first.
+    fn reach(&self, k: usize, flag: &mut [usize], path: &mut Vec<usize>, touched: &mut Vec<usize>) {
         touched.clear();
         flag[k] = k;
-        for &(row, index) in &self.columns[k] {
-            y[row] = Disc::of(entries[index].value);
+        for &(row, _) in &self.columns[k] {
             let mut i = row;
             path.clear();
             while flag[i] != k {
@@ -131,6 +159,11 @@ impl Pattern {
 }
 
 impl Factors<'_> {
+    /// Whether D, and so the factored matrix, is certainly positive definite; for real matrices.
+    pub fn is_positive(&self) -> bool {
+        self.reciprocal.iter().all(|d| d.value.re.hi * (1.0 - 1e-15) > d.radius)
+    }
+
     /// x from b, both in the order of the coordinates.
     pub fn solve(&self, b: &[Complex<Ball>]) -> Vec<Disc> {
         let pattern = self.pattern;

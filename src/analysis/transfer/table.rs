@@ -8,7 +8,7 @@
 use crate::analysis::answer::{Modes, PoleKind, Poles};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
-use crate::analysis::transfer::{Frequency, Gain, Transfer};
+use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, Transfer};
 use crate::base::{Number, Rational};
 use crate::system::LinearSystem;
 
@@ -87,10 +87,10 @@ pub struct Roads<'a> {
     sum: Option<ModalSum>,
 }
 
+/// Fewer frequencies than this are computed one by one.
+const WORTH_SETTING_UP: usize = 8;
 /// What half a unit in the last place of binary64 allows.
 const TO_THE_LAST_DIGIT: f64 = 1e-17;
-/// Below this, sums in binary64 hardly ever succeed.
-const FAST_ABOVE: f64 = 1e-14;
 
 impl<'a> Roads<'a> {
     pub fn of(system: &'a LinearSystem, modes: &Modes) -> Roads<'a> {
@@ -112,6 +112,39 @@ impl<'a> Roads<'a> {
             .unwrap_or_else(|| self.transfer.between(frequency, &sweep.inputs, &sweep.outputs))
     }
 
+    /// The same at many frequencies: sums in binary64 where they are good enough, then the two-sided road, several
+    /// frequencies at once; one by one what is left.
+    fn rows(&self, pairs: &Pairs, sweep: &Sweep, frequencies: &[Frequency]) -> Vec<Row> {
+        let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
+        let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
+        let outputs = sweep.outputs.len().max(1);
+        let mut rows = vec![vec![Gain::Unknown; sweep.inputs.len() * sweep.outputs.len()]; frequencies.len()];
+        if let Some(sum) = self.sum.as_ref().filter(|_| tolerance >= FAST_ABOVE) {
+            for (at, pair) in pairs.iter().flatten().enumerate() {
+                for (row, gain) in rows.iter_mut().zip(sum.fast_many(pair, frequencies)) {
+                    row[at] = gain;
+                }
+            }
+        }
+        let left: Vec<usize> = (0..rows.len()).filter(|&i| !rows[i].iter().all(good)).collect();
+        if left.len() >= WORTH_SETTING_UP {
+            let some: Vec<Frequency> = left.iter().map(|&i| frequencies[i].clone()).collect();
+            let gains = self.transfer.side_by_side(&some, &sweep.inputs, &sweep.outputs, tolerance);
+            for (&i, gains) in left.iter().zip(gains.chunks(rows[0].len().max(1))) {
+                rows[i].copy_from_slice(gains);
+            }
+        }
+        let row = |(frequency, row): (&Frequency, Vec<Gain>)| Row {
+            frequency: frequency.hertz.clone(),
+            gains: if row.iter().all(good) {
+                row.chunks(outputs).map(<[Gain]>::to_vec).collect()
+            } else {
+                self.gains(pairs, sweep, frequency)
+            },
+        };
+        frequencies.iter().zip(rows).map(row).collect()
+    }
+
     fn pairs(&self, inputs: &[usize], outputs: &[usize]) -> Pairs {
         let Some(sum) = &self.sum else { return Vec::new() };
         let row = |&input: &usize| outputs.iter().map(|&output| sum.pair(self.system, input, output)).collect();
@@ -129,7 +162,7 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
         frequency: frequency.hertz.clone(),
         gains: roads.gains(&pairs, sweep, frequency),
     };
-    let mut rows: Vec<Row> = frequencies(poles, sweep).iter().map(evaluate).collect();
+    let mut rows = roads.rows(&pairs, sweep, &frequencies(poles, sweep));
     let mut features = Vec::new();
     let refined = sweep.at.is_empty() && sweep.points.is_none();
     if refined {

@@ -7,6 +7,8 @@
 //! v_i^2 = W^2 + W c_i + k_i (Cauchy). Neumann's series gives |p^T (D + O)^-1 b - p^T D^-1 b| <= epsilon V sqrt(P B) / (1 - epsilon V)
 //! with V = sum v_i^2 / |D_i|, P = sum p_i^2 / |D_i|, B = sum b_i^2 / |D_i|.
 
+mod lanes;
+
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
@@ -144,6 +146,26 @@ impl ModalSum {
         self.finish(pair, frequency, total, radius)
     }
 
+    /// [`ModalSum::fast`] at many frequencies, several at once: the same numbers.
+    pub fn fast_many(&self, pair: &ModalPair, frequencies: &[Frequency]) -> Vec<Gain> {
+        let mut sums: Vec<Vec<lanes::Sum>> = Vec::with_capacity(pair.residues.len());
+        for residues in &pair.residues {
+            sums.push(lanes::sums(self, residues, frequencies));
+        }
+        let gain = |(i, frequency): (usize, &Frequency)| {
+            let (mut total, mut radius) = (Complex::<Ball>::ZERO, 0.0);
+            for (residues, sums) in pair.residues.iter().zip(&sums) {
+                let (sum, error) = (sums[i].value, self.error_of(&sums[i]));
+                let sum = Complex::new(Ball::from(sum.re), Ball::from(sum.im));
+                total =
+                    if residues.power == 0 { total + sum } else { total + times_power(frequency, residues.power, sum) };
+                radius += error * size_of_power(frequency, residues.power);
+            }
+            self.finish(pair, frequency, total, radius)
+        };
+        frequencies.iter().enumerate().map(gain).collect()
+    }
+
     /// The same in double-double.
     pub fn accurate(&self, pair: &ModalPair, frequency: &Frequency) -> Gain {
         let mut total = Complex::<Ball>::ZERO;
@@ -165,33 +187,12 @@ impl ModalSum {
 
     /// sum c_i / D_i with its error, in binary64.
     fn sum(&self, residues: &Residues, w: Dd) -> (Complex<Ball>, f64) {
-        let n = self.k.len();
-        // Slices of one length, so that the loop below needs no checks.
-        let (k, omega, c) = (&self.k[..n], &self.omega[..n], &self.c[..n]);
-        let (k_size, c_size) = (&self.k_size[..n], &self.c_size[..n]);
-        let (products, slack) = (&residues.rounded[..n], &residues.slack[..n]);
-        let (p_square, b_square) = (&residues.p_square[..n], &residues.b_square[..n]);
-        let (mut re_sum, mut im_sum) = (0.0, 0.0);
-        let (mut rounding, mut v, mut p, mut b) = (0.0, 0.0, 0.0, 0.0);
-        let w_square = w.hi * w.hi;
-        for i in 0..n {
-            // (omega - W)(omega + W): the difference of the leading parts is exact where it matters.
-            let oscillating = (omega[i].hi - w.hi + (omega[i].lo - w.lo)) * (omega[i].hi + w.hi);
-            let re = if omega[i].hi > 0.0 { oscillating } else { k[i].hi - w_square };
-            let im = w.hi * c[i].hi;
-            let reciprocal = 1.0 / (re * re + im * im);
-            let scaled = products[i] * reciprocal;
-            re_sum += scaled * re;
-            im_sum -= scaled * im;
-            // Not below 1 / |D_i|.
-            let inverse = reciprocal * (re.abs() + im.abs());
-            rounding += slack[i] * inverse;
-            v += (w_square + w.hi * c_size[i] + k_size[i]) * inverse;
-            p += p_square[i] * inverse;
-            b += b_square[i] * inverse;
-        }
-        let error = self.error(rounding, v, p, b);
-        (Complex::new(Ball::from(re_sum), Ball::from(im_sum)), error)
+        let sum = lanes::one(self, residues, w);
+        (Complex::new(Ball::from(sum.value.re), Ball::from(sum.value.im)), self.error_of(&sum))
+    }
+
+    fn error_of(&self, sum: &lanes::Sum) -> f64 {
+        self.error(sum.rounding, sum.v, sum.p, sum.b)
     }
 
     fn exact_sum(&self, residues: &Residues, w: Dd) -> (Complex<Ball>, f64) {
@@ -341,6 +342,22 @@ mod tests {
                 assert!(disc.relative_error() < most, "{f}: {:e}", disc.relative_error());
             }
         }
+    }
+
+    /// Several frequencies at once give the numbers of one.
+    #[test]
+    fn many_sums_are_the_same_sums() {
+        let mut system = blank(5);
+        for i in 0..5 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1000", i, i.checked_sub(1));
+            push(&mut system.c, "0.3", i, i.checked_sub(1));
+        }
+        let sum = ModalSum::of(&system, &modes(&system).expect("modes")).expect("proportional");
+        let pair = sum.pair(&system, 0, 4);
+        let frequencies: Vec<Frequency> = (0..13).map(|i| Frequency::hertz(&Number::from(i))).collect();
+        let one_by_one: Vec<Gain> = frequencies.iter().map(|f| sum.fast(&pair, f)).collect();
+        assert_eq!(sum.fast_many(&pair, &frequencies), one_by_one);
     }
 
     #[test]

@@ -1,0 +1,267 @@
+//! Several frequencies side by side: real, complex and double-double numbers in the lanes of a vector, for the loops of the
+//! two-sided road. One text of the loops serves every vector; the results are the same on all of them, for each operation
+//! is that of IEEE 754, lane by lane.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// Binary64 numbers side by side.
+pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
+    const WIDTH: usize;
+    fn splat(x: f64) -> Self;
+    /// From the first [`Vector::WIDTH`] numbers.
+    fn load(x: &[f64; MOST]) -> Self;
+    /// Into the first [`Vector::WIDTH`] numbers.
+    fn store(self) -> [f64; MOST];
+    /// self b + c with one rounding.
+    fn fused(self, b: Self, c: Self) -> Self;
+    fn over(self, b: Self) -> Self;
+    fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
+}
+
+/// Lanes of the widest vector.
+pub const MOST: usize = 8;
+
+impl Vector for f64 {
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn splat(x: f64) -> f64 {
+        x
+    }
+
+    #[inline(always)]
+    fn load(x: &[f64; MOST]) -> f64 {
+        x[0]
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f64; MOST] {
+        [self; MOST]
+    }
+
+    #[inline(always)]
+    fn fused(self, b: f64, c: f64) -> f64 {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn over(self, b: f64) -> f64 {
+        self / b
+    }
+
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+}
+
+/// The vectors of x86-64. They are made only inside of functions that are compiled for their instructions, and these are
+/// called only where the processor has them.
+#[cfg(target_arch = "x86_64")]
+pub mod x86 {
+    use super::{MOST, Vector};
+    use std::arch::x86_64::*;
+    use std::ops::{Add, Mul, Neg, Sub};
+
+    macro_rules! vector {
+        ($name:ident, $inner:ty, $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
+         $mul:ident, $div:ident, $fused:ident, $sqrt:ident, $abs:expr) => {
+            #[derive(Clone, Copy, Debug)]
+            pub struct $name($inner);
+
+            // SAFETY, of every block below: see the module; the arrays are at least as long as the vector.
+            impl Add for $name {
+                type Output = $name;
+                #[inline(always)]
+                fn add(self, b: $name) -> $name {
+                    $name(unsafe { $add(self.0, b.0) })
+                }
+            }
+
+            impl Sub for $name {
+                type Output = $name;
+                #[inline(always)]
+                fn sub(self, b: $name) -> $name {
+                    $name(unsafe { $sub(self.0, b.0) })
+                }
+            }
+
+            impl Mul for $name {
+                type Output = $name;
+                #[inline(always)]
+                fn mul(self, b: $name) -> $name {
+                    $name(unsafe { $mul(self.0, b.0) })
+                }
+            }
+
+            impl Neg for $name {
+                type Output = $name;
+                #[inline(always)]
+                fn neg(self) -> $name {
+                    // -0 - x is -x, zeros too.
+                    $name(unsafe { $sub($splat(-0.0), self.0) })
+                }
+            }
+
+            impl Vector for $name {
+                const WIDTH: usize = $width;
+
+                #[inline(always)]
+                fn splat(x: f64) -> $name {
+                    $name(unsafe { $splat(x) })
+                }
+
+                #[inline(always)]
+                fn load(x: &[f64; MOST]) -> $name {
+                    $name(unsafe { $load(x.as_ptr()) })
+                }
+
+                #[inline(always)]
+                fn store(self) -> [f64; MOST] {
+                    let mut x = [0.0; MOST];
+                    unsafe { $store(x.as_mut_ptr(), self.0) };
+                    x
+                }
+
+                #[inline(always)]
+                fn fused(self, b: $name, c: $name) -> $name {
+                    $name(unsafe { $fused(self.0, b.0, c.0) })
+                }
+
+                #[inline(always)]
+                fn over(self, b: $name) -> $name {
+                    $name(unsafe { $div(self.0, b.0) })
+                }
+
+                #[inline(always)]
+                fn abs(self) -> $name {
+                    $name(unsafe { $abs(self.0) })
+                }
+
+                #[inline(always)]
+                fn sqrt(self) -> $name {
+                    $name(unsafe { $sqrt(self.0) })
+                }
+            }
+        };
+    }
+
+    vector!(
+        Eight,
+        __m512d,
+        8,
+        _mm512_set1_pd,
+        _mm512_loadu_pd,
+        _mm512_storeu_pd,
+        _mm512_add_pd,
+        _mm512_sub_pd,
+        _mm512_mul_pd,
+        _mm512_div_pd,
+        _mm512_fmadd_pd,
+        _mm512_sqrt_pd,
+        |x| _mm512_abs_pd(x)
+    );
+    vector!(
+        Four,
+        __m256d,
+        4,
+        _mm256_set1_pd,
+        _mm256_loadu_pd,
+        _mm256_storeu_pd,
+        _mm256_add_pd,
+        _mm256_sub_pd,
+        _mm256_mul_pd,
+        _mm256_div_pd,
+        _mm256_fmadd_pd,
+        _mm256_sqrt_pd,
+        |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x)
+    );
+}
+
+/// re + i im
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<V> {
+    pub re: V,
+    pub im: V,
+}
+
+/// An unevaluated sum hi + lo; lo is a correction, not always below half a unit of hi.
+#[derive(Clone, Copy, Debug)]
+pub struct Double<V> {
+    pub hi: V,
+    pub lo: V,
+}
+
+impl<V: Vector> Pair<V> {
+    #[inline(always)]
+    pub fn zero() -> Pair<V> {
+        Pair { re: V::splat(0.0), im: V::splat(0.0) }
+    }
+
+    #[inline(always)]
+    pub fn times(self, b: Pair<V>) -> Pair<V> {
+        Pair { re: self.re.fused(b.re, -(self.im * b.im)), im: self.re.fused(b.im, self.im * b.re) }
+    }
+
+    /// self - a b
+    #[inline(always)]
+    pub fn minus_product(self, a: Pair<V>, b: Pair<V>) -> Pair<V> {
+        Pair {
+            re: a.im.fused(b.im, (-a.re).fused(b.re, self.re)),
+            im: (-a.im).fused(b.re, (-a.re).fused(b.im, self.im)),
+        }
+    }
+
+    /// self + a b
+    #[inline(always)]
+    pub fn plus_product(self, a: Pair<V>, b: Pair<V>) -> Pair<V> {
+        Pair { re: (-a.im).fused(b.im, a.re.fused(b.re, self.re)), im: a.im.fused(b.re, a.re.fused(b.im, self.im)) }
+    }
+
+    #[inline(always)]
+    pub fn recip(self) -> Pair<V> {
+        let square = V::splat(1.0).over(self.re.fused(self.re, self.im * self.im));
+        Pair { re: self.re * square, im: -(self.im * square) }
+    }
+
+    /// |re| + |im|, not below the modulus.
+    #[inline(always)]
+    pub fn size(self) -> V {
+        self.re.abs() + self.im.abs()
+    }
+}
+
+impl<V: Vector> Double<V> {
+    #[inline(always)]
+    pub fn zero() -> Double<V> {
+        Double { hi: V::splat(0.0), lo: V::splat(0.0) }
+    }
+
+    /// self + x y, the errors of both operations kept in `lo`.
+    #[inline(always)]
+    pub fn plus_product(self, x: Double<V>, y: V) -> Double<V> {
+        let p = x.hi * y;
+        let e = x.hi.fused(y, -p);
+        let (hi, lost) = two_sum(self.hi, p);
+        Double { hi, lo: self.lo + (x.lo.fused(y, e) + lost) }
+    }
+
+    #[inline(always)]
+    pub fn sum(self) -> V {
+        self.hi + self.lo
+    }
+}
+
+/// s + e = a + b exactly (Knuth).
+#[inline(always)]
+pub fn two_sum<V: Vector>(a: V, b: V) -> (V, V) {
+    let s = a + b;
+    let bb = s - a;
+    (s, (a - (s - bb)) + (b - bb))
+}

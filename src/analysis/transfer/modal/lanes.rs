@@ -1,0 +1,123 @@
+//! The sum over modes in binary64, at several frequencies at once: sum c_i / D_i, and what its bound is made of.
+
+use super::{ModalSum, Residues};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::Frequency;
+use crate::analysis::transfer::lanes::{MOST, Vector};
+use crate::base::Dd;
+
+/// A sum over modes, and the sums of its bound (see the module above).
+#[derive(Clone, Copy, Debug)]
+pub struct Sum {
+    pub value: Complex<f64>,
+    pub rounding: f64,
+    pub v: f64,
+    pub p: f64,
+    pub b: f64,
+}
+
+/// At one frequency.
+pub fn one(modes: &ModalSum, residues: &Residues, w: Dd) -> Sum {
+    sum::<f64>(modes, residues, &[w; MOST]).at(0)
+}
+
+/// At many frequencies.
+pub fn sums(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::is_x86_feature_detected as has;
+        if has!("avx512f") {
+            // SAFETY: the processor has these instructions.
+            return unsafe { by_eight(modes, residues, frequencies) };
+        }
+        if has!("avx2") && has!("fma") {
+            // SAFETY: the processor has these instructions.
+            return unsafe { by_four(modes, residues, frequencies) };
+        }
+    }
+    all::<f64>(modes, residues, frequencies)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn by_eight(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
+    all::<crate::analysis::transfer::lanes::x86::Eight>(modes, residues, frequencies)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn by_four(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
+    all::<crate::analysis::transfer::lanes::x86::Four>(modes, residues, frequencies)
+}
+
+#[inline(always)]
+fn all<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
+    let mut sums = Vec::with_capacity(frequencies.len());
+    for chunk in frequencies.chunks(V::WIDTH) {
+        let w: [Dd; MOST] = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)].omega.mid);
+        let lanes = sum::<V>(modes, residues, &w);
+        sums.extend((0..chunk.len()).map(|i| lanes.at(i)));
+    }
+    sums
+}
+
+/// A sum at several frequencies.
+struct LaneSums {
+    re: [f64; MOST],
+    im: [f64; MOST],
+    rounding: [f64; MOST],
+    v: [f64; MOST],
+    p: [f64; MOST],
+    b: [f64; MOST],
+}
+
+impl LaneSums {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Sum {
+        let value = Complex::new(self.re[i], self.im[i]);
+        Sum { value, rounding: self.rounding[i], v: self.v[i], p: self.p[i], b: self.b[i] }
+    }
+}
+
+#[inline(always)]
+fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> LaneSums {
+    let n = modes.k.len();
+    // Slices of one length, so that the loop below needs no checks.
+    let (k, omega, c) = (&modes.k[..n], &modes.omega[..n], &modes.c[..n]);
+    let (k_size, c_size) = (&modes.k_size[..n], &modes.c_size[..n]);
+    let (products, slack) = (&residues.rounded[..n], &residues.slack[..n]);
+    let (p_square, b_square) = (&residues.p_square[..n], &residues.b_square[..n]);
+    let (w_hi, w_lo) = (V::load(&w.map(|w| w.hi)), V::load(&w.map(|w| w.lo)));
+    let zero = V::splat(0.0);
+    let (mut re_sum, mut im_sum, mut rounding) = (zero, zero, zero);
+    let (mut v, mut p, mut b) = (zero, zero, zero);
+    let w_square = w_hi * w_hi;
+    for i in 0..n {
+        // (omega - W)(omega + W): the difference of the leading parts is exact where it matters.
+        let re = if omega[i].hi > 0.0 {
+            let own = V::splat(omega[i].hi);
+            (own - w_hi + (V::splat(omega[i].lo) - w_lo)) * (own + w_hi)
+        } else {
+            V::splat(k[i].hi) - w_square
+        };
+        let im = w_hi * V::splat(c[i].hi);
+        let reciprocal = V::splat(1.0).over(re * re + im * im);
+        let scaled = V::splat(products[i]) * reciprocal;
+        re_sum = re_sum + scaled * re;
+        im_sum = im_sum - scaled * im;
+        // Not below 1 / |D_i|.
+        let inverse = reciprocal * (re.abs() + im.abs());
+        rounding = rounding + V::splat(slack[i]) * inverse;
+        v = v + (w_square + w_hi * V::splat(c_size[i]) + V::splat(k_size[i])) * inverse;
+        p = p + V::splat(p_square[i]) * inverse;
+        b = b + V::splat(b_square[i]) * inverse;
+    }
+    LaneSums {
+        re: re_sum.store(),
+        im: im_sum.store(),
+        rounding: rounding.store(),
+        v: v.store(),
+        p: p.store(),
+        b: b.store(),
+    }
+}

@@ -1,0 +1,274 @@
+//! H at many frequencies, to the last digit, for little more than a factorisation in binary64 each. In: a system whose
+//! dampers resist every motion, frequencies. Out: for each frequency, input and output a disc, or nothing where the proof
+//! fails and another road is due. Clause: spec.md, "Transfer" 11a.5a.
+//!
+//! With any approximations x of Q^-1 b and z of Q^-1 p, r = b - Q x, t = p - Q z and the symmetric Q,
+//!
+//! ```text
+//! p^T Q^-1 b = p^T x + z^T r + t^T Q^-1 r
+//! ```
+//!
+//! exactly. The first two terms are computed, r in double-double; the last one is a product of two residuals and is bounded:
+//! with a diagonal D and gamma > 0 such that C - gamma D is positive definite, |t^T Q^-1 r| <= |t| |r| / (omega gamma) in the
+//! norms sum |.|^2 / D, because im (x^H Q x) = omega x^H C x. So two solutions in binary64, each right to some digits only,
+//! give a value that is right to twice as many.
+
+mod sweep;
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::inverse::Entry;
+use crate::analysis::transfer::sparse::{Pattern, Symbolic};
+use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
+use crate::base::{Ball, Dd, Number};
+use crate::system::CoordinateId;
+
+/// A system made ready for this road.
+#[derive(Clone, Debug)]
+pub(in crate::analysis) struct TwoSided<'a> {
+    pattern: &'a Pattern,
+    /// Entries in the order of the elimination.
+    plan: Plan,
+    /// 1 / (D_i gamma), by place.
+    weights: Vec<f64>,
+    /// Relative radius of all entries.
+    loose: f64,
+}
+
+/// What to do at each place of the elimination; the same at every frequency.
+#[derive(Clone, Debug)]
+struct Plan {
+    n: usize,
+    /// Upper entries of each column: (row, entry).
+    columns: Vec<Vec<(u32, Polynomial)>>,
+    /// The rows of L that each place needs, in order: (column of L, position of the new entry).
+    touched: Vec<Vec<(u32, u32)>>,
+    /// Where the columns of L begin, and the row of each of its entries.
+    starts: Vec<u32>,
+    below: Vec<u32>,
+    /// Both triangles, row by row.
+    rows: Vec<Vec<(u32, Polynomial)>>,
+}
+
+/// k + s c + s^2 m, as the polynomial of an entry, a load or a reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Polynomial {
+    k: Dd,
+    c: Dd,
+    m: Dd,
+}
+
+/// The frequencies of a sweep.
+#[derive(Clone, Copy, Debug)]
+struct Lane {
+    omega: Dd,
+    square: Dd,
+    /// Relative radius of omega.
+    loose: f64,
+}
+
+/// A sparse column or row by place.
+type Sparse = Vec<(u32, Polynomial)>;
+
+/// A value of which nothing is known.
+const NOTHING: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: f64::INFINITY };
+/// gamma is looked for from 1 downwards; below this the bound is of no use.
+const LEAST_GAMMA: f64 = 1e-14;
+/// Entries that are known worse than this are no matter of the last digits.
+const LOOSEST: f64 = 1e-20;
+
+impl<'a> TwoSided<'a> {
+    /// `None` where some motion is not damped, or its damping is too small to prove anything.
+    pub fn of(transfer: &'a Transfer) -> Option<TwoSided<'a>> {
+        let (pattern, entries) = (transfer.pattern.as_ref()?, &transfer.entries);
+        let n = transfer.system.n();
+        let mut diagonal = vec![0.0; n];
+        for entry in entries.iter().filter(|e| e.i == e.j) {
+            diagonal[entry.i as usize] = entry.c.mid.hi;
+        }
+        if n == 0 || diagonal.iter().any(|c| !(*c > 1e-150 && *c < 1e150)) {
+            return None;
+        }
+        let loose = entries.iter().flat_map(|e| [e.m, e.c, e.k]).map(looseness).fold(0.0, f64::max);
+        let gamma = coercivity(pattern, entries, &diagonal).filter(|_| loose < LOOSEST)?;
+        let plan = Plan::of(pattern, n, entries);
+        let mut weights = vec![0.0; n];
+        for (i, d) in diagonal.iter().enumerate() {
+            weights[pattern.place(i)] = 1.0 / (d * gamma) * (1.0 + 1e-15);
+        }
+        Some(TwoSided { pattern, plan, weights, loose })
+    }
+
+    /// One disc for each frequency, input and output, in this order; an infinite radius where nothing is proven.
+    pub fn sweep(
+        &self,
+        transfer: &Transfer,
+        frequencies: &[Frequency],
+        inputs: &[usize],
+        outputs: &[usize],
+        tolerance: f64,
+    ) -> Vec<Disc> {
+        let system = transfer.system;
+        let mut loose = self.loose;
+        let loads: Vec<Sparse> = inputs.iter().map(|&u| self.sparse(&system.inputs[u].b, &mut loose)).collect();
+        let readings: Vec<Sparse> = outputs.iter().map(|&y| self.sparse(&system.outputs[y].p, &mut loose)).collect();
+        let through: Vec<Vec<[Ball; 3]>> = (inputs.iter())
+            .map(|&u| outputs.iter().map(|&y| super::feed_through(&system.outputs[y], u)).collect())
+            .collect();
+        let pairs = inputs.len() * outputs.len();
+        if loose > LOOSEST {
+            return vec![NOTHING; frequencies.len() * pairs];
+        }
+        let task = sweep::Task { of: self, loads: &loads, readings: &readings, loose, frequencies, tolerance };
+        let mut discs = sweep::discs(&task);
+        for (frequency, discs) in frequencies.iter().zip(discs.chunks_mut(pairs.max(1))) {
+            for (disc, d) in discs.iter_mut().zip(through.iter().flatten()) {
+                if !d.iter().all(Ball::is_zero) {
+                    *disc = with_through(*disc, frequency, d);
+                }
+            }
+        }
+        discs
+    }
+
+    /// By place; `loose` grows to the largest relative radius.
+    fn sparse(&self, powers: &[Vec<(CoordinateId, Number)>; 3], loose: &mut f64) -> Sparse {
+        let mut list: Sparse = Vec::new();
+        for (power, column) in powers.iter().enumerate() {
+            for (i, value) in column {
+                let place = self.pattern.place(i.index()) as u32;
+                let ball = value.to_ball();
+                *loose = loose.max(looseness(ball));
+                let at = list.iter().position(|(known, _)| *known == place).unwrap_or_else(|| {
+                    list.push((place, Polynomial { k: Dd::ZERO, c: Dd::ZERO, m: Dd::ZERO }));
+                    list.len() - 1
+                });
+                let Polynomial { k, c, m } = &mut list[at].1;
+                *[k, c, m][power] = ball.mid;
+            }
+        }
+        list
+    }
+}
+
+fn with_through(disc: Disc, frequency: &Frequency, d: &[Ball; 3]) -> Disc {
+    let sum = disc.value.to_ball() + frequency.polynomial(*d);
+    Disc { value: sum.mid(), radius: (disc.radius + sum.radius()) * (1.0 + 1e-12) }
+}
+
+/// Radius over size.
+fn looseness(ball: Ball) -> f64 {
+    if ball.rad == 0.0 { 0.0 } else { ball.rad / (ball.mid.hi.abs() * (1.0 - 1e-15)) }
+}
+
+/// gamma with C - gamma diag(C) positive definite: all pivots of its elimination in discs are certainly positive.
+fn coercivity(pattern: &Pattern, entries: &[MatrixEntry], diagonal: &[f64]) -> Option<f64> {
+    let mut gamma = 0.5;
+    while gamma > LEAST_GAMMA {
+        let shifted: Vec<Entry> = (entries.iter())
+            .map(|e| {
+                let shift =
+                    if e.i == e.j { Ball::from(gamma) * Ball::from(diagonal[e.i as usize]) } else { Ball::ZERO };
+                Entry { i: e.i, j: e.j, value: Complex::real(e.c - shift) }
+            })
+            .collect();
+        if pattern.factor(&shifted).is_some_and(|factors| factors.is_positive()) {
+            return Some(gamma);
+        }
+        gamma *= 0.25;
+    }
+    None
+}
+
+impl Plan {
+    fn of(pattern: &Pattern, n: usize, entries: &[MatrixEntry]) -> Plan {
+        let mut columns: Vec<Sparse> = vec![Vec::new(); n];
+        let mut rows: Vec<Sparse> = vec![Vec::new(); n];
+        for entry in entries {
+            let (i, j) = (pattern.place(entry.i as usize), pattern.place(entry.j as usize));
+            let polynomial = Polynomial { k: entry.k.mid, c: entry.c.mid, m: entry.m.mid };
+            rows[i].push((j as u32, polynomial));
+            if i <= j {
+                columns[j].push((i as u32, polynomial));
+            }
+        }
+        let Symbolic { touched, starts, below } = pattern.symbolic();
+        Plan { n, columns, touched, starts, below, rows }
+    }
+
+    /// The rows below the diagonal in a column of L, with its entries.
+    #[inline(always)]
+    fn column<'l, T>(&'l self, l: &'l [T], j: usize) -> impl Iterator<Item = (&'l u32, &'l T)> {
+        let range = self.starts[j] as usize..self.starts[j + 1] as usize;
+        self.below[range.clone()].iter().zip(&l[range])
+    }
+}
+
+impl Lane {
+    fn of(frequency: &Frequency) -> Lane {
+        let omega = frequency.omega;
+        Lane { omega: omega.mid, square: omega.mid * omega.mid, loose: looseness(omega) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::LinearSystem;
+
+    /// A chain whose dampers are not proportional to its springs.
+    fn chain(n: usize) -> LinearSystem {
+        let mut system = blank(n);
+        for i in 0..n {
+            push(&mut system.m, "1.3", i, None);
+            push(&mut system.k, "1000.1", i, i.checked_sub(1));
+            push(&mut system.c, if i % 3 == 0 { "0.3" } else { "0.7" }, i, i.checked_sub(1));
+        }
+        system
+    }
+
+    /// Against the solution in discs: at the force and far from it, at resonances and between, at both accuracies.
+    #[test]
+    fn the_value_is_enclosed_and_right_to_the_last_digit() {
+        for n in [1, 2, 9, 300] {
+            let system = chain(n);
+            let transfer = Transfer::of(&system);
+            let road = TwoSided::of(&transfer).expect("dampers on all");
+            let hertz = |i: i64| Frequency::hertz(&(&Number::from(i) / &Number::from(7)));
+            let frequencies: Vec<Frequency> = (1..30).map(hertz).collect();
+            for (outputs, tolerance) in [([0, n - 1], 1e-17), ([n / 2, 0], 1e-10)] {
+                let discs = road.sweep(&transfer, &frequencies, &[0], &outputs, tolerance);
+                for (discs, f) in discs.chunks(2).zip(&frequencies) {
+                    let truth = transfer.between(f, &[0], &outputs);
+                    for (disc, truth) in discs.iter().zip(&truth[0]) {
+                        let truth = truth.disc().expect("finite");
+                        let error = (disc.value - truth.value).to_f64().abs();
+                        assert!(error <= disc.radius + truth.radius, "{n} {error:e} {:e}", disc.radius);
+                        assert!(disc.relative_error() <= tolerance, "{n} {:e}", disc.relative_error());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whatever the width of the vectors: one frequency alone and among others gives the same numbers.
+    #[test]
+    fn a_lane_does_not_depend_on_its_neighbours() {
+        let system = chain(40);
+        let transfer = Transfer::of(&system);
+        let road = TwoSided::of(&transfer).expect("dampers on all");
+        let frequencies: Vec<Frequency> = (1..20).map(|i| Frequency::hertz(&Number::from(i))).collect();
+        let together = road.sweep(&transfer, &frequencies, &[0], &[39], 1e-17);
+        for (f, disc) in frequencies.iter().zip(together) {
+            assert_eq!(road.sweep(&transfer, std::slice::from_ref(f), &[0], &[39], 1e-17), [disc]);
+        }
+    }
+
+    #[test]
+    fn what_no_damper_resists_is_refused() {
+        let mut system = chain(3);
+        system.c = crate::system::Form::new();
+        push(&mut system.c, "1", 0, None);
+        assert!(TwoSided::of(&Transfer::of(&system)).is_none());
+    }
+}
