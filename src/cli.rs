@@ -12,7 +12,7 @@ use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 #[command(
     after_help = "Exit status: 0 done; 1 the model has errors, or a requirement fails; 2 the command line is wrong; 3 a file could not be \
                         read or written; 4 a numerical limit, such as no rest found.\n\
-                        To come: bench, lsp."
+                        To come: bench."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -35,6 +35,8 @@ pub enum Command {
     Check(Check),
     /// The one layout of a model file
     Fmt(Fmt),
+    /// The language server, on standard input and output; editors start it
+    Lsp(Lsp),
     /// A diagnostic's long text: what it means, an example, the mend
     Explain(Explain),
     /// A script that completes the program's commands and options in a shell
@@ -228,6 +230,13 @@ pub struct Fmt {
 }
 
 #[derive(Debug, Args)]
+pub struct Lsp {
+    /// Editors say so; there is no other way
+    #[arg(long, hide = true)]
+    pub stdio: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct Completions {
     /// The shell that reads the script
     #[arg(value_enum)]
@@ -348,8 +357,6 @@ impl From<NormaliseOption> for Normalise {
 pub enum Coming {
     #[command(hide = true, disable_help_flag = true)]
     Bench(Anything),
-    #[command(hide = true, disable_help_flag = true)]
-    Lsp(Anything),
 }
 
 /// Whatever follows a command that is to come.
@@ -363,7 +370,6 @@ impl Coming {
     pub fn name(&self) -> &'static str {
         match self {
             Coming::Bench(_) => "bench",
-            Coming::Lsp(_) => "lsp",
         }
     }
 }

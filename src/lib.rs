@@ -174,6 +174,32 @@ pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
 /// Different tables of one model; a run has room for 256 files.
 const MOST_TABLES: usize = 200;
 
+/// A model as far as the stages came before any analysis.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    pub scene: Option<CheckedScene>,
+    pub lowered: Option<Lowered>,
+    /// What `solve` lines found, and the values that the parameters have by them.
+    pub solved: Vec<Solved>,
+    pub settings: Vec<Setting>,
+    pub requirements: Vec<Requirement>,
+    pub diagnostics: Diagnostics,
+}
+
+/// The text of a model through the stages up to the linear system, with what each of them made: for editors, which show
+/// what is known of a model that has errors too.
+pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides) -> Inspection {
+    let mut diagnostics = Diagnostics::new();
+    let Some(read) = read(sources, model, overrides, None, &mut diagnostics) else {
+        let (solved, settings, requirements) = Default::default();
+        return Inspection { scene: None, lowered: None, solved, settings, requirements, diagnostics };
+    };
+    let lowered = damped(&read.scene, &mut diagnostics);
+    let requirements = if lowered.is_some() { read.requirements(None, &mut diagnostics) } else { Vec::new() };
+    let Read { scene, settings, solved, .. } = read;
+    Inspection { scene: Some(scene), lowered, solved, settings, requirements, diagnostics }
+}
+
 /// A model as simulation code computes it.
 #[derive(Clone, Debug)]
 pub struct Emission {

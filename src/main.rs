@@ -41,6 +41,7 @@ fn main() -> ExitCode {
         Command::Emit(options) => emit(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
         Command::Fmt(options) => format(options, &cli.messages),
+        Command::Lsp(_) => language_server(),
         Command::Explain(options) => explain(&options.code),
         Command::Completions(options) => completions(options.shell),
         Command::Man(options) => manual(options.command.as_deref()),
@@ -300,6 +301,26 @@ fn format_one(path: &Path, source: SourceFile, check: bool, messages: &Messages)
     }
 }
 
+/// Answers an editor until it says goodbye.
+fn language_server() -> Status {
+    let (connection, threads) = lsp_server::Connection::stdio();
+    let read = |path: &str| File::open(path).and_then(read_limited).map_err(|error| error.to_string());
+    let served = vibc::editor::server::serve(&connection, &read);
+    // The thread that writes ends with the last sender.
+    drop(connection);
+    match (served, threads.join()) {
+        (Ok(()), Ok(())) => Status::Done,
+        (Err(error), _) => {
+            complain(&format!("the editor does not keep to the protocol: {error}"));
+            Status::Usage
+        }
+        (_, Err(error)) => {
+            complain(&format!("the editor cannot be read or written to: {error}"));
+            Status::Io
+        }
+    }
+}
+
 /// What completes the command line in a shell.
 fn completions(shell: clap_complete::Shell) -> Status {
     let mut script = Vec::new();
@@ -343,7 +364,7 @@ fn explain(code: &str) -> Status {
 fn not_available(command: &str) -> Status {
     let version = env!("CARGO_PKG_VERSION");
     complain(&format!(
-        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `emit`, `check`, `fmt` and `explain`"
+        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `emit`, `check`, `fmt`, `lsp` and `explain`"
     ));
     Status::Usage
 }

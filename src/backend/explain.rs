@@ -14,6 +14,34 @@ pub fn explain(asked: &str) -> Result<String, Unknown> {
     }
 }
 
+/// A numbered clause of the specification, such as 5.7.
+pub fn numbered(number: &str) -> Option<&'static str> {
+    let start = SPECIFICATION.find(&format!("\n{number} "))? + 1;
+    let text = &SPECIFICATION[start..];
+    let next = |line: &str| line.starts_with("## ") || clause_number(line).is_some_and(|found| found != number);
+    let mut end = 0;
+    for line in text.split_inclusive('\n').take_while(|line| !next(line)) {
+        end += line.len();
+    }
+    Some(text[..end].trim())
+}
+
+/// The number that a clause begins with: `5.7`, `13a.2`.
+fn clause_number(line: &str) -> Option<&str> {
+    let (number, _) = line.split_once(' ')?;
+    let (section, clause) = number.split_once('.')?;
+    let counts = |text: &str| text.bytes().all(|b| b.is_ascii_digit()) && !text.is_empty();
+    (section.starts_with(|c: char| c.is_ascii_digit()) && counts(clause)).then_some(number)
+}
+
+/// How a declaration with this keyword is written, and what it declares: its row in the table of clause 1.3.
+pub fn keyword(word: &str) -> Option<(&'static str, &'static str)> {
+    let table = numbered("1.3")?;
+    let row = table.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{word} ")))?;
+    let (form, meaning) = row.strip_prefix("| ")?.strip_suffix(" |")?.rsplit_once(" | ")?;
+    Some((form, meaning))
+}
+
 /// A code that no clause explains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {

@@ -459,7 +459,7 @@ fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
 }
 
 /// |s|, rad/s.
-pub(super) fn modulus(pole: &Pole) -> Ball {
+pub fn modulus(pole: &Pole) -> Ball {
     if pole.im.is_zero() {
         return pole.re.abs();
     }
@@ -470,7 +470,7 @@ pub(super) fn modulus(pole: &Pole) -> Ball {
 }
 
 /// rad/s to Hz.
-pub(super) fn per_turn(omega: Ball) -> Ball {
+pub fn per_turn(omega: Ball) -> Ball {
     omega / (Ball::from(2.0) * Ball::PI)
 }
 

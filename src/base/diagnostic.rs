@@ -42,6 +42,44 @@ pub struct Diagnostic {
     pub related: Vec<Label>,
     /// What to type.
     pub help: Option<String>,
+    /// Edits of the text each of which would mend it, where such are obvious; the likeliest first.
+    pub mends: Vec<Mend>,
+}
+
+/// An edit of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mend {
+    pub at: Span,
+    pub change: Change,
+}
+
+/// What to do at a place. Where the place lies in a declaration is the editor's to find.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Write this in its place; nothing deletes it.
+    Replace(String),
+    /// Write this behind it.
+    After(String),
+    /// Write this unit behind the number that the declaration around it ends with, where it ends with one.
+    Unit(String),
+    /// Multiply it by this.
+    Times(&'static str),
+    /// Close the bracket that stands here.
+    Close(char),
+    /// Write this field into the braces of the declaration around it.
+    AddField(String),
+    /// Write this at the end of the declaration around it.
+    Append(&'static str),
+    /// Leave the field out that starts here.
+    DropField,
+    /// Leave the value of the field out that starts here.
+    DropValue,
+    /// Leave the declaration around it out.
+    DropDeclaration,
+    /// Give the declared name that stands here another one, or the index of the `repeat` around it.
+    Rename,
+    /// Write this as a declaration of its own.
+    Declare(&'static str),
 }
 
 impl Diagnostic {
@@ -53,6 +91,7 @@ impl Diagnostic {
             primary: Label { span, text: String::new() },
             related: Vec::new(),
             help: None,
+            mends: Vec::new(),
         }
     }
 
@@ -77,6 +116,18 @@ impl Diagnostic {
 
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(text.into());
+        self
+    }
+
+    /// Adds an edit that would mend it.
+    pub fn mend(mut self, at: Span, change: Change) -> Diagnostic {
+        self.mends.push(Mend { at, change });
+        self
+    }
+
+    /// Adds fields, any of which would mend it.
+    pub fn mend_by_field(mut self, at: Span, fields: &[&str]) -> Diagnostic {
+        self.mends.extend(fields.iter().map(|field| Mend { at, change: Change::AddField(field.to_string()) }));
         self
     }
 

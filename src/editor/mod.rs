@@ -1,6 +1,20 @@
-//! What an editor asks for: the one layout of a model file.
+//! What an editor asks for: the one layout of a model file, and what is known of the text at a place, while it is typed.
 //!
-//! Clause: spec.md, "Layout".
+//! [`document`] is a text with all that the stages made of it; each of the others answers one kind of question from it, in
+//! bytes and plain words. [`server`] alone knows the protocol. Clauses: spec.md, "Layout" and "Editors".
 
+pub mod completion;
+pub mod document;
 pub mod format;
+pub mod highlight;
+pub mod hints;
+pub mod hover;
+pub mod mends;
+pub mod names;
+pub mod outline;
+mod pages;
+pub mod roles;
+pub mod server;
+mod shown;
+pub mod symbols;
 pub mod tokens;

@@ -122,13 +122,15 @@ impl LowerError {
             LowerError::Loose { names, spans } => loose(names, spans),
             LowerError::NoFreedom { span } => Diagnostic::error(NO_FREEDOM, *span, "nothing in this scene can move")
                 .label("no body here has a freedom")
-                .help("give a body a freedom clause, such as `moves x`, or hang it on a pivot"),
+                .help("give a body a freedom clause, such as `moves x`, or hang it on a pivot")
+                .mend_by_field(*span, &["moves x", "moves y", "free"]),
             LowerError::NoInertia { coordinate, body, span, turns } => no_inertia(coordinate, body, *span, *turns),
             LowerError::UnknownPlace { body, span, used } => {
                 Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, and about which point is not known"))
                     .label("the motion of this point depends on it")
                     .related(*span, "declared here, without a place")
                     .help(format!("give `{body}` a place: `at = (0, 0)`"))
+                    .mend_by_field(*span, &["at = (0, 0)"])
             }
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
             LowerError::NotAvailable { what, span } => {
@@ -165,6 +167,7 @@ fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
         "say what it may do on the ground: `free`, `moves x`, `turns`, or tie it to the ground: `pivot p: ground@(0, 0) -- {}`",
         names[0]
     ))
+    .mend_by_field(spans[0], &["free", "moves x", "moves y", "turns"])
 }
 
 fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnostic {
@@ -179,6 +182,7 @@ fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnost
     .help(format!(
         "give `{body}`, or a body that it carries, `{field}`; or hold it: `spring s: ground -- {body} {{ k = {stiffness} }}`"
     ))
+    .mend_by_field(span, &[field])
 }
 
 fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {

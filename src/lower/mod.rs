@@ -10,6 +10,7 @@
 
 pub mod account;
 pub mod assembly;
+mod at_rest;
 pub mod constraints;
 mod drives;
 pub mod error;
@@ -20,6 +21,7 @@ pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
+pub use at_rest::{SpringAtRest, springs_at_rest};
 pub use drives::drives;
 pub use rest::{Dependent, Rest, Tension};
 

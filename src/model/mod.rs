@@ -45,9 +45,10 @@ use expect::Memory;
 use freedoms::Freedoms;
 use overrides::Given;
 use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
-use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, Table};
+use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+pub use value::{Scalar, Value, Vector};
 
 /// What is said about a model from outside: values of its parameters, checked like the model itself, and how it is read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,6 +126,44 @@ pub fn parameters(sources: &Sources, tree: &Tree, overrides: &Overrides, values:
     check.collect();
     check.settle_definitions();
     check.parameters()
+}
+
+/// A `param`, `let` or `point` in one repetition, with its value.
+#[derive(Clone, Debug)]
+pub struct Defined {
+    pub name: String,
+    /// Of the word that it declares.
+    pub span: Span,
+    /// `None` where something is wrong with it.
+    pub value: Option<Value>,
+}
+
+/// The values of the parameters of a tree, whatever else is wrong with it, in order of declaration: for editors.
+pub fn values(sources: &Sources, tree: &Tree, overrides: &Overrides, settings: &[Setting]) -> Vec<Defined> {
+    let mut check = Check::new(sources, tree, overrides.literals);
+    check.overrides(overrides);
+    check.set(settings);
+    check.collect();
+    check.settle_definitions();
+    let defined = check.definitions.iter().map(|definition| Defined {
+        name: check.words.display(definition.name),
+        span: definition.span,
+        value: match &definition.state {
+            State::Settled(value) => value.clone().ok(),
+            State::Unsettled | State::InProgress => None,
+        },
+    });
+    defined.collect()
+}
+
+/// A word that means something wherever a number stands: no parameter is called so.
+pub fn is_reserved(word: &str) -> bool {
+    word == "pi" || value::Function::named(word).is_some()
+}
+
+/// The functions of numbers.
+pub fn functions() -> impl Iterator<Item = &'static str> {
+    value::FUNCTIONS.iter().map(|function| function.name)
 }
 
 /// The check in progress.

@@ -4,7 +4,7 @@
 
 use super::limits;
 use super::words;
-use crate::base::{Code, Diagnostic, Span};
+use crate::base::{Change, Code, Diagnostic, Span};
 
 const UNKNOWN_KEYWORD: Code = Code("vib::syntax::unknown_keyword");
 const UNEXPECTED: Code = Code("vib::syntax::unexpected");
@@ -180,7 +180,8 @@ impl SyntaxError {
         let error = |code, message: String| Diagnostic::error(code, self.at(), message);
         match self {
             SyntaxError::UnknownKeyword { found, meant, .. } => {
-                error(UNKNOWN_KEYWORD, format!("{found} starts no declaration")).help(meant.help())
+                let told = error(UNKNOWN_KEYWORD, format!("{found} starts no declaration")).help(meant.help());
+                meant.mended(told)
             }
             SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
             SyntaxError::Unclosed { bracket, before, repeat, .. } => {
@@ -189,6 +190,7 @@ impl SyntaxError {
                 let end = if before.is_some() { "the next declaration" } else { "the end of the file" };
                 let told = error(UNCLOSED, format!("the `{bracket}`{of} is not closed"))
                     .help(format!("write `{closing}` before {end}"));
+                let told = told.mend(self.at(), Change::Close(closing));
                 match before {
                     Some(span) => told.related(*span, "the next declaration starts here"),
                     None => told,
@@ -198,11 +200,14 @@ impl SyntaxError {
                 error(UNCLOSED, format!("the `{bracket}` is not closed before `{found}`"))
                     .related(*close, format!("`{}` is missing before this", closing(*bracket)))
                     .help(format!("write `{}` where the bracket ends", closing(*bracket)))
+                    .mend(self.at(), Change::Close(closing(*bracket)))
             }
             SyntaxError::Stray { bracket, .. } => error(STRAY, format!("this `{bracket}` closes nothing"))
-                .help(format!("delete it, or write the `{}` that it closes", opening(*bracket))),
+                .help(format!("delete it, or write the `{}` that it closes", opening(*bracket)))
+                .mend(self.at(), Change::Replace(String::new())),
             SyntaxError::UnclosedString { .. } => error(UNCLOSED_STRING, "this string is not closed".into())
-                .help("write `\"` at its end; a string ends on its line"),
+                .help("write `\"` at its end; a string ends on its line")
+                .mend(self.at(), Change::Close('"')),
             SyntaxError::Character { character, .. } => character_error(self.at(), *character),
             SyntaxError::Nesting { .. } => {
                 error(TOO_DEEP, format!("brackets are nested more than {} levels deep", limits::BRACKETS))
@@ -240,12 +245,16 @@ impl SyntaxError {
 }
 
 fn unexpected(at: Span, found: &Option<String>, expected: Expected, remark: &Remark) -> Diagnostic {
-    let expected = expected.words();
+    let (wanted, expected) = (expected, expected.words());
     let message = match found {
         Some(found) => format!("expected {expected}, found {found}"),
         None => format!("expected {expected}, but the declaration ends"),
     };
-    Diagnostic::error(UNEXPECTED, at, message).help(remark.help())
+    let told = Diagnostic::error(UNEXPECTED, at, message).help(remark.help());
+    match remark.mend(found.as_deref(), wanted) {
+        Some(change) => told.mend(at, change),
+        None => told,
+    }
 }
 
 impl Expected {
@@ -266,6 +275,16 @@ impl Expected {
 }
 
 impl Meant {
+    fn mended(&self, told: Diagnostic) -> Diagnostic {
+        let at = told.primary.span;
+        let start = Span::new(at.file(), at.start(), at.start());
+        match self {
+            Meant::Keyword(keyword) => told.mend(at, Change::Replace(keyword.to_string())),
+            Meant::Value => told.mend(start, Change::After("param ".into())).mend(start, Change::After("let ".into())),
+            Meant::Part | Meant::Nothing => told,
+        }
+    }
+
     fn help(&self) -> String {
         match self {
             Meant::Keyword(keyword) => format!("did you mean `{keyword}`? It is written `{}`", words::form(keyword)),
@@ -279,6 +298,23 @@ impl Meant {
 }
 
 impl Remark {
+    /// What to do with what was found, where that is plain.
+    fn mend(&self, found: Option<&str>, expected: Expected) -> Option<Change> {
+        let write = |text: &str| Some(Change::Replace(text.into()));
+        // As it is shown: in quotes.
+        let found = found?.strip_prefix('`')?.strip_suffix('`')?;
+        match (self, expected) {
+            (Remark::Write(what), _) => write(what.strip_prefix('`')?.strip_suffix('`')?),
+            (Remark::Plus | Remark::Semicolon, _) => write(""),
+            (Remark::Hash, _) => write("//"),
+            (Remark::FieldColon, _) => write(" ="),
+            (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
+            (_, Expected::Separator) => Some(Change::Replace(format!(", {found}"))),
+            (_, Expected::Sign(sign @ (":" | "=" | "--"), _)) => Some(Change::Replace(format!("{sign} {found}"))),
+            _ => None,
+        }
+    }
+
     fn help(&self) -> String {
         let text = match self {
             Remark::Form(form) => return format!("it is written `{form}`"),
@@ -322,7 +358,9 @@ fn character_error(at: Span, character: char) -> Diagnostic {
         ),
         _ => (format!("a control character (U+{number:04X}) is not allowed"), "delete it"),
     };
-    Diagnostic::error(CHARACTER, at, message).help(help)
+    let told = Diagnostic::error(CHARACTER, at, message).help(help);
+    // A carriage return in the middle of a text may stand for a line end; the others are of no use.
+    if character == '\r' { told } else { told.mend(at, Change::Replace(String::new())) }
 }
 
 fn closing(bracket: char) -> char {

@@ -43,7 +43,7 @@ pub fn is_keyword(word: &str) -> bool {
 }
 
 /// A declaration of this keyword as it is written.
-pub(super) fn form(keyword: &str) -> &'static str {
+pub fn form(keyword: &str) -> &'static str {
     match keyword {
         "model" => "model cart",
         "param" => "param k = 10 N/m",
@@ -90,7 +90,7 @@ pub(super) fn first_word(text: &[u8]) -> &[u8] {
 
 /// The keyword of a line that nothing but a declaration begins with: a keyword and, after blanks, a word (or a value, for
 /// `gravity`).
-pub(super) fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
+pub fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
     let start = line.len() - skip_blanks(line).len();
     let word = first_word(&line[start..]);
     let rest = &line[start + word.len()..];

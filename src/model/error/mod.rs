@@ -12,7 +12,7 @@ pub use questions::QuestionError;
 pub use values::ValueError;
 
 use super::scope::DefinitionKind;
-use crate::base::{Code, Diagnostic, Dimension, Span};
+use crate::base::{Change, Code, Diagnostic, Dimension, Span};
 
 /// A finding of the check.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +65,10 @@ fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnost
 
 fn with_suggestion(diagnostic: Diagnostic, suggestion: Option<String>, help: Option<String>) -> Diagnostic {
     match (suggestion, help) {
-        (Some(word), _) => diagnostic.help(format!("did you mean `{word}`?")),
+        (Some(word), _) => {
+            let at = diagnostic.primary.span;
+            diagnostic.help(format!("did you mean `{word}`?")).mend(at, Change::Replace(word))
+        }
         (None, Some(help)) => diagnostic.help(help),
         (None, None) => diagnostic,
     }

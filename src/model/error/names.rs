@@ -1,7 +1,7 @@
 //! Errors of names, indices, fields and values from outside: what is declared or referred to wrongly.
 
 use super::{error, listed, with_suggestion};
-use crate::base::{Diagnostic, Span};
+use crate::base::{Change, Diagnostic, Span};
 use crate::model::expect::Expected;
 use crate::model::scope::DefinitionKind;
 
@@ -72,6 +72,7 @@ impl NameError {
             ReversedBounds { span, first, last } => {
                 error("vib::repeat::reversed", span, "the last value of the index is below the first one")
                     .help(format!("write `{last}..{first}`"))
+                    .mend(span, Change::Replace(format!("{last}..{first}")))
             }
             NoEqualsSign { span } => {
                 error("vib::setting::form", span, "this sets nothing").help("write `NAME=VALUE`, such as `k=12N/m`")
@@ -93,6 +94,7 @@ impl NameError {
                 error("vib::setting::duplicate", span, format!("{what} is declared twice"))
                     .related(first, "declared first here")
                     .help("keep one of them")
+                    .mend(span, Change::DropDeclaration)
             }
             UnknownField { span, word, suggestion, known } => {
                 let help = suggestion.is_none().then(|| format!("known here: {}", listed(known)));
@@ -103,16 +105,19 @@ impl NameError {
                 error("vib::field::duplicate", span, format!("`{word}` is given twice"))
                     .related(first, "given first here")
                     .help("keep one of them")
+                    .mend(span, Change::DropField)
             }
             FieldWithoutValue { span, word } => error("vib::field::value", span, format!("`{word}` needs a value"))
                 .help(format!("write `{word} = ...`")),
             FlagWithValue { span, word } => error("vib::field::value", span, format!("`{word}` takes no value"))
-                .help(format!("write `{word}` alone")),
+                .help(format!("write `{word}` alone"))
+                .mend(span, Change::DropValue),
             AboutElsewhere { span } => error("vib::field::value", span, "`about` belongs to `inertia` only")
                 .help("write `inertia = 0.8 kg*m^2 about A`"),
             FieldMissing { span, expected } => {
                 error("vib::field::missing", span, format!("{} is missing here", expected.noun))
                     .help(format!("add `{}`", expected.example))
+                    .mend_by_field(span, &[expected.example])
             }
             NotABody { span, word, found, declared } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}, no body"))
@@ -144,10 +149,13 @@ fn index_out_of_range(
 fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
     let diagnostic = error("vib::name::duplicate", span, format!("`{name}` is declared twice"));
     match first {
-        Some(first) if first == span => {
-            diagnostic.help(format!("each repetition needs a name of its own: write `{name}[i]`"))
-        }
-        Some(first) => diagnostic.related(first, "declared first here").help("choose another name for one of them"),
+        Some(first) if first == span => diagnostic
+            .help(format!("each repetition needs a name of its own: write `{name}[i]`"))
+            .mend(span, Change::Rename),
+        Some(first) => diagnostic
+            .related(first, "declared first here")
+            .help("choose another name for one of them")
+            .mend(span, Change::Rename),
         None => diagnostic.help("the `repeat` around it has this index already: choose another one"),
     }
 }

@@ -1,7 +1,7 @@
 //! Errors of bodies, joints, elements and inputs: what cannot be built so.
 
 use super::{error, short, with_suggestion};
-use crate::base::{Code, Diagnostic, Span};
+use crate::base::{Change, Code, Diagnostic, Span};
 
 /// What is wrong with a part of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,7 @@ impl PartError {
             InertiaWithoutPlace { span, name } => {
                 error("vib::body::no_place", span, "an inertia about a point needs the place of the centre of mass")
                     .help(format!("give `{name}` its centre, such as `at = (0.4 m, 0)`"))
+                    .mend_by_field(span, &["at = (0.4 m, 0)"])
             }
             InertiaTooSmall { span, least, given } => {
                 error("vib::inertia::too_small", span, "the mass alone has more inertia about that point")
@@ -72,6 +73,7 @@ impl PartError {
                 error("vib::body::given_twice", span, format!("{what} follows from the shape already"))
                     .related(other, "from this shape")
                     .help("keep one of them")
+                    .mend(span, Change::DropField)
             }
             UnknownShape { span, suggestion } => {
                 let help =
@@ -87,48 +89,60 @@ impl PartError {
                 error("vib::body::freedom", span, "`free` gives the body every motion already")
                     .related(free, "here")
                     .help("keep `free`, or the single motions")
+                    .mend(span, Change::DropField)
+                    .mend(free, Change::DropField)
             }
             MovesWhere { span } => error("vib::body::freedom", span, "where it moves is not clear")
                 .help("write `moves x`, `moves y`, `moves x y` or `moves along (1, 1)`"),
             BaseWithoutMotion { span, name } => {
                 error("vib::base::no_motion", span, format!("the base `{name}` has no motion"))
                     .help("write `moves x`, `moves y` or `turns` in it; what never moves is `ground`")
+                    .mend_by_field(span, &["moves x", "moves y", "turns"])
             }
             NoFreedom { span, name } => error("vib::body::no_freedom", span, format!("`{name}` has no freedom"))
                 .label("neither a freedom clause nor a joint")
                 .help(format!(
                     "say how it moves, such as `moves x`, or tie it with a joint: `pivot p: ground@(0, 0) -- {name}`"
-                )),
+                ))
+                .mend_by_field(span, &["moves x", "moves y", "turns", "free"]),
             PropertyMissing { span, name, what, freedom } => property_missing(span, &name, what, freedom),
             CentreMissing { span, name } => {
                 error("vib::body::no_place", span, format!("`{name}` turns, and the place of its mass is not known"))
                     .label("no position")
                     .help("give the centre of mass: `at = (0, -1 m)`, or `shape = rod(A, B)`")
+                    .mend_by_field(span, &["at = (0, -1 m)"])
             }
             Empty { span } => error("vib::scene::empty", span, "there is no body in this model")
-                .help("declare one, such as `body block { mass = 1 kg, moves x }`"),
+                .help("declare one, such as `body block { mass = 1 kg, moves x }`")
+                .mend(span, Change::Declare("body block { mass = 1 kg, moves x }")),
             JointOfOnePart { span, part } => {
                 error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
                     .help("a joint ties two different parts")
             }
             SlideWithoutDirection { span } => error("vib::joint::direction", span, "a slide needs a direction")
-                .help("add it: `slide g: a -- b along (1, 0)`"),
+                .help("add it: `slide g: a -- b along (1, 0)`")
+                .mend(span, Change::Append(" along (1, 0)"))
+                .mend(span, Change::Append(" along (0, 1)")),
             PivotWithoutPlace { span, part } => error("vib::joint::no_place", span, "where the pivot is, is not known")
-                .help(format!("write the point after one of the ends: `{part}@(0, 0)`")),
+                .help(format!("write the point after one of the ends: `{part}@(0, 0)`"))
+                .mend(span, Change::After("@(0, 0)".into())),
             EndsApart { spans, places } => ends_apart(spans, places),
             EqualEnds { span, part } => error("vib::element::equal_ends", span, format!("both ends are on `{part}`"))
                 .help("the two ends are on different parts; what acts within one part moves nothing"),
             ZeroLength { span } => error("vib::element::zero_length", span, "the two ends are the same point as drawn")
                 .label("no line between them")
-                .help("draw the ends apart, or give a fixed direction: `along = x`"),
+                .help("draw the ends apart, or give a fixed direction: `along = x`")
+                .mend_by_field(span, &["along = x", "along = y"]),
             DirectionUnknown { span, part } => {
                 error("vib::element::direction_unknown", span, "the direction in which this acts is not known")
                     .label(format!("`{part}` has no position"))
                     .help(format!("give the end a point, `{part}@(0, 0)`, or give a direction: `along = x`"))
+                    .mend_by_field(span, &["along = x", "along = y"])
             }
             DirectionOfTorsion { span } => {
                 error("vib::element::torsion_along", span, "what acts on the rotation has no direction")
                     .help("leave `along` out, or write a stiffness in N/m or a damping coefficient in N*s/m")
+                    .mend(span, Change::DropField)
             }
             NoEndTurns { span } => error("vib::element::no_end_turns", span, "none of these parts can turn")
                 .help("give a body the freedom to turn: `turns`, `free` or a pivot"),
@@ -136,6 +150,8 @@ impl PartError {
                 error("vib::spring::free_length_and_preload", span, "a spring has a free length or a preload, not both")
                     .related(free, "the free length")
                     .help("keep one: the other follows from it and the drawing")
+                    .mend(span, Change::DropField)
+                    .mend(free, Change::DropField)
             }
             NoDrawnLength { span } => error(
                 "vib::spring::no_length",
@@ -154,6 +170,8 @@ impl PartError {
             ForceWithoutDirection { span } => {
                 error("vib::input::direction_unknown", span, "the direction of this force is not known")
                     .help("add it: `along x` or `along (1, 1)`")
+                    .mend(span, Change::After(" along x".into()))
+                    .mend(span, Change::After(" along y".into()))
             }
             InputWithoutEffect { span, part } => {
                 error("vib::input::no_effect", span, format!("nothing on `{part}` moves by this"))
@@ -216,6 +234,7 @@ fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagno
     error(code, span, format!("`{name}` {freedom}, and its {what} is missing"))
         .label(format!("needs its {what}"))
         .help(format!("add `{example}`"))
+        .mend_by_field(span, &[example])
 }
 
 fn ends_apart(spans: [Span; 2], places: [(f64, f64); 2]) -> Diagnostic {

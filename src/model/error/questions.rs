@@ -1,7 +1,7 @@
 //! Errors of motions, measures and what is idle: what cannot be asked, or has no use.
 
 use super::{error, kind_noun, listed, with_suggestion};
-use crate::base::{Code, Diagnostic, Span};
+use crate::base::{Change, Code, Diagnostic, Span};
 use crate::model::scope::DefinitionKind;
 
 /// A word of the language.
@@ -92,7 +92,9 @@ impl QuestionError {
                     .related(declared, "declared here")
                     .help("name an output, or a motion such as `table.y`")
             }
-            ModeNumber { span } => error("vib::measure::mode", span, "modes are numbered from 1"),
+            ModeNumber { span } => {
+                error("vib::measure::mode", span, "modes are numbered from 1").mend(span, Change::Replace("1".into()))
+            }
             RangeReversed { span } => {
                 error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
             }
@@ -103,6 +105,7 @@ impl QuestionError {
                 let message = format!("this {word} of `{name}` {why}");
                 Diagnostic::warning(Code("vib::unused::property"), span, message)
                     .help("leave it out, or add the freedom that uses it")
+                    .mend(span, Change::DropField)
             }
             IdleGravity { span } => {
                 Diagnostic::note(Code("vib::unused::gravity"), span, "gravity moves nothing in this scene")
@@ -118,4 +121,5 @@ fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
     };
     Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
         .help("use it, or leave it out")
+        .mend(span, Change::DropDeclaration)
 }

@@ -1,7 +1,7 @@
 //! Errors of values and units: what an expression cannot be worth.
 
 use super::{error, named, short, unit_or_none};
-use crate::base::{Angle, Diagnostic, Dimension, Span};
+use crate::base::{Angle, Change, Diagnostic, Dimension, Span};
 use crate::model::expect::Expected;
 use crate::model::value::Fault;
 use crate::syntax::tree::Binary;
@@ -52,6 +52,8 @@ impl ValueError {
                 error("vib::unit::ambiguous", span, "this unit can be read in two ways")
                     .label(format!("({head})*{tail} or {}?", below(&head, &tail)))
                     .help(format!("write `{}` or `{divided}`", swapped(&head, &tail)))
+                    .mend(span, Change::Replace(swapped(&head, &tail)))
+                    .mend(span, Change::Replace(divided))
             }
             UnitMalformed { span } => error("vib::unit::malformed", span, "this is not a unit")
                 .help("write units glued together, as in `N*s/m^2`"),
@@ -94,6 +96,7 @@ impl ValueError {
                 error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
                     .label(format!("the parameter is declared in {unit}"))
                     .help(format!("write the unit, such as `10 {unit}`"))
+                    .mend(span, Change::Times(if declared == Angle::Cycles { "1 rev" } else { "1 rad" }))
             }
             Negative { span, what } => error("vib::value::negative", span, format!("{what} cannot be negative")),
         }
@@ -106,7 +109,7 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
         (true, _) => {
             diagnostic.help(format!("`{symbol}` is a parameter: write spaces around `*` or `/` to calculate with it"))
         }
-        (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")),
+        (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")).mend(span, Change::Replace(meant)),
         (false, None) => diagnostic.help("a word glued to a number is its unit; to multiply, write ` * ` with spaces"),
     }
 }
@@ -131,6 +134,7 @@ fn unit_missing(span: Span, number: &str, expected: Expected) -> Diagnostic {
     error("vib::unit::missing", span, format!("{} is expected here, this number has no unit", expected.noun))
         .label("a plain number")
         .help(format!("write the unit after it, such as `{number} {unit}`"))
+        .mend(span, Change::After(format!(" {unit}")))
 }
 
 fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
@@ -142,6 +146,9 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
         .help(format!("write {}, such as `{}`", expected.noun, expected.example));
     if let Some((name, place)) = declared {
         diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
+        if found.is_none() {
+            diagnostic = diagnostic.mend(place, Change::Unit(expected.dimension.usual_unit()));
+        }
     }
     diagnostic
 }
@@ -152,6 +159,8 @@ fn frequency_reading(span: Span, value: f64) -> Diagnostic {
     error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
         .label(format!("{value} rad/s = {hertz} Hz, or {value} Hz?"))
         .help("multiply by `1 rad` where it is an angular frequency, such as sqrt(k/m), or by `1 rev` where it counts cycles")
+        .mend(span, Change::Times("1 rad"))
+        .mend(span, Change::Times("1 rev"))
 }
 
 /// What an operator does, as a verb.

@@ -1,0 +1,443 @@
+//! What may be typed at a place: keywords, fields not yet given, names, motions, units of the right dimension.
+
+use super::document::Document;
+use super::names;
+use super::pages::{self, Kind};
+use super::roles::{Role, Space, has_ends};
+use super::tokens::{Token, TokenKind, tokens};
+use crate::base::Dimension;
+use crate::syntax::words;
+
+/// Something to type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Item {
+    pub label: String,
+    pub kind: ItemKind,
+    /// What stands beside it.
+    pub detail: String,
+    /// What is typed; the label where nothing else.
+    pub insert: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ItemKind {
+    Keyword,
+    Field,
+    Value,
+    Part,
+    Motion,
+    Function,
+    Unit,
+}
+
+fn item(label: &str, kind: ItemKind, detail: impl Into<String>) -> Item {
+    Item { label: label.into(), kind, detail: detail.into(), insert: None }
+}
+
+/// What is typed already of an item at a place.
+pub fn typed(document: &Document, offset: usize) -> std::ops::Range<usize> {
+    let text = document.text();
+    let number = Place::new(document, offset).and_then(|place| Some((place.number?, place.statement)));
+    if let Some((number, statement)) = number {
+        let start = document.range_of(statement).start;
+        let unit = number.unit(&text[start..]).map(|unit| start + unit.start);
+        return unit.unwrap_or(offset)..offset;
+    }
+    text[..offset].trim_end_matches(|c: char| words::is_letter(c) || c.is_ascii_digit()).len()..offset
+}
+
+/// The items at a place.
+pub fn items(document: &Document, offset: usize) -> Vec<Item> {
+    let text = document.text();
+    let line_start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let line = tokens(&text[line_start..offset]);
+    if line.last().is_some_and(|last| matches!(last.kind, TokenKind::Comment | TokenKind::Text)) {
+        return Vec::new();
+    }
+    let Some(place) = Place::new(document, offset) else { return keywords() };
+    place.items()
+}
+
+fn keywords() -> Vec<Item> {
+    let keyword = |word: &&'static str| {
+        let form = words::form(word).split('`').next().unwrap_or_default();
+        Item { insert: Some(form.into()), ..item(word, ItemKind::Keyword, form) }
+    };
+    words::KEYWORDS.iter().map(keyword).collect()
+}
+
+/// A place in a statement: the tokens before it, the word at hand left out.
+struct Place<'a> {
+    document: &'a Document,
+    statement: usize,
+    /// Tokens of the statement before the place.
+    before: Vec<Token>,
+    /// The number, with what there is of a unit, that ends at the place.
+    number: Option<Token>,
+    /// Brackets that are open, each with the token before it.
+    open: Vec<(&'a str, Option<usize>)>,
+}
+
+impl<'a> Place<'a> {
+    /// `None` where a statement starts.
+    fn new(document: &'a Document, offset: usize) -> Option<Place<'a>> {
+        let text = document.text();
+        let typed = text[..offset].trim_end_matches(|c: char| words::is_letter(c) || c.is_ascii_digit()).len();
+        let statement = document.outline.at(text, &document.tokens, offset)?;
+        let start = document.range_of(statement).start;
+        let mut before: Vec<Token> = tokens(&text[start..offset]);
+        before.retain(|token| token.kind != TokenKind::Comment);
+        let mut number = None;
+        if let Some(last) = before.last() {
+            let touches = |token: &Token| {
+                let rest = &text[start + token.range.end..offset];
+                rest.is_empty() || rest == " "
+            };
+            match last.kind {
+                TokenKind::Number { .. } if touches(last) => number = Some(last.clone()),
+                TokenKind::Word if start + last.range.end == offset => drop(before.pop()),
+                _ => {}
+            }
+        }
+        if before.is_empty() || typed <= start {
+            return None;
+        }
+        let mut open = Vec::new();
+        for (index, token) in before.iter().enumerate() {
+            match token.kind {
+                TokenKind::Open => open.push((token.text(&text[start..]), index.checked_sub(1))),
+                TokenKind::Close => drop(open.pop()),
+                _ => {}
+            }
+        }
+        Some(Place { document, statement, before, number, open })
+    }
+
+    fn text(&self, token: usize) -> &'a str {
+        let start = self.document.range_of(self.statement).start;
+        self.before[token].text(&self.document.text()[start..])
+    }
+
+    /// The `count`-th visible token from the end, counted from 1.
+    fn last(&self, count: usize) -> &'a str {
+        let visible = |token: &usize| self.before[*token].kind != TokenKind::LineEnd;
+        (0..self.before.len()).rev().filter(visible).nth(count - 1).map_or("", |token| self.text(token))
+    }
+
+    fn keyword(&self) -> &'a str {
+        self.document.keyword(self.statement)
+    }
+
+    fn items(&self) -> Vec<Item> {
+        if self.number.is_some() {
+            return self.units();
+        }
+        let last = self.last(1);
+        match last {
+            "." => return self.motions(),
+            "@" => return self.values(|kind| kind == "point"),
+            _ => {}
+        }
+        if self.before.len() == 1 {
+            return self.after_keyword();
+        }
+        if self.open.last().is_some_and(|(bracket, _)| *bracket == "{") {
+            return self.in_braces();
+        }
+        let in_ends = has_ends(self.keyword()) && self.open.is_empty();
+        if in_ends && matches!(last, ":" | "--") {
+            return self.ends();
+        }
+        if matches!(last, "along" | "moves") {
+            return directions();
+        }
+        if in_ends && !["=", "+", "-", "*", "/", "("].contains(&last) && !self.has("=") {
+            return self.clauses();
+        }
+        self.expression()
+    }
+
+    fn has(&self, sign: &str) -> bool {
+        (0..self.before.len()).any(|token| self.text(token) == sign)
+    }
+
+    /// What follows the first word.
+    fn after_keyword(&self) -> Vec<Item> {
+        let word = |word: &str| item(word, ItemKind::Keyword, "");
+        match self.keyword() {
+            "damping" => vec![word("modal"), word("rayleigh")],
+            "rest" => vec![word("as drawn")],
+            "initial" => self.parts(|keyword| keyword == "body"),
+            "solve" => self.values(|kind| kind == "param"),
+            "require" | "gravity" => self.expression(),
+            // A new name.
+            _ => Vec::new(),
+        }
+    }
+
+    /// `along`, `=` behind the ends of a force.
+    fn clauses(&self) -> Vec<Item> {
+        match self.keyword() {
+            "slide" | "force" => vec![item("along", ItemKind::Keyword, "a fixed direction")],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Fields that are not given yet, or the value of one.
+    fn in_braces(&self) -> Vec<Item> {
+        let last = self.last(1);
+        let line_ended = self.before.last().is_some_and(|token| token.kind == TokenKind::LineEnd);
+        if matches!(last, "{" | ",") || line_ended && !matches!(last, "=" | "+" | "-" | "*" | "/") {
+            return self.fields();
+        }
+        let field = self.field();
+        match field {
+            "moves" | "along" => directions(),
+            "shape" if last == "=" => functions(Kind::Shape),
+            "at" => self.values(|kind| kind == "point"),
+            _ => self.expression(),
+        }
+    }
+
+    fn fields(&self) -> Vec<Item> {
+        let tokens = self.document.outline.statements[self.statement].tokens.clone();
+        let given: Vec<&str> = tokens
+            .filter(|token| matches!(self.document.roles[*token], Role::Field | Role::Word))
+            .map(|token| self.document.token_text(token))
+            .collect();
+        let all = pages::fields(self.keyword()).iter();
+        let missing = all.filter(|(name, ..)| !given.contains(name));
+        missing
+            .map(|(name, form, meaning)| Item { insert: Some((*form).into()), ..item(name, ItemKind::Field, *meaning) })
+            .collect()
+    }
+
+    /// The field whose value is at hand.
+    fn field(&self) -> &'a str {
+        let word = |token: &usize| self.before[*token].kind == TokenKind::Word;
+        let starts = |token: &usize| {
+            let before = token.checked_sub(1).map_or("", |token| self.text(token));
+            matches!(before, "{" | "," | "\n")
+        };
+        (0..self.before.len()).rev().filter(word).find(starts).map_or("", |token| self.text(token))
+    }
+
+    /// The dimension of the number at hand, as far as its place tells.
+    fn dimension(&self) -> Option<Dimension> {
+        if let Some((function, argument)) = self.argument() {
+            return of_argument(self.keyword(), function, argument);
+        }
+        if self.open.first().is_some_and(|(bracket, _)| *bracket == "{") {
+            return of_field(self.keyword(), self.field());
+        }
+        match self.keyword() {
+            "gravity" => Some(Dimension::ACCELERATION),
+            "point" => Some(Dimension::LENGTH),
+            "damping" => Some(Dimension::NONE),
+            _ if self.open.iter().any(|(_, before)| before.is_some_and(|token| self.text(token) == "@")) => {
+                Some(Dimension::LENGTH)
+            }
+            _ => None,
+        }
+    }
+
+    /// The function whose argument is at hand, and which argument.
+    fn argument(&self) -> Option<(&'a str, usize)> {
+        let (index, function) = self.open.iter().enumerate().rev().find_map(|(index, (bracket, before))| {
+            let before = before.filter(|token| self.before[*token].kind == TokenKind::Word && *token > 0);
+            (*bracket == "(").then_some(())?;
+            Some((index, before?))
+        })?;
+        (index + 1 == self.open.len()).then_some(())?;
+        let commas = (function..self.before.len()).filter(|token| self.text(*token) == ",").count();
+        Some((self.text(function), commas))
+    }
+
+    fn units(&self) -> Vec<Item> {
+        let wanted = self.dimension();
+        let mut units = pages::units(wanted);
+        // A spring or damper may be torsional: its unit says so.
+        let turning = match wanted {
+            Some(Dimension::STIFFNESS) => pages::units(Some(Dimension::TORSIONAL_STIFFNESS)),
+            Some(Dimension::DAMPING) => pages::units(Some(Dimension::TORSIONAL_DAMPING)),
+            _ => Vec::new(),
+        };
+        units.extend(turning.into_iter().filter(|unit| unit.contains("/rad") || unit.contains("/deg")));
+        let item = |text: &&str| item(text, ItemKind::Unit, pages::unit(text).unwrap_or_default());
+        units.iter().map(item).collect()
+    }
+
+    fn motions(&self) -> Vec<Item> {
+        // `body.`, `body[1].`, `body@A.`
+        let before = self.document.tokens.iter().position(|token| {
+            let start = self.document.range_of(self.statement).start;
+            self.before.last().is_some_and(|dot| token.range.start == start + dot.range.start)
+        });
+        let part = before.and_then(|dot| {
+            let mut token = dot;
+            while let Some(previous) = token.checked_sub(1) {
+                token = previous;
+                if matches!(self.document.roles[token], Role::Reference { space: Space::Parts, .. }) {
+                    return Some(token);
+                }
+                if matches!(self.document.tokens[token].kind, TokenKind::LineEnd) {
+                    return None;
+                }
+            }
+            None
+        });
+        let declared = part.and_then(|part| self.declaration(part));
+        let list: Vec<&(&str, &str)> = match declared {
+            Some(("spring" | "damper", _)) => pages::ELEMENT_MOTIONS.iter().collect(),
+            Some((_, statement)) => {
+                let moves = |motion: &&(&str, &str)| self.can_move(statement, motion.0);
+                pages::BODY_MOTIONS.iter().filter(moves).collect()
+            }
+            None => pages::BODY_MOTIONS.iter().chain(&pages::ELEMENT_MOTIONS).collect(),
+        };
+        list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
+    }
+
+    /// Keyword and statement of what declares a part.
+    fn declaration(&self, part: usize) -> Option<(&'a str, usize)> {
+        let range = names::declarations(self.document, part).into_iter().next()?;
+        let statement = self.document.token_at(range.start).and_then(|token| self.document.statement_of(token))?;
+        Some((self.document.keyword(statement), statement))
+    }
+
+    /// A body whose freedom clause has one motion has no others; one without a clause may have any.
+    fn can_move(&self, statement: usize, motion: &str) -> bool {
+        let tokens = self.document.outline.statements[statement].tokens.clone();
+        let words: Vec<&str> = tokens
+            .filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction))
+            .map(|token| self.document.token_text(token))
+            .collect();
+        let has = |word: &str| words.contains(&word);
+        if !has("moves") && !has("turns") || has("free") || has("along") {
+            return true;
+        }
+        match motion {
+            "x" | "vx" | "ax" => has("x"),
+            "y" | "vy" | "ay" => has("y"),
+            _ => has("turns"),
+        }
+    }
+
+    fn ends(&self) -> Vec<Item> {
+        let mut items = self.parts(|keyword| matches!(keyword, "body" | "base"));
+        items.push(item("ground", ItemKind::Part, "what never moves"));
+        items
+    }
+
+    fn parts(&self, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
+        self.names(Space::Parts, ItemKind::Part, wanted)
+    }
+
+    /// Parameters, points and derived values, by their keyword; and the indices of the `repeat`s around.
+    fn values(&self, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
+        self.names(Space::Values, ItemKind::Value, wanted)
+    }
+
+    fn names(&self, space: Space, kind: ItemKind, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
+        let document = self.document;
+        let mut items = Vec::new();
+        for token in names::declared(document, space) {
+            let Some(statement) = document.statement_of(token) else { continue };
+            if statement == self.statement || !wanted(document.keyword(statement)) {
+                continue;
+            }
+            let line = document.text()[document.range_of(statement)].lines().next().unwrap_or_default();
+            items.push(item(document.token_text(token), kind, line));
+        }
+        items
+    }
+
+    fn indices(&self) -> Vec<Item> {
+        let index = |repeat: usize| {
+            let token = self.document.outline.statements[repeat].tokens.start + 1;
+            item(self.document.token_text(token), ItemKind::Value, "index")
+        };
+        self.document.outline.around(self.statement).map(index).collect()
+    }
+
+    /// Names, functions and what else may stand in an expression of this declaration.
+    fn expression(&self) -> Vec<Item> {
+        let keyword = self.keyword();
+        let mut items = self.indices();
+        let arrow = self.last(1) == "->";
+        let of_measure = self.argument().is_some_and(|(function, argument)| {
+            argument == 0 && matches!(function, "gain" | "phase" | "amplitude" | "static" | "peak" | "rms")
+        });
+        if of_measure {
+            let asks_input = !arrow && self.argument().is_some_and(|(f, _)| matches!(f, "gain" | "phase"));
+            return self.parts(|keyword| match keyword {
+                "force" | "torque" | "base" => asks_input,
+                _ => !asks_input,
+            });
+        }
+        if matches!(keyword, "output" | "couple") && self.open.is_empty() {
+            items.extend(self.parts(|keyword| matches!(keyword, "body" | "base" | "spring" | "damper")));
+        }
+        items.extend(self.values(|_| true));
+        if matches!(keyword, "force" | "torque" | "base") && self.open.is_empty() {
+            items.splice(0..0, functions(Kind::Signal));
+        }
+        if matches!(keyword, "require" | "solve") && self.open.is_empty() {
+            items.splice(0..0, functions(Kind::Measure));
+        }
+        items.extend(functions(Kind::Number));
+        items.push(item("pi", ItemKind::Value, "the circle constant"));
+        items
+    }
+}
+
+fn directions() -> Vec<Item> {
+    let direction = |word: &str| item(word, ItemKind::Keyword, "a direction");
+    vec![direction("x"), direction("y"), Item { insert: Some("along (1, 1)".into()), ..direction("along") }]
+}
+
+fn functions(kind: Kind) -> Vec<Item> {
+    let own = pages::FUNCTIONS.iter().filter(|(.., of)| *of == kind);
+    own.map(|(name, form, meaning, _)| {
+        let insert = if form.contains('(') { format!("{name}(") } else { (*name).into() };
+        Item { insert: Some(insert), ..item(name, ItemKind::Function, format!("{form}: {meaning}")) }
+    })
+    .collect()
+}
+
+fn of_field(keyword: &str, field: &str) -> Option<Dimension> {
+    Some(match (keyword, field) {
+        (_, "mass") => Dimension::MASS,
+        (_, "inertia") => Dimension::INERTIA,
+        (_, "at" | "shape" | "free_length" | "x" | "y") => Dimension::LENGTH,
+        (_, "k") => Dimension::STIFFNESS,
+        (_, "c") => Dimension::DAMPING,
+        (_, "preload") => Dimension::FORCE,
+        (_, "angle") => Dimension::NONE,
+        (_, "vx" | "vy") => Dimension::VELOCITY,
+        (_, "omega") => Dimension::ANGULAR_VELOCITY,
+        _ => return None,
+    })
+}
+
+/// The dimension of an argument of a signal, a measure or a shape.
+fn of_argument(keyword: &str, function: &str, argument: usize) -> Option<Dimension> {
+    let load = match keyword {
+        "force" => Some(Dimension::FORCE),
+        "torque" => Some(Dimension::TORQUE),
+        "base" => Some(Dimension::LENGTH),
+        _ => None,
+    };
+    match (function, argument) {
+        ("impulse", 0) if keyword == "torque" => Some(Dimension::ANGULAR_IMPULSE),
+        ("impulse", 0) => Some(Dimension::IMPULSE),
+        ("constant" | "step" | "ramp" | "pulse" | "harmonic" | "chirp", 0) => load,
+        ("harmonic", 1) | ("chirp", 1 | 2) | ("gain" | "phase", 1) => Some(Dimension::FREQUENCY),
+        ("harmonic", 2) | ("sin" | "cos" | "tan", 0) => Some(Dimension::NONE),
+        ("step" | "impulse" | "ramp" | "pulse", _) | ("chirp", 3) => Some(Dimension::TIME),
+        ("rod" | "disk" | "ring" | "box", _) => Some(Dimension::LENGTH),
+        ("rayleigh", 0) => Some(Dimension::FREQUENCY),
+        ("rayleigh", 1) => Some(Dimension::TIME),
+        _ => None,
+    }
+}

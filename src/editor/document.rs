@@ -1,0 +1,197 @@
+//! A text with all that the stages know of it: what every request of an editor is answered from.
+
+use super::outline::Outline;
+use super::roles::{self, Role};
+use super::tokens::{self, Token, TokenKind};
+use crate::analysis::{self, Modal, Modes, Request, Which};
+use crate::base::{Diagnostic, FileId, LineIndex, Sources};
+use crate::lower::{Lowered, Rest};
+use crate::model::{self, CheckedScene, Defined, Overrides};
+use crate::questions::{Requirement, Solved};
+use crate::syntax::{self, tree::Tree};
+use crate::system::LinearSystem;
+use std::sync::Arc;
+
+/// A text, its tokens, and what the pipeline made of it.
+#[derive(Clone, Debug)]
+pub struct Document {
+    pub sources: Sources,
+    pub file: FileId,
+    pub lines: LineIndex,
+    pub tokens: Vec<Token>,
+    pub outline: Outline,
+    /// Of each token.
+    pub roles: Vec<Role>,
+    pub tree: Tree,
+    pub findings: Vec<Diagnostic>,
+    /// The values of parameters, points and derived quantities, whatever else is wrong.
+    pub values: Vec<Defined>,
+    /// What `solve` lines found, and how requirements stand.
+    pub solved: Vec<Solved>,
+    pub requirements: Vec<Requirement>,
+    /// The last version of the text that had a scene; its places are those of that version.
+    pub known: Option<Arc<Known>>,
+    /// `known` is of this text.
+    pub is_current: bool,
+}
+
+/// What is known of a text without errors.
+#[derive(Clone, Debug)]
+pub struct Known {
+    pub scene: CheckedScene,
+    pub motions: Option<Motions>,
+}
+
+/// The linear system of a scene and how it moves.
+#[derive(Clone, Debug)]
+pub struct Motions {
+    pub system: LinearSystem,
+    pub rest: Rest,
+    /// The lowest ones.
+    pub modes: Modes,
+    /// Modes with their damping; `None` where it takes longer than a key stroke and is still to come.
+    pub modal: Option<Modal>,
+}
+
+/// Modes that are looked at: more than anybody reads in a line.
+const MODES: usize = 12;
+
+/// Coordinates of a damped scene whose poles take some milliseconds.
+const FEW: usize = 30;
+
+/// What an editor asks of the analyses.
+fn request() -> Request {
+    Request { which: Which::Lowest(MODES), ..Request::default() }
+}
+
+/// Modes and damping of a system, however long it takes; `None` where there are none to be found.
+pub fn modal(system: &LinearSystem) -> Option<Modal> {
+    analysis::modal(system, &request()).ok()
+}
+
+impl Document {
+    /// A model among its texts, through every stage. What was known of the version before stays known while this one
+    /// has errors.
+    pub fn new(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
+        let overrides = Overrides::default();
+        let mut inspection = crate::inspect(&sources, file, &overrides);
+        let tree = syntax::parse(&sources, file).tree;
+        let values = model::values(&sources, &tree, &overrides, &inspection.settings);
+        let text = sources.text(file);
+        let lines = LineIndex::new(text);
+        let tokens = tokens::tokens(text);
+        let outline = Outline::new(text, &tokens);
+        let roles = roles::roles(text, &tokens, &outline);
+        let motions = inspection.lowered.take().and_then(|lowered| match Motions::new(lowered) {
+            Ok(motions) => Some(motions),
+            Err(error) => {
+                inspection.diagnostics.push(error.to_diagnostic());
+                None
+            }
+        });
+        let now = inspection.scene.map(|scene| Arc::new(Known { scene, motions }));
+        let is_current = now.is_some();
+        let known = now.or_else(|| before.and_then(|document| document.known.clone()));
+        Document {
+            file,
+            lines,
+            tokens,
+            outline,
+            roles,
+            tree,
+            findings: inspection.diagnostics.sorted(),
+            solved: inspection.solved,
+            requirements: inspection.requirements,
+            values,
+            known,
+            is_current,
+            sources,
+        }
+    }
+
+    /// The system whose damping is still to be found.
+    pub fn waiting(&self) -> Option<&LinearSystem> {
+        let motions = self.known.as_ref().filter(|_| self.is_current)?.motions.as_ref()?;
+        motions.modal.is_none().then_some(&motions.system)
+    }
+
+    /// Adds what took longer.
+    pub fn add_modal(&mut self, modal: Modal) {
+        if let Some(motions) = self.known.as_mut().and_then(|known| Arc::make_mut(known).motions.as_mut()) {
+            motions.modal = Some(modal);
+        }
+    }
+
+    pub fn text(&self) -> &str {
+        self.sources.text(self.file)
+    }
+
+    pub fn token_text(&self, token: usize) -> &str {
+        self.tokens[token].text(self.text())
+    }
+
+    /// The token that holds a byte, or a word that ends there.
+    pub fn token_at(&self, offset: usize) -> Option<usize> {
+        let index = self.tokens.partition_point(|token| token.range.end < offset);
+        let holds = |index: usize| {
+            let token = self.tokens.get(index)?;
+            (token.range.start <= offset && offset <= token.range.end).then_some(token.kind)
+        };
+        match (holds(index), holds(index + 1)) {
+            // Between two tokens that touch, the word counts.
+            (_, Some(TokenKind::Word)) => Some(index + 1),
+            (Some(_), None) => Some(index),
+            (Some(TokenKind::Word), Some(_)) => Some(index),
+            (_, Some(_)) => Some(index + 1),
+            (None, None) => None,
+        }
+    }
+
+    /// The statement that a token belongs to.
+    pub fn statement_of(&self, token: usize) -> Option<usize> {
+        let statements = &self.outline.statements;
+        let index = statements.partition_point(|s| s.tokens.start <= token).checked_sub(1)?;
+        statements[index].tokens.contains(&token).then_some(index)
+    }
+
+    pub fn keyword(&self, statement: usize) -> &str {
+        roles::keyword(self.text(), &self.tokens, &self.outline.statements[statement])
+    }
+
+    /// The bytes of a statement; of a `repeat` its head.
+    pub fn range_of(&self, statement: usize) -> std::ops::Range<usize> {
+        let tokens = &self.outline.statements[statement].tokens;
+        self.tokens[tokens.start].range.start..self.tokens[tokens.end - 1].range.end
+    }
+
+    /// The `///` lines before a statement, without their slashes.
+    pub fn doc(&self, statement: usize) -> String {
+        let mut at = self.outline.statements[statement].tokens.start;
+        let mut lines = Vec::new();
+        while let Some(before) = at.checked_sub(1) {
+            match self.tokens[before].kind {
+                TokenKind::LineEnd => {}
+                TokenKind::Comment => match self.token_text(before).strip_prefix("///") {
+                    Some(line) if !line.starts_with('/') => lines.push(line.trim()),
+                    _ => break,
+                },
+                _ => break,
+            }
+            at = before;
+        }
+        lines.reverse();
+        lines.join("\n")
+    }
+}
+
+impl Motions {
+    /// The lowest modes, and the damping where that is quick.
+    fn new(Lowered { system, rest, .. }: Lowered) -> Result<Motions, analysis::AnalysisError> {
+        if system.c.is_empty() || system.n() > FEW {
+            let modes = analysis::modes_as(&system, &request())?;
+            return Ok(Motions { system, rest, modes, modal: None });
+        }
+        let modal = analysis::modal(&system, &request())?;
+        Ok(Motions { system, rest, modes: modal.modes.clone(), modal: Some(modal) })
+    }
+}

@@ -1,0 +1,173 @@
+//! What stands behind the lines of a model without being typed: natural frequencies and damping, values of derived
+//! parameters.
+
+use super::document::{Document, Known, Motions};
+use super::shown;
+use crate::analysis::{Mode, ModeKind, Pole, PoleKind, Stability};
+use crate::backend::json::modulus;
+use crate::base::Number;
+use crate::model::Defined;
+use crate::questions::answer;
+use crate::syntax::tree::{Decl, DeclKind, ExprId, ExprKind};
+
+/// A text that is shown at a place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hint {
+    pub at: usize,
+    pub text: String,
+    /// What more there is to say.
+    pub tooltip: Option<String>,
+}
+
+/// The hints of a text, in order.
+pub fn hints(document: &Document) -> Vec<Hint> {
+    let mut hints = values(document);
+    if let Some(known) = document.known.as_ref().filter(|_| document.is_current) {
+        hints.extend(frequencies(document, known));
+        hints.extend(solved(document));
+        hints.extend(margins(document));
+    }
+    hints.sort_by_key(|hint| hint.at);
+    hints
+}
+
+/// Behind the `model` line, or the first declaration.
+fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
+    let motions = known.motions.as_ref()?;
+    let statements = 0..document.outline.statements.len();
+    let line = statements.clone().find(|s| document.keyword(*s) == "model").or_else(|| statements.clone().next())?;
+    let at = document.range_of(line).end;
+    Some(Hint { at, text: line_of(motions), tooltip: Some(table(motions)) })
+}
+
+/// Motions that are shown in a line.
+const SHOWN: usize = 4;
+
+/// `2 freedoms: 0.4225 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %`
+fn line_of(motions: &Motions) -> String {
+    let n = motions.system.n();
+    let freedoms = if n == 1 { "1 freedom".to_string() } else { format!("{n} freedoms") };
+    let mut list: Vec<String> = each(motions).into_iter().take(SHOWN + 1).collect();
+    let more = list.len() > SHOWN;
+    list.truncate(SHOWN);
+    if more {
+        list.push("...".into());
+    }
+    let verdict = match motions.modal.as_ref().map(|modal| &modal.stability) {
+        Some(Stability::Unstable) => ", UNSTABLE",
+        Some(Stability::Undetermined) => ", stability undetermined",
+        None if !motions.system.c.is_empty() => ", undamped",
+        _ => "",
+    };
+    if list.is_empty() { format!("{freedoms}{verdict}") } else { format!("{freedoms}{verdict}: {}", list.join(", ")) }
+}
+
+/// Each motion in a few words: with damping the poles, without it the modes.
+fn each(motions: &Motions) -> Vec<String> {
+    let poles = motions.modal.as_ref().filter(|_| !motions.system.c.is_empty()).map(|modal| &modal.poles.list);
+    let Some(poles) = poles else {
+        let mode = |mode: &Mode| match mode.kind {
+            ModeKind::Oscillation => shown::hertz(&mode.omega),
+            ModeKind::Rigid => "rigid".into(),
+            ModeKind::Divergence => "divergence".into(),
+            ModeKind::Undetermined => "undetermined".into(),
+        };
+        return motions.modes.list.iter().map(mode).collect();
+    };
+    let pole = |pole: &Pole| match (pole.kind, &pole.damping_ratio) {
+        (PoleKind::Oscillation | PoleKind::Flutter, Some(ratio)) => {
+            format!("{} ζ {}", shown::hertz(&modulus(pole)), shown::per_cent(ratio))
+        }
+        (kind, _) => kind.name().into(),
+    };
+    // Of a complex pair one.
+    poles.iter().filter(|pole| pole.im.mid.hi >= 0.0).map(pole).collect()
+}
+
+/// All that are known, a line each.
+fn table(motions: &Motions) -> String {
+    let lines = (1..).zip(each(motions)).map(|(number, motion)| format!("{number}. {motion}"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Behind `solve`: the value that was found.
+fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
+    document.solved.iter().filter_map(|solved| {
+        let at = end_of_statement(document, solved.span.start())?;
+        let text = format!("{} = {}", solved.parameter, answer::told(&solved.shown()));
+        Some(Hint { at, text, tooltip: None })
+    })
+}
+
+/// Behind `require`: what the measure came to, and how far from its limit.
+fn margins(document: &Document) -> impl Iterator<Item = Hint> + '_ {
+    document.requirements.iter().filter_map(|requirement| {
+        let at = end_of_statement(document, requirement.span.start())?;
+        let mark = match requirement.holds {
+            Some(true) => "✓",
+            Some(false) => "✗",
+            None => "?",
+        };
+        let margin = requirement.margin.filter(|margin| margin.is_finite());
+        let of = if requirement.limit.as_ref().is_some_and(Number::is_zero) { "" } else { " %" };
+        let margin = margin.map_or(String::new(), |margin| {
+            let shown = margin.to_f64() * if of.is_empty() { 1.0 } else { 100.0 };
+            format!(", margin {}{of}", answer::few_digits(shown))
+        });
+        Some(Hint { at, text: format!("{mark} {}{margin}", requirement.told()), tooltip: None })
+    })
+}
+
+fn end_of_statement(document: &Document, offset: usize) -> Option<usize> {
+    let statement = document.outline.at(document.text(), &document.tokens, offset)?;
+    Some(document.range_of(statement).end)
+}
+
+/// Behind `let`, and behind a `param` that is calculated.
+fn values(document: &Document) -> Vec<Hint> {
+    let mut hints: Vec<Hint> = Vec::new();
+    let mut spans: Vec<usize> = Vec::new();
+    for decl in all_decls(document) {
+        let expr = match decl.kind {
+            DeclKind::Let { name, value } => (name, value),
+            DeclKind::Param { name, value } if is_calculated(document, value) => (name, value),
+            _ => continue,
+        };
+        let start = expr.0.span.start();
+        if spans.contains(&start) {
+            continue;
+        }
+        spans.push(start);
+        let same = document.values.iter().filter(|defined| defined.span == expr.0.span);
+        let list: Vec<&Defined> = same.take(SHOWN + 1).collect();
+        if let Some(text) = listed(&list) {
+            hints.push(Hint { at: decl.span.end(), text: format!("= {text}"), tooltip: None });
+        }
+    }
+    hints
+}
+
+/// Declarations with those of every `repeat`.
+pub fn all_decls(document: &Document) -> impl Iterator<Item = &Decl> {
+    document.tree.decls.iter().chain(document.tree.repeats.iter().flat_map(|repeat| &repeat.body))
+}
+
+fn is_calculated(document: &Document, value: ExprId) -> bool {
+    match document.tree.expr(value).kind {
+        ExprKind::Literal { .. } => false,
+        ExprKind::Negate { operand } => is_calculated(document, operand),
+        _ => true,
+    }
+}
+
+/// The values of a name in all repetitions; `None` where one is wrong.
+fn listed(list: &[&Defined]) -> Option<String> {
+    let mut texts = Vec::new();
+    for defined in list.iter().take(SHOWN) {
+        texts.push(shown::value(defined.value.as_ref()?));
+    }
+    if list.len() > SHOWN {
+        texts.push("...".into());
+    }
+    (!texts.is_empty()).then(|| texts.join(", "))
+}

@@ -1,0 +1,230 @@
+//! What an editor shows of the thing under the pointer: values, parts and what they do in each mode, keywords.
+
+use super::document::{Document, Known, Motions};
+use super::names;
+use super::pages;
+use super::roles::{Role, Space};
+use super::shown;
+use super::tokens::TokenKind;
+use crate::base::Number;
+use crate::lower;
+use crate::model::scene::{Body, Element, Freedom, Geometry, Law, Scene};
+use crate::model::{Scalar, Value};
+use crate::system::Label;
+use std::ops::Range;
+
+/// Markdown about a range of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hover {
+    pub range: Range<usize>,
+    pub markdown: String,
+}
+
+pub fn hover(document: &Document, offset: usize) -> Option<Hover> {
+    let token = document.token_at(offset)?;
+    let markdown = match (document.tokens[token].kind, document.roles[token]) {
+        (TokenKind::Number { .. }, _) => number(document, token)?,
+        (TokenKind::Word, Role::Keyword) => pages::keyword(document.token_text(token))?,
+        (TokenKind::Word, Role::Field) => field(document, token)?,
+        (TokenKind::Word, Role::Function) => pages::function(document.token_text(token))?.to_string(),
+        (TokenKind::Word, Role::Member) => pages::motion(document.token_text(token))?.to_string(),
+        (TokenKind::Word, Role::Word | Role::Constant) => pages::word(document.token_text(token))?.to_string(),
+        (TokenKind::Word, role) => match role.name()? {
+            (Space::Values, scope) => value(document, token, scope)?,
+            (Space::Parts, _) => part(document, token)?,
+        },
+        _ => return None,
+    };
+    Some(Hover { range: document.tokens[token].range.clone(), markdown })
+}
+
+/// A fenced model text.
+fn model(text: &str) -> String {
+    format!("```vib\n{text}\n```")
+}
+
+/// `10 kN/m` in base units.
+fn number(document: &Document, token: usize) -> Option<String> {
+    let text = document.text();
+    let unit = document.tokens[token].unit(text)?;
+    let meaning = pages::unit(&text[unit])?;
+    Some(format!("{}\n\n{meaning}", model(document.token_text(token))))
+}
+
+fn field(document: &Document, token: usize) -> Option<String> {
+    let statement = document.statement_of(token)?;
+    pages::field(document.keyword(statement), document.token_text(token)).map(|text| text.to_string())
+}
+
+/// A parameter, a point or an index: how it is declared, and its value in its unit and in SI.
+fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<String> {
+    if let Some(repeat) = scope {
+        return Some(format!("{}\n\nThe index of this `repeat`.", model(&document.text()[document.range_of(repeat)])));
+    }
+    let declared = names::declarations(document, token);
+    let mut markdown = String::new();
+    for range in &declared {
+        let statement = document.token_at(range.start).and_then(|token| document.statement_of(token))?;
+        let line = &document.text()[document.range_of(statement)];
+        markdown += &format!("{}\n\n", model(line));
+        let same = document.values.iter().filter(|defined| defined.span.start() == range.start);
+        for defined in same.take(MANY) {
+            if let Some(value) = &defined.value {
+                markdown += &format!("`{}` = {}\n\n", defined.name, worth(value, line));
+            }
+        }
+        markdown += &paragraph(&document.doc(statement));
+    }
+    (!markdown.is_empty()).then_some(markdown)
+}
+
+/// Repetitions, modes and parts that are shown.
+const MANY: usize = 6;
+
+fn paragraph(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("{text}\n\n") }
+}
+
+/// A value in the unit that its declaration is written in, and in base units.
+fn worth(value: &Value, line: &str) -> String {
+    let Value::Scalar(Scalar { quantity, .. }) = value else { return format!("**{}**", shown::value(value)) };
+    let tokens = super::tokens::tokens(line);
+    let units = tokens.iter().filter_map(|token| Some(&line[token.unit(line)?]));
+    let own = units.clone().find_map(|unit| shown::in_unit(quantity, unit));
+    let usual = shown::quantity(quantity);
+    let base = shown::in_base_units(quantity);
+    let mut texts = vec![own.unwrap_or_else(|| usual.clone())];
+    texts.extend([usual, format!("{base} in SI base units")]);
+    texts.dedup_by(|a, b| a == b || *a == format!("{b} in SI base units"));
+    texts[0] = format!("**{}**", texts[0]);
+    texts.join(" = ")
+}
+
+/// A body, a base, an element, an input or an output, with all its repetitions.
+fn part(document: &Document, token: usize) -> Option<String> {
+    let word = document.token_text(token);
+    let mut markdown = String::new();
+    for range in names::declarations(document, token) {
+        let statement = document.token_at(range.start).and_then(|token| document.statement_of(token))?;
+        let line = &document.text()[document.range_of(statement)];
+        markdown += &format!("{}\n\n{}", model(line), paragraph(&document.doc(statement)));
+    }
+    if let Some(known) = &document.known {
+        let scene = known.scene.scene();
+        let named = |name| {
+            let shown = scene.words.display(name);
+            shown == word || shown.strip_prefix(word).is_some_and(|rest| rest.starts_with('['))
+        };
+        for body in scene.bodies.iter().filter(|body| named(body.name)).take(MANY) {
+            markdown += &body_page(scene, body, known.motions.as_ref());
+        }
+        markdown += &elements(known, named);
+    }
+    (!markdown.is_empty()).then_some(markdown)
+}
+
+/// Mass, inertia, centre, freedoms, and the share in each mode.
+fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
+    let name = scene.words.display(body.name);
+    let mut facts = Vec::new();
+    facts.extend(body.mass.as_ref().map(|mass| format!("mass {}", shown::with_unit(mass, "kg"))));
+    facts.extend(body.inertia.as_ref().map(|j| format!("inertia {} about the centre", shown::with_unit(j, "kg*m^2"))));
+    facts.extend(
+        body.centre
+            .as_ref()
+            .map(|c| format!("centre ({}, {})", shown::with_unit(&c.x, "m"), shown::with_unit(&c.y, "m"))),
+    );
+    let mut text = format!("`{name}`: {}\n\n", facts.join(", "));
+    let own: Vec<usize> = motions.map_or(Vec::new(), |motions| {
+        (0..motions.system.n()).filter(|i| motions.system.coordinates[*i].name.name == body.name).collect()
+    });
+    let freedoms: Vec<String> = match motions {
+        Some(motions) => own.iter().map(|i| motions.system.display(motions.system.coordinates[*i].name)).collect(),
+        None => declared_freedoms(body),
+    };
+    text += &match freedoms.as_slice() {
+        [] => "freedoms: none of its own\n\n".to_string(),
+        list => format!("freedoms: {}\n\n", list.iter().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(", ")),
+    };
+    if let Some(motions) = motions {
+        text += &shares(motions, "kinetic energy", |mode| {
+            mode.kinetic.iter().filter(|share| own.contains(&share.of.index())).map(|share| share.part).sum()
+        });
+    }
+    text
+}
+
+fn declared_freedoms(body: &Body) -> Vec<String> {
+    match &body.freedom {
+        Freedom::FromJoints => vec!["as its joints leave them".into()],
+        Freedom::OnGround { translations, turns } => {
+            let motions = translations.iter().map(|translation| translation.motion.to_string());
+            motions.chain(turns.then(|| "angle".to_string())).collect()
+        }
+    }
+}
+
+/// Its part in each of the first modes: a table.
+fn shares(motions: &Motions, of: &str, part: impl Fn(&crate::analysis::Mode) -> f64) -> String {
+    let modes: Vec<_> = motions.modes.numbered().take(MANY).collect();
+    if modes.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("| mode | f | share of {of} |\n| --- | --- | --- |\n");
+    for (number, mode) in modes {
+        text += &format!("| {number} | {} | {:.0} % |\n", shown::hertz(&mode.omega), 100.0 * part(mode));
+    }
+    text + "\n"
+}
+
+/// Stretch and tension at rest, and the share of the strain energy in each mode.
+fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String {
+    let scene = known.scene.scene();
+    let mut text = String::new();
+    let chosen: Vec<(usize, &Element)> =
+        scene.elements.iter().enumerate().filter(|(_, element)| named(element.name)).take(MANY).collect();
+    if chosen.is_empty() {
+        return text;
+    }
+    let at_rest =
+        known.motions.as_ref().map(|motions| lower::springs_at_rest(&known.scene, &motions.system, &motions.rest));
+    for (index, element) in chosen {
+        let turns = element.geometry == Geometry::Torsion;
+        let name = scene.words.display(element.name);
+        match &element.law {
+            Law::Spring { stiffness, .. } => {
+                text += &format!(
+                    "`{name}`: k = {}\n\n",
+                    shown::with_unit(stiffness, if turns { "N*m/rad" } else { "N/m" })
+                );
+                let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
+                text += &spring.map_or(String::new(), |spring| rest(&spring.tension, &spring.change, stiffness, turns));
+            }
+            Law::Damper { damping } => {
+                text += &format!(
+                    "`{name}`: c = {}\n\n",
+                    shown::with_unit(damping, if turns { "N*m*s/rad" } else { "N*s/m" })
+                );
+            }
+        }
+        if let (Some(motions), Law::Spring { .. }) = (&known.motions, &element.law) {
+            let own = Label { name: element.name, motion: "" };
+            text += &shares(motions, "strain energy", |mode| {
+                mode.strain.iter().filter(|share| share.of == own).map(|share| share.part).sum()
+            });
+        }
+    }
+    text
+}
+
+/// `at rest: stretch 0.1 m (0 m from the drawing), tension 1 N`
+fn rest(tension: &Number, change: &Number, stiffness: &Number, turns: bool) -> String {
+    let (length, force) = if turns { ("rad", "N*m") } else { ("m", "N") };
+    let stretch =
+        if tension.is_zero() { Some(Number::ZERO) } else { (!stiffness.may_be_zero()).then(|| tension / stiffness) };
+    let stretch = stretch.map_or(String::new(), |stretch| {
+        format!("stretch {} from its free length, ", shown::with_unit(&stretch, length))
+    });
+    let change = shown::with_unit(change, length);
+    format!("at rest: {stretch}{change} from the drawing, tension {}\n\n", shown::with_unit(tension, force))
+}

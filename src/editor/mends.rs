@@ -1,0 +1,229 @@
+//! Edits that mend a finding: what a stage says is to be done (`base::Change`), at its place in the text.
+
+use super::document::Document;
+use super::names::is_word;
+use super::roles::Role;
+use super::tokens::TokenKind;
+use crate::base::{Change, Diagnostic, Mend};
+use crate::syntax::tree::FieldValue;
+use std::ops::Range;
+
+/// A change of the text with its name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Action {
+    pub title: String,
+    /// What is replaced, and by what.
+    pub edits: Vec<(Range<usize>, String)>,
+}
+
+/// Every edit that would mend a finding, the likeliest first.
+pub fn actions(document: &Document, finding: &Diagnostic) -> Vec<Action> {
+    let own = finding.mends.iter().filter(|mend| mend.at.file() == document.file);
+    own.filter_map(|mend| action(document, mend)).collect()
+}
+
+fn action(document: &Document, mend: &Mend) -> Option<Action> {
+    let at = mend.at.range();
+    let (title, range, text) = match &mend.change {
+        Change::Replace(text) if text.is_empty() => {
+            ("delete it".to_string(), without_blanks(document.text(), at), String::new())
+        }
+        Change::Replace(text) => (format!("write `{}`", text.trim()), at, text.clone()),
+        Change::After(text) => (format!("write `{}`", text.trim()), at.end..at.end, text.clone()),
+        Change::Unit(unit) => {
+            let last = document.outline.statements[statement(document, at.start)?].tokens.end - 1;
+            let plain = matches!(document.tokens[last].kind, TokenKind::Number { .. })
+                && document.tokens[last].unit(document.text()).is_none();
+            let end = document.tokens[last].range.end;
+            plain.then(|| (format!("write `{} {unit}`", document.token_text(last)), end..end, format!(" {unit}")))?
+        }
+        Change::Times(factor) => times(document, at, factor),
+        Change::Close(bracket) => {
+            let place = closing_place(document, at.start, *bracket);
+            let blank = if *bracket == '}' { " " } else { "" };
+            (format!("write `{bracket}`"), place..place, format!("{blank}{bracket}"))
+        }
+        Change::AddField(field) => add_field(document, at.start, field)?,
+        Change::Append(text) => {
+            let end = document.range_of(statement(document, at.start)?).end;
+            (format!("write `{}`", text.trim()), end..end, text.to_string())
+        }
+        Change::DropField => drop_field(document, at.start)?,
+        Change::DropValue => drop_value(document, at.start)?,
+        Change::DropDeclaration => drop_declaration(document, at.start)?,
+        Change::Rename => rename(document, at)?,
+        Change::Declare(text) => {
+            let end = document.text().trim_end().len();
+            (
+                format!("write `{text}`"),
+                end..document.text().len(),
+                format!("\n{text}\n").trim_start_matches(|_| end == 0).into(),
+            )
+        }
+    };
+    Some(Action { title, edits: vec![(range, text)] })
+}
+
+fn statement(document: &Document, offset: usize) -> Option<usize> {
+    document.outline.at(document.text(), &document.tokens, offset)
+}
+
+/// A piece with the blanks before it.
+fn without_blanks(text: &str, at: Range<usize>) -> Range<usize> {
+    let before = text[..at.start].trim_end_matches([' ', '\t']).len();
+    let line_starts = text[..before].is_empty() || text[..before].ends_with('\n');
+    if line_starts { at } else { before..at.end }
+}
+
+/// `x * 1 rad`, `(a + b) * 1 rad`
+fn times(document: &Document, at: Range<usize>, factor: &str) -> (String, Range<usize>, String) {
+    let written = &document.text()[at.clone()];
+    let tokens = super::tokens::tokens(written);
+    let mut depth = 0_usize;
+    let loose = tokens.iter().any(|token| {
+        match token.kind {
+            TokenKind::Open => depth += 1,
+            TokenKind::Close => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && matches!(token.text(written), "+" | "-")
+    });
+    let text = if loose { format!("({written}) * {factor}") } else { format!("{written} * {factor}") };
+    (format!("multiply by `{factor}`"), at, text)
+}
+
+/// Where the bracket that opens at a place is to be closed: behind the last visible token of its statement, or before
+/// what closes another bracket too early.
+fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
+    let text = document.text();
+    let Some(first) = document.tokens.iter().position(|token| token.range.start == open) else { return open };
+    let statement = document.statement_of(first);
+    let last = statement.map_or(document.tokens.len(), |s| {
+        let statement = &document.outline.statements[s];
+        // A `repeat` without its end goes on to the end of the text.
+        if document.keyword(s) == "repeat" && statement.tokens.end == first + 1 {
+            document.tokens.len()
+        } else {
+            statement.tokens.end
+        }
+    });
+    let mut depth = 0_usize;
+    let mut end = document.tokens[first].range.end;
+    for token in &document.tokens[first..last] {
+        match token.kind {
+            TokenKind::LineEnd if bracket == '"' => break,
+            TokenKind::LineEnd | TokenKind::Comment => continue,
+            // In braces a value ends with its line or a comma.
+            TokenKind::Sign if token.text(text) == "," && depth == 1 && bracket == ']' => break,
+            TokenKind::Open => depth += 1,
+            TokenKind::Close if depth == 1 && !token.text(text).starts_with(bracket) => break,
+            TokenKind::Close => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        end = token.range.end;
+    }
+    end
+}
+
+/// Before the `}` of the declaration around a place; with braces of its own where it has none.
+fn add_field(document: &Document, offset: usize, field: &str) -> Option<(String, Range<usize>, String)> {
+    let text = document.text();
+    let title = format!("add `{field}`");
+    let tokens = document.outline.statements[statement(document, offset)?].tokens.clone();
+    let close = tokens.clone().rev().find(|token| document.token_text(*token) == "}");
+    let Some(close) = close else {
+        let end = document.tokens[tokens.end - 1].range.end;
+        return Some((title, end..end, format!(" {{ {field} }}")));
+    };
+    let last = (tokens.start..close).rev().find(|token| !is_gap(document, *token))?;
+    let (before, at) = (document.tokens[last].range.end, document.tokens[close].range.start);
+    let edit = match (document.token_text(last), text[before..at].contains('\n')) {
+        ("{", _) => (before..at, format!(" {field} ")),
+        (",", false) => (before..before, format!(" {field}")),
+        (_, false) => (before..before, format!(", {field}")),
+        (_, true) => (before..before, format!("\n{}{field}", indent(text, document.tokens[last].range.start))),
+    };
+    Some((title, edit.0, edit.1))
+}
+
+fn is_gap(document: &Document, token: usize) -> bool {
+    matches!(document.tokens[token].kind, TokenKind::LineEnd | TokenKind::Comment)
+}
+
+/// The blanks at the start of the line of a place.
+fn indent(text: &str, offset: usize) -> &str {
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let line = &text[start..offset];
+    &line[..line.len() - line.trim_start().len()]
+}
+
+/// The field that starts at a place, with the comma that separates it.
+fn drop_field(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
+    let statement = statement(document, offset)?;
+    let tokens = document.outline.statements[statement].tokens.clone();
+    // A place in a value stands for its field.
+    let first = tokens
+        .clone()
+        .rev()
+        .find(|token| document.tokens[*token].range.start <= offset && starts_field(document, *token))?;
+    let word = document.token_text(first).to_string();
+    let next =
+        (first + 1..tokens.end).find(|token| starts_field(document, *token) || document.token_text(*token) == "}")?;
+    let title = format!("leave out `{word}`");
+    if document.token_text(next) != "}" {
+        return Some((title, document.tokens[first].range.start..document.tokens[next].range.start, String::new()));
+    }
+    let before = first.checked_sub(1).filter(|token| document.token_text(*token) == ",");
+    let start = before.map_or(document.tokens[first].range.start, |comma| document.tokens[comma].range.start);
+    let end = document.tokens[(first..next).rev().find(|token| !is_gap(document, *token))?].range.end;
+    Some((title, start..end, String::new()))
+}
+
+/// A word in braces that a field starts with.
+fn starts_field(document: &Document, token: usize) -> bool {
+    let is_word = matches!(document.roles[token], Role::Field | Role::Word);
+    let before = (0..token).rev().find(|token| document.tokens[*token].kind != TokenKind::Comment);
+    is_word
+        && before.is_some_and(|before| {
+            matches!(document.token_text(before), "{" | ",") || document.tokens[before].kind == TokenKind::LineEnd
+        })
+}
+
+/// `turns = 1` to `turns`.
+fn drop_value(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
+    let field = document.tree.fields.iter().find(|field| field.key.start() == offset)?;
+    let end = match field.value {
+        FieldValue::Expr(expr) => document.tree.expr(expr).span.end(),
+        _ => return None,
+    };
+    let word = document.sources.slice(field.key);
+    Some((format!("write `{word}` alone"), field.key.end()..end, String::new()))
+}
+
+/// The declaration with its line.
+fn drop_declaration(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
+    let text = document.text();
+    let range = document.range_of(statement(document, offset)?);
+    let line = text[range.clone()].lines().next().unwrap_or_default().to_string();
+    let start = text[..range.start].trim_end_matches([' ', '\t']).len();
+    let end = range.end + text[range.end..].find('\n').map_or(text.len() - range.end, |at| at + 1);
+    let alone = text[range.end..end].trim().is_empty() && (start == 0 || text[..start].ends_with('\n'));
+    let range = if alone { start..end } else { range };
+    Some((format!("leave out `{line}`"), range, String::new()))
+}
+
+/// Another name: with the index of the `repeat` around, or the next free number.
+fn rename(document: &Document, at: Range<usize>) -> Option<(String, Range<usize>, String)> {
+    let name = &document.text()[at.clone()];
+    let token = document.token_at(at.start)?;
+    let statement = document.statement_of(token)?;
+    let indexed = document.text()[at.end..].starts_with('[');
+    if let Some(repeat) = document.outline.statements[statement].inside.filter(|_| !indexed) {
+        let index = document.token_text(document.outline.statements[repeat].tokens.start + 1);
+        return Some((format!("write `{name}[{index}]`"), at.end..at.end, format!("[{index}]")));
+    }
+    let taken = |new: &str| document.tokens.iter().any(|token| token.text(document.text()) == new);
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let new = (2..1000).map(|number| format!("{stem}{number}")).find(|new| is_word(new) && !taken(new))?;
+    Some((format!("call it `{new}`"), at, new))
+}

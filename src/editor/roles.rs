@@ -1,0 +1,342 @@
+//! What each word of a text is: a keyword, a name that is declared or referred to, a field, a motion, a function.
+//! Clauses: spec.md 1.3 to 1.7 and 4.1.
+//!
+//! Told from the tokens around it, so that names keep their meaning in text that does not parse.
+
+use super::outline::{Outline, Statement};
+use super::tokens::{Token, TokenKind};
+use crate::syntax::words;
+
+/// The two name spaces (spec.md 4.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Space {
+    /// Parameters, points and indices.
+    Values,
+    /// Bodies, bases, joints, couplings, elements, inputs, outputs.
+    Parts,
+}
+
+/// What a word is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Not a word, or nothing is known of it.
+    None,
+    /// The first word of a declaration.
+    Keyword,
+    /// `in`, `along`, `about`, `moves`, `turns`, `modal`, ...
+    Word,
+    /// `x` in `moves x` and `along x`.
+    Direction,
+    /// `mass` in `mass = 1 kg`.
+    Field,
+    /// `angle` in `rod.angle`.
+    Member,
+    Function,
+    /// `pi`, `ground`, `stable`.
+    Constant,
+    /// The model's own name.
+    Title,
+    /// A name where it is declared; `scope` is the `repeat` whose index it is.
+    Declaration {
+        space: Space,
+        scope: Option<usize>,
+    },
+    /// A name where it is used.
+    Reference {
+        space: Space,
+        scope: Option<usize>,
+    },
+}
+
+impl Role {
+    /// Name space and scope of a name.
+    pub fn name(self) -> Option<(Space, Option<usize>)> {
+        match self {
+            Role::Declaration { space, scope } | Role::Reference { space, scope } => Some((space, scope)),
+            _ => None,
+        }
+    }
+}
+
+/// The role of each token.
+pub fn roles(text: &str, tokens: &[Token], outline: &Outline) -> Vec<Role> {
+    let mut roles = vec![Role::None; tokens.len()];
+    for (index, statement) in outline.statements.iter().enumerate() {
+        let reader = Reader { text, tokens, outline, index, keyword: keyword(text, tokens, statement) };
+        reader.read(statement, &mut roles);
+    }
+    roles
+}
+
+/// The keyword of a statement; empty where it starts with something else.
+pub fn keyword<'t>(text: &'t str, tokens: &[Token], statement: &Statement) -> &'t str {
+    let first = tokens[statement.tokens.start].text(text);
+    if words::is_keyword(first) { first } else { "" }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    tokens: &'a [Token],
+    outline: &'a Outline,
+    index: usize,
+    keyword: &'a str,
+}
+
+/// Where the words of a statement stand.
+struct State {
+    open: Vec<Opened>,
+    /// Behind the `=` of an assignment, a clause `along`, ...: an expression.
+    in_ends: bool,
+    /// `along` or `moves` came last: directions follow.
+    directions: bool,
+}
+
+/// An open bracket, and the function that it belongs to.
+struct Opened {
+    bracket: char,
+    function: Option<usize>,
+}
+
+impl Reader<'_> {
+    fn word(&self, at: usize) -> &str {
+        self.tokens[at].text(self.text)
+    }
+
+    fn is(&self, at: Option<usize>, sign: &str) -> bool {
+        at.is_some_and(|at| self.word(at) == sign)
+    }
+
+    /// The next token that is neither a line end nor a comment.
+    fn next(&self, at: usize) -> Option<usize> {
+        let end = self.outline.statements[self.index].tokens.end;
+        (at + 1..end).find(|&at| !is_gap(&self.tokens[at]))
+    }
+
+    fn read(&self, statement: &Statement, roles: &mut [Role]) {
+        let start = statement.tokens.start;
+        let mut state = State { open: Vec::new(), in_ends: false, directions: false };
+        let mut last: Option<usize> = None;
+        let mut line_ended = false;
+        for at in statement.tokens.clone() {
+            let token = &self.tokens[at];
+            if is_gap(token) {
+                line_ended |= token.kind == TokenKind::LineEnd;
+                continue;
+            }
+            if token.kind == TokenKind::Word {
+                roles[at] = match at - start {
+                    0 if !self.keyword.is_empty() => Role::Keyword,
+                    1 if !self.keyword.is_empty() => self.second(at),
+                    _ => self.other(at, last, line_ended, &mut state),
+                };
+            }
+            self.step(at, last, &mut state);
+            last = Some(at);
+            line_ended = false;
+        }
+    }
+
+    /// The word after the keyword.
+    fn second(&self, at: usize) -> Role {
+        let declared = |space| Role::Declaration { space, scope: None };
+        match self.keyword {
+            "param" | "let" | "point" => declared(Space::Values),
+            "repeat" => Role::Declaration { space: Space::Values, scope: Some(self.index) },
+            "model" => Role::Title,
+            "initial" => Role::Reference { space: Space::Parts, scope: None },
+            "solve" => self.value(at),
+            "damping" | "rest" => Role::Word,
+            "gravity" | "require" => self.expression(at, None, &[]),
+            _ => declared(Space::Parts),
+        }
+    }
+
+    /// A value, or the index of a `repeat` around.
+    fn value(&self, at: usize) -> Role {
+        let word = self.word(at);
+        let indexed = |repeat: &usize| {
+            let statement = &self.outline.statements[*repeat];
+            self.tokens.get(statement.tokens.start + 1).is_some_and(|index| index.text(self.text) == word)
+        };
+        Role::Reference { space: Space::Values, scope: self.outline.around(self.index).find(indexed) }
+    }
+
+    fn other(&self, at: usize, last: Option<usize>, line_ended: bool, state: &mut State) -> Role {
+        let (word, next) = (self.word(at), self.next(at));
+        let braces = state.open.last().is_some_and(|open| open.bracket == '{');
+        let after_value = last.is_some_and(|last| ends_value(&self.tokens[last]));
+        let field_starts = braces && (self.is(last, "{") || self.is(last, ",") || line_ended && after_value);
+        if field_starts {
+            state.directions = matches!(word, "moves" | "along");
+            return if self.is(next, "=") || word != "moves" && word != "turns" && word != "free" {
+                Role::Field
+            } else {
+                Role::Word
+            };
+        }
+        if matches!(word, "along" | "about" | "in") && after_value && !self.is(last, ":") && !self.is(last, "--") {
+            state.directions = word == "along";
+            state.in_ends = false;
+            return Role::Word;
+        }
+        if matches!((self.keyword, word), ("rest", "drawn")) || state.directions && word == "along" {
+            return Role::Word;
+        }
+        if state.directions && matches!(word, "x" | "y") {
+            return Role::Direction;
+        }
+        if state.in_ends && state.open.is_empty() && (self.is(last, ":") || self.is(last, "--")) {
+            return part(word);
+        }
+        self.expression(at, last, &state.open)
+    }
+
+    fn expression(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
+        let word = self.word(at);
+        let end = self.tokens[at].range.end;
+        if self.is(last, ".") {
+            return Role::Member;
+        }
+        if self.is(last, "@") {
+            return self.value(at);
+        }
+        if self.text[end..].starts_with('(') {
+            return Role::Function;
+        }
+        let after = self.after_indices(at);
+        let named_before = [".", "@", "->"].iter().any(|sign| self.is(after, sign));
+        let of_output = open
+            .last()
+            .and_then(|open| open.function)
+            .is_some_and(|function| matches!(self.word(function), "amplitude" | "static" | "peak" | "rms"));
+        if named_before || self.is(last, "->") || of_output {
+            return part(word);
+        }
+        match (self.keyword, word) {
+            (_, "pi") | ("require", "stable") => Role::Constant,
+            _ => self.value(at),
+        }
+    }
+
+    /// What stands behind a name and its indices.
+    fn after_indices(&self, at: usize) -> Option<usize> {
+        let mut next = self.next(at)?;
+        while self.word(next) == "[" {
+            let mut depth = 0_usize;
+            loop {
+                match self.tokens[next].kind {
+                    TokenKind::Open => depth += 1,
+                    TokenKind::Close => depth = depth.saturating_sub(1),
+                    _ => {}
+                }
+                next = self.next(next)?;
+                if depth == 0 {
+                    break;
+                }
+            }
+        }
+        Some(next)
+    }
+
+    fn step(&self, at: usize, last: Option<usize>, state: &mut State) {
+        let token = &self.tokens[at];
+        match (token.kind, self.word(at)) {
+            (TokenKind::Open, bracket) => {
+                let glued = last.filter(|last| {
+                    self.tokens[*last].kind == TokenKind::Word && self.tokens[*last].range.end == token.range.start
+                });
+                let function = glued.filter(|_| bracket == "(");
+                state.open.push(Opened { bracket: bracket.chars().next().unwrap_or('('), function });
+                state.directions &= bracket != "{";
+            }
+            (TokenKind::Close, _) => drop(state.open.pop()),
+            (TokenKind::Sign, ":") if state.open.is_empty() => state.in_ends = has_ends(self.keyword),
+            (TokenKind::Sign, "=") if state.open.is_empty() => (state.in_ends, state.directions) = (false, false),
+            (TokenKind::Sign, ",") => state.directions = false,
+            _ => {}
+        }
+    }
+}
+
+fn part(word: &str) -> Role {
+    if word == "ground" { Role::Constant } else { Role::Reference { space: Space::Parts, scope: None } }
+}
+
+/// Declarations that lie between two ends.
+pub fn has_ends(keyword: &str) -> bool {
+    matches!(keyword, "spring" | "damper" | "pivot" | "slide" | "weld" | "force" | "torque")
+}
+
+fn is_gap(token: &Token) -> bool {
+    matches!(token.kind, TokenKind::LineEnd | TokenKind::Comment)
+}
+
+fn ends_value(token: &Token) -> bool {
+    matches!(token.kind, TokenKind::Word | TokenKind::Number { .. } | TokenKind::Text | TokenKind::Close)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tokens::tokens;
+    use super::*;
+
+    /// Each word with a letter for its role.
+    fn marked(text: &str) -> String {
+        let tokens = tokens(text);
+        let outline = Outline::new(text, &tokens);
+        let roles = roles(text, &tokens, &outline);
+        let words = tokens.iter().zip(roles).filter(|(token, _)| token.kind == TokenKind::Word);
+        let marked = words.map(|(token, role)| {
+            let mark = match role {
+                Role::None => "?",
+                Role::Keyword => "K",
+                Role::Word => "w",
+                Role::Direction => "d",
+                Role::Field => "f",
+                Role::Member => "m",
+                Role::Function => "F",
+                Role::Constant => "c",
+                Role::Title => "t",
+                Role::Declaration { space: Space::Values, scope: None } => "V",
+                Role::Declaration { space: Space::Values, .. } => "I",
+                Role::Declaration { space: Space::Parts, .. } => "P",
+                Role::Reference { space: Space::Values, scope: None } => "v",
+                Role::Reference { space: Space::Values, .. } => "i",
+                Role::Reference { space: Space::Parts, .. } => "p",
+            };
+            format!("{}:{mark}", token.text(text))
+        });
+        marked.collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn every_word_has_its_role() {
+        for (text, expected) in [
+            ("param k = 2 N/m + f(a)", "param:K k:V f:F a:v"),
+            (
+                "body b { mass = m, moves x y, at = A\n turns\n shape = rod(A, B) }",
+                "body:K b:P mass:f m:v moves:w x:d y:d at:f A:v turns:w shape:f rod:F A:v B:v",
+            ),
+            (
+                "spring k: ground@A -- b[i] { k = k, along = x }",
+                "spring:K k:P ground:c A:v b:p i:v k:f k:v along:f x:d",
+            ),
+            (
+                "repeat i in 1..n {\n pivot p[i]: a[i]@O -- a[i+1]\n}",
+                "repeat:K i:I in:w n:v pivot:K p:P i:i a:p i:i O:v a:p i:i",
+            ),
+            ("force F: b along x = harmonic(x, f)", "force:K F:P b:p along:w x:d harmonic:F x:v f:v"),
+            ("output y = 2 * b@A.x + s[i + 1].force", "output:K y:P b:p A:v x:m s:p i:v force:m"),
+            ("require gain(floor -> table.y, f) < peak(tip)", "require:K gain:F floor:p table:p y:m f:v peak:F tip:p"),
+            ("solve fn in a .. b: static(y) = c", "solve:K fn:v in:w a:v b:v static:F y:p c:v"),
+            ("initial b { x = 1 mm }", "initial:K b:p x:f"),
+            ("damping modal z", "damping:K modal:w z:v"),
+            (
+                "body b { inertia = j about A, moves along d }",
+                "body:K b:P inertia:f j:v about:w A:v moves:w along:w d:v",
+            ),
+        ] {
+            assert_eq!(marked(text), expected);
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! What the editor's modules know, as the protocol writes it.
+
+use super::place::Encoding;
+use crate::base::{Diagnostic, Severity};
+use crate::editor::completion::{Item, ItemKind};
+use crate::editor::document::Document;
+use crate::editor::highlight::{KINDS, MARKS, Piece};
+use crate::editor::hints::Hint;
+use crate::editor::hover::Hover;
+use crate::editor::symbols::{Fold, Symbol};
+use gen_lsp_types as lsp;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// The command that tells a code's page.
+pub const EXPLAIN: &str = "vibc.explain";
+
+/// What this server can do.
+pub fn capabilities(encoding: Encoding) -> Value {
+    json!({
+        "capabilities": {
+            "positionEncoding": encoding.kind(),
+            "textDocumentSync": { "openClose": true, "change": 1, "save": true },
+            "hoverProvider": true,
+            "inlayHintProvider": true,
+            "completionProvider": { "triggerCharacters": [".", "@", " ", "{", ",", ":", ">", "("] },
+            "definitionProvider": true,
+            "referencesProvider": true,
+            "documentHighlightProvider": true,
+            "renameProvider": { "prepareProvider": true },
+            "documentSymbolProvider": true,
+            "semanticTokensProvider": { "legend": { "tokenTypes": KINDS, "tokenModifiers": MARKS }, "full": true },
+            "foldingRangeProvider": true,
+            "documentFormattingProvider": true,
+            "codeActionProvider": { "codeActionKinds": ["quickfix"] },
+            "executeCommandProvider": { "commands": [EXPLAIN] },
+        },
+        "serverInfo": { "name": "vibc", "version": env!("CARGO_PKG_VERSION") },
+    })
+}
+
+pub fn diagnostics(document: &Document, encoding: Encoding, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
+    document.findings.iter().map(|finding| diagnostic(document, encoding, uri, finding)).collect()
+}
+
+/// Where a finding is shown: at its place in the model, or, of a file that the model names, where it is named.
+pub fn place(document: &Document, finding: &Diagnostic) -> Range<usize> {
+    let mut spans = std::iter::once(&finding.primary).chain(&finding.related).map(|label| label.span);
+    let span = spans.find(|span| span.file() == document.file);
+    let range = span.map_or(0..0, |span| span.range());
+    range.start.min(document.text().len())..range.end.min(document.text().len())
+}
+
+pub fn diagnostic(document: &Document, encoding: Encoding, uri: &lsp::Uri, finding: &Diagnostic) -> lsp::Diagnostic {
+    let mut message = finding.message.clone();
+    if !finding.primary.text.is_empty() {
+        message += &format!(" ({})", finding.primary.text);
+    }
+    if let Some(help) = &finding.help {
+        message += &format!("\nhelp: {help}");
+    }
+    let related = finding.related.iter().filter(|label| label.span.file() == document.file);
+    let related = related.map(|label| lsp::DiagnosticRelatedInformation {
+        location: lsp::Location { uri: uri.clone(), range: encoding.range(document, label.span.range()) },
+        message: label.text.clone(),
+    });
+    let is_unused = finding.code.0.starts_with("vib::unused::");
+    lsp::Diagnostic {
+        range: encoding.range(document, place(document, finding)),
+        severity: Some(match finding.severity {
+            Severity::Error => lsp::DiagnosticSeverity::Error,
+            Severity::Warning => lsp::DiagnosticSeverity::Warning,
+            Severity::Note => lsp::DiagnosticSeverity::Information,
+        }),
+        code: Some(finding.code.0.to_string().into()),
+        // An editor that knows the scheme asks `vibc explain` for the page.
+        code_description: Some(lsp::CodeDescription { href: format!("vibc:/{}.md", finding.code.0).into() }),
+        source: Some("vibc".into()),
+        message: message.into(),
+        tags: is_unused.then(|| vec![lsp::DiagnosticTag::Unnecessary]),
+        related_information: Some(related.collect()),
+        data: None,
+    }
+}
+
+pub fn hover(document: &Document, encoding: Encoding, hover: Hover) -> lsp::Hover {
+    let contents = lsp::MarkupContent { kind: lsp::MarkupKind::Markdown, value: hover.markdown };
+    lsp::Hover { contents: contents.into(), range: Some(encoding.range(document, hover.range)) }
+}
+
+pub fn hint(document: &Document, encoding: Encoding, hint: Hint) -> lsp::InlayHint {
+    lsp::InlayHint {
+        position: encoding.position(document, hint.at),
+        label: hint.text.into(),
+        kind: None,
+        text_edits: None,
+        tooltip: hint.tooltip.map(Into::into),
+        padding_left: Some(true),
+        padding_right: None,
+        data: None,
+    }
+}
+
+pub fn item(order: usize, item: Item, range: lsp::Range) -> lsp::CompletionItem {
+    let kind = match item.kind {
+        ItemKind::Keyword => lsp::CompletionItemKind::Keyword,
+        ItemKind::Field => lsp::CompletionItemKind::Field,
+        ItemKind::Value => lsp::CompletionItemKind::Variable,
+        ItemKind::Part => lsp::CompletionItemKind::Class,
+        ItemKind::Motion => lsp::CompletionItemKind::Property,
+        ItemKind::Function => lsp::CompletionItemKind::Function,
+        ItemKind::Unit => lsp::CompletionItemKind::Unit,
+    };
+    let new_text = item.insert.unwrap_or_else(|| item.label.clone());
+    lsp::CompletionItem {
+        kind: Some(kind),
+        detail: (!item.detail.is_empty()).then_some(item.detail),
+        // In the order in which they are most likely wanted.
+        sort_text: Some(format!("{order:04}")),
+        filter_text: Some(item.label.clone()),
+        text_edit: Some(lsp::TextEdit { range, new_text }.into()),
+        label: item.label,
+        ..lsp::CompletionItem::default()
+    }
+}
+
+type Edits = Vec<(Range<usize>, String)>;
+
+pub fn workspace_edit(document: &Document, encoding: Encoding, uri: &lsp::Uri, edits: Edits) -> lsp::WorkspaceEdit {
+    let edit = |(range, new_text)| lsp::TextEdit { range: encoding.range(document, range), new_text };
+    let changes = HashMap::from([(uri.clone(), edits.into_iter().map(edit).collect())]);
+    lsp::WorkspaceEdit { changes: Some(changes), ..lsp::WorkspaceEdit::default() }
+}
+
+pub fn is_quick_fix(kind: &lsp::CodeActionKind) -> bool {
+    matches!(kind, lsp::CodeActionKind::QuickFix | lsp::CodeActionKind::Empty)
+}
+
+pub fn action(
+    title: String,
+    mended: lsp::Diagnostic,
+    edit: lsp::WorkspaceEdit,
+    is_preferred: bool,
+) -> lsp::CodeActionResponse {
+    let action = lsp::CodeAction {
+        title,
+        kind: Some(lsp::CodeActionKind::QuickFix),
+        diagnostics: Some(vec![mended]),
+        is_preferred: is_preferred.then_some(true),
+        edit: Some(edit),
+        ..lsp::CodeAction::default()
+    };
+    action.into()
+}
+
+/// The action that shows a code's page.
+pub fn explain(code: &str, told: lsp::Diagnostic) -> lsp::CodeActionResponse {
+    let title = format!("explain {code}");
+    let arguments = Some(vec![code.into()]);
+    let command = lsp::Command { title: title.clone(), command: EXPLAIN.into(), arguments, tooltip: None };
+    let action = lsp::CodeAction {
+        title,
+        kind: Some(lsp::CodeActionKind::QuickFix),
+        diagnostics: Some(vec![told]),
+        command: Some(command),
+        ..lsp::CodeAction::default()
+    };
+    action.into()
+}
+
+pub fn symbol(document: &Document, encoding: Encoding, symbol: Symbol) -> lsp::DocumentSymbol {
+    let kind = match symbol.detail.as_str() {
+        "model" => lsp::SymbolKind::Module,
+        "param" | "let" => lsp::SymbolKind::Variable,
+        "point" => lsp::SymbolKind::Constant,
+        "body" => lsp::SymbolKind::Class,
+        "base" | "force" | "torque" => lsp::SymbolKind::Event,
+        "output" => lsp::SymbolKind::Property,
+        "repeat" => lsp::SymbolKind::Array,
+        "require" | "solve" => lsp::SymbolKind::Boolean,
+        _ => lsp::SymbolKind::Object,
+    };
+    let children: Vec<_> = symbol.children.into_iter().map(|child| self::symbol(document, encoding, child)).collect();
+    lsp::DocumentSymbol {
+        name: symbol.name,
+        detail: Some(symbol.detail),
+        kind,
+        tags: None,
+        #[allow(deprecated)]
+        deprecated: None,
+        range: encoding.range(document, symbol.range),
+        selection_range: encoding.range(document, symbol.selection),
+        children: (!children.is_empty()).then_some(children),
+    }
+}
+
+pub fn fold(document: &Document, fold: &Fold) -> lsp::FoldingRange {
+    let line = |offset: usize| document.lines.line(offset) as u32;
+    lsp::FoldingRange {
+        start_line: line(fold.range.start),
+        end_line: line(fold.range.end),
+        kind: fold.is_comment.then_some(lsp::FoldingRangeKind::Comment),
+        ..lsp::FoldingRange::default()
+    }
+}
+
+/// Each piece relative to the one before.
+pub fn tokens(document: &Document, encoding: Encoding, pieces: &[Piece]) -> lsp::SemanticTokens {
+    let mut data = Vec::with_capacity(pieces.len());
+    let (mut line, mut start) = (0, 0);
+    for piece in pieces {
+        let position = encoding.position(document, piece.range.start);
+        if position.line != line {
+            start = 0;
+        }
+        data.push(lsp::SemanticToken {
+            delta_line: position.line - line,
+            delta_start: position.character - start,
+            length: encoding.count(&document.text()[piece.range.clone()]),
+            token_type: piece.kind as u32,
+            token_modifiers_bitset: piece.marks,
+        });
+        (line, start) = (position.line, position.character);
+    }
+    lsp::SemanticTokens { result_id: None, data }
+}
+
+/// The edit that makes the document's text the new one: whole lines, those that stay left out at both ends.
+pub fn difference(document: &Document, encoding: Encoding, new: &str) -> Vec<lsp::TextEdit> {
+    let old = document.text();
+    if old == new {
+        return Vec::new();
+    }
+    let same = old.split_inclusive('\n').zip(new.split_inclusive('\n')).take_while(|(a, b)| a == b);
+    let start: usize = same.map(|(line, _)| line.len()).sum();
+    let (old_rest, new_rest) = (&old[start..], &new[start..]);
+    let backwards = old_rest.split_inclusive('\n').rev().zip(new_rest.split_inclusive('\n').rev());
+    let end: usize = backwards.take_while(|(a, b)| a == b && a.ends_with('\n')).map(|(line, _)| line.len()).sum();
+    let range = encoding.range(document, start..old.len() - end);
+    vec![lsp::TextEdit { range, new_text: new_rest[..new_rest.len() - end].to_string() }]
+}

@@ -1,0 +1,299 @@
+//! The language server: messages of a client in, answers out. This module alone knows the protocol (LSP 3.17); what it
+//! answers is asked of the modules beside it.
+//!
+//! A change marks its text as new; when no message waits, or a request needs it, the text goes through every stage and its
+//! findings are published. Damping of larger scenes is computed beside that, and shown when it is there.
+
+mod answers;
+mod place;
+mod requests;
+
+use super::document::{self, Document};
+use crate::analysis::Modal;
+use crate::base::{SourceFile, SourceKind, Sources};
+use crate::system::LinearSystem;
+use crossbeam_channel::{Receiver, Sender, select, unbounded};
+use gen_lsp_types::{
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, InitializeParams,
+    PublishDiagnosticsParams, TextDocumentContentChangeEvent, Uri,
+};
+use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, RequestId, Response};
+use place::Encoding;
+use serde_json::Value;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread;
+
+/// Reads a file that a model names; why it cannot be read.
+pub type Read<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// Serves a client until it says goodbye.
+pub fn serve(connection: &Connection, read: &Read) -> Result<(), ProtocolError> {
+    let (id, params) = connection.initialize_start()?;
+    let params: InitializeParams = serde_json::from_value(params).unwrap_or_default();
+    let offered = params.capabilities.general.as_ref().and_then(|general| general.position_encodings.as_deref());
+    let encoding = Encoding::negotiated(offered);
+    let refreshes = params.capabilities.workspace.as_ref().and_then(|w| w.inlay_hint.as_ref()?.refresh_support);
+    connection.initialize_finish(id, answers::capabilities(encoding))?;
+    let (jobs, results) = worker();
+    let mut server = Server {
+        connection,
+        read,
+        encoding,
+        refreshes: refreshes == Some(true),
+        texts: Vec::new(),
+        jobs,
+        refreshed: 0,
+    };
+    server.run(&results)
+}
+
+/// A text that the client has open.
+struct Text {
+    uri: Uri,
+    version: i32,
+    /// As the client has it.
+    text: String,
+    /// Of the text, or of one before it where `is_new`.
+    document: Option<Document>,
+    is_new: bool,
+}
+
+struct Server<'a> {
+    connection: &'a Connection,
+    read: &'a Read<'a>,
+    encoding: Encoding,
+    /// The client asks for hints again when it is told to.
+    refreshes: bool,
+    texts: Vec<Text>,
+    jobs: Sender<Job>,
+    refreshed: i32,
+}
+
+/// A system whose damping takes a while.
+struct Job {
+    uri: Uri,
+    version: i32,
+    system: LinearSystem,
+}
+
+/// The damping of one version of a text.
+struct Done {
+    uri: Uri,
+    version: i32,
+    modal: Modal,
+}
+
+/// A thread that takes the newest job each time, and ends with the server.
+fn worker() -> (Sender<Job>, Receiver<Done>) {
+    let (jobs, inbox) = unbounded::<Job>();
+    let (outbox, results) = unbounded();
+    thread::spawn(move || {
+        while let Ok(mut job) = inbox.recv() {
+            while let Ok(newer) = inbox.try_recv() {
+                job = newer;
+            }
+            let Job { uri, version, system } = job;
+            let found = catch_unwind(AssertUnwindSafe(|| document::modal(&system)));
+            let Ok(Some(modal)) = found else { continue };
+            if outbox.send(Done { uri, version, modal }).is_err() {
+                break;
+            }
+        }
+    });
+    (jobs, results)
+}
+
+/// Why a request has no answer.
+pub struct Refusal {
+    code: ErrorCode,
+    message: String,
+}
+
+impl Server<'_> {
+    fn run(&mut self, results: &Receiver<Done>) -> Result<(), ProtocolError> {
+        loop {
+            select! {
+                recv(self.connection.receiver) -> message => match message {
+                    Ok(message) => {
+                        if self.message(message)? {
+                            return Ok(());
+                        }
+                    }
+                    // The client has gone.
+                    Err(_) => return Ok(()),
+                },
+                recv(results) -> done => if let Ok(done) = done {
+                    self.add(done);
+                },
+            }
+            if self.connection.receiver.is_empty() {
+                self.publish_all();
+            }
+        }
+    }
+
+    /// Whether it was the last one.
+    fn message(&mut self, message: Message) -> Result<bool, ProtocolError> {
+        match message {
+            Message::Request(request) => {
+                if self.connection.handle_shutdown(&request)? {
+                    return Ok(true);
+                }
+                self.request(request);
+            }
+            Message::Notification(notification) if notification.method == "exit" => return Ok(true),
+            Message::Notification(notification) => self.notification(notification),
+            Message::Response(_) => {}
+        }
+        Ok(false)
+    }
+
+    fn send(&self, message: impl Into<Message>) {
+        // A client that has gone reads nothing; the next message from it, or its end, tells.
+        let _ = self.connection.sender.send(message.into());
+    }
+
+    fn notification(&mut self, Notification { method, params }: Notification) {
+        match method.as_str() {
+            "textDocument/didOpen" => self.open(params),
+            "textDocument/didChange" => self.change(params),
+            "textDocument/didClose" => self.close(params),
+            // A table beside the model may have been written.
+            "textDocument/didSave" => self.texts.iter_mut().for_each(|text| text.is_new |= text.text.contains("table")),
+            _ => {}
+        }
+    }
+
+    fn open(&mut self, params: Value) {
+        let Ok(DidOpenTextDocumentParams { text_document: item }) = serde_json::from_value(params) else { return };
+        self.texts.retain(|text| text.uri != item.uri);
+        let (uri, version, text) = (item.uri, item.version, item.text);
+        self.texts.push(Text { uri, version, text, document: None, is_new: true });
+    }
+
+    fn change(&mut self, params: Value) {
+        let Ok(DidChangeTextDocumentParams { text_document, content_changes }) = serde_json::from_value(params) else {
+            return;
+        };
+        let uri = text_document.text_document_identifier.uri;
+        let Some(text) = self.texts.iter_mut().find(|text| text.uri == uri) else { return };
+        // The whole text is asked for, so the last one counts.
+        for change in content_changes {
+            if let TextDocumentContentChangeEvent::TextDocumentContentChangeWholeDocument(whole) = change {
+                text.text = whole.text;
+            }
+        }
+        (text.version, text.is_new) = (text_document.version, true);
+    }
+
+    fn close(&mut self, params: Value) {
+        let Ok(DidCloseTextDocumentParams { text_document }) = serde_json::from_value(params) else { return };
+        self.texts.retain(|text| text.uri != text_document.uri);
+        let params = PublishDiagnosticsParams { uri: text_document.uri, version: None, diagnostics: Vec::new() };
+        self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
+    }
+
+    fn publish_all(&mut self) {
+        for index in 0..self.texts.len() {
+            self.bring_up_to_date(index);
+        }
+    }
+
+    /// The text through every stage, where it is new; its findings to the client.
+    fn bring_up_to_date(&mut self, index: usize) {
+        let text = &mut self.texts[index];
+        if !std::mem::take(&mut text.is_new) {
+            return;
+        }
+        let before = text.document.take();
+        let made = catch_unwind(AssertUnwindSafe(|| made(text, before.as_ref(), self.read)));
+        let Ok(document) = made else {
+            return self.log(format!("a defect of the program in `{}`", self.texts[index].uri.0));
+        };
+        let diagnostics = answers::diagnostics(&document, self.encoding, &text.uri);
+        let (uri, version) = (text.uri.clone(), text.version);
+        if let Some(system) = document.waiting() {
+            let job = Job { uri: uri.clone(), version, system: system.clone() };
+            // The worker lives as long as the server.
+            let _ = self.jobs.send(job);
+        }
+        text.document = Some(document);
+        let params = PublishDiagnosticsParams { uri, version: Some(version), diagnostics };
+        self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
+    }
+
+    /// The damping that took a while; the client is told to ask for hints again.
+    fn add(&mut self, Done { uri, version, modal }: Done) {
+        let text = self.texts.iter_mut().find(|text| text.uri == uri && text.version == version && !text.is_new);
+        let Some(document) = text.and_then(|text| text.document.as_mut()) else { return };
+        document.add_modal(modal);
+        if self.refreshes {
+            self.refreshed += 1;
+            let id = RequestId::from(format!("hints-{}", self.refreshed));
+            self.send(Request::new(id, "workspace/inlayHint/refresh".into(), Value::Null));
+        }
+    }
+
+    fn log(&self, message: String) {
+        let params = serde_json::json!({ "type": 1, "message": message });
+        self.send(Notification::new("window/logMessage".into(), params));
+    }
+
+    fn request(&mut self, Request { id, method, params }: Request) {
+        let answer = catch_unwind(AssertUnwindSafe(|| self.answer(&method, params)));
+        let response = match answer {
+            Ok(Ok(value)) => Response::new_ok(id, value),
+            Ok(Err(Refusal { code, message })) => Response::new_err(id, code as i32, message),
+            Err(_) => Response::new_err(id, ErrorCode::InternalError as i32, "a defect of the program".into()),
+        };
+        self.send(response);
+    }
+}
+
+/// The document of a text, with the tables that it names.
+fn made(text: &Text, before: Option<&Document>, read: &Read) -> Document {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
+    for written in crate::table_files(&sources, file) {
+        let name = sources.file(file).beside(&written);
+        sources.add(match read(&name) {
+            Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
+            Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
+        });
+    }
+    Document::new(sources, file, before)
+}
+
+/// The path of a file's URI; a URI of another kind as it is.
+fn path(uri: &Uri) -> String {
+    let Some(encoded) = uri.0.strip_prefix("file://") else { return uri.0.clone() };
+    let bytes = encoded.as_bytes();
+    let mut decoded = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let code = encoded.get(at + 1..at + 3).and_then(|code| u8::from_str_radix(code, 16).ok());
+        match (bytes[at], code) {
+            (b'%', Some(byte)) => {
+                decoded.push(byte);
+                at += 3;
+            }
+            (byte, _) => {
+                decoded.push(byte);
+                at += 1;
+            }
+        }
+    }
+    String::from_utf8_lossy(&decoded).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_uri_is_a_path() {
+        assert_eq!(path(&Uri("file:///home/a%20b/cart.vib".into())), "/home/a b/cart.vib");
+        assert_eq!(path(&Uri("untitled:1".into())), "untitled:1");
+        assert_eq!(path(&Uri("file:///50%".into())), "/50%");
+    }
+}

@@ -1,0 +1,69 @@
+//! Bytes to positions of the protocol and back: lines from 0, columns in the units that client and server agreed on.
+
+use crate::editor::document::Document;
+use gen_lsp_types::{Position, PositionEncodingKind, Range};
+
+/// What a column counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    Utf8,
+    Utf16,
+}
+
+impl Encoding {
+    /// UTF-8 where the client offers it, else UTF-16, which every client knows.
+    pub fn negotiated(offered: Option<&[PositionEncodingKind]>) -> Encoding {
+        match offered.is_some_and(|list| list.contains(&PositionEncodingKind::UTF8)) {
+            true => Encoding::Utf8,
+            false => Encoding::Utf16,
+        }
+    }
+
+    pub fn kind(self) -> PositionEncodingKind {
+        match self {
+            Encoding::Utf8 => PositionEncodingKind::UTF8,
+            Encoding::Utf16 => PositionEncodingKind::UTF16,
+        }
+    }
+
+    /// Units of a text.
+    pub fn count(self, text: &str) -> u32 {
+        let count = match self {
+            Encoding::Utf8 => text.len(),
+            Encoding::Utf16 => text.chars().map(char::len_utf16).sum(),
+        };
+        count as u32
+    }
+
+    fn of(self, character: char) -> u32 {
+        self.count(character.encode_utf8(&mut [0; 4]))
+    }
+
+    pub fn position(self, document: &Document, offset: usize) -> Position {
+        let text = document.text();
+        let line = document.lines.line(offset);
+        let start = document.lines.line_range(text, line).start;
+        Position { line: line as u32, character: self.count(text.get(start..offset).unwrap_or("")) }
+    }
+
+    pub fn range(self, document: &Document, range: std::ops::Range<usize>) -> Range {
+        Range { start: self.position(document, range.start), end: self.position(document, range.end) }
+    }
+
+    /// The byte of a position; one behind the end of a line or of the text is at that end.
+    pub fn offset(self, document: &Document, position: Position) -> usize {
+        let text = document.text();
+        let line = document.lines.line_range(text, position.line as usize);
+        let mut left = position.character;
+        let mut offset = line.start;
+        for character in text[line].chars() {
+            let units = self.of(character);
+            if left < units {
+                break;
+            }
+            left -= units;
+            offset += character.len_utf8();
+        }
+        offset
+    }
+}

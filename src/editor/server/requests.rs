@@ -1,0 +1,182 @@
+//! Requests by their methods: parameters in, the answer of the module that knows it out.
+
+use super::answers;
+use super::{Refusal, Server};
+use crate::backend::explain;
+use crate::editor::document::Document;
+use crate::editor::{completion, highlight, hints, hover, mends, names, symbols};
+use gen_lsp_types::{
+    CodeActionParams, CodeActionRequest, CompletionRequest, DefinitionRequest, DocumentFormattingRequest,
+    DocumentHighlight, DocumentHighlightRequest, DocumentSymbolRequest, ExecuteCommandParams, ExecuteCommandRequest,
+    FoldingRangeRequest, HoverRequest, InlayHintRequest, Location, Position, PrepareRenamePlaceholder,
+    PrepareRenameRequest, ReferencesRequest, RenameRequest, Request, SemanticTokensRequest, TextDocumentPositionParams,
+    Uri,
+};
+use lsp_server::{ErrorCode, Notification};
+use serde_json::Value;
+use std::ops::Range;
+
+type Answer<R> = Result<<R as Request>::Result, Refusal>;
+
+impl Server<'_> {
+    pub(super) fn answer(&mut self, method: &str, params: Value) -> Result<Value, Refusal> {
+        match method {
+            "textDocument/hover" => self.asked::<HoverRequest>(params, |s, p| s.hover(p.text_document_position_params)),
+            "textDocument/inlayHint" => self.asked::<InlayHintRequest>(params, |s, p| {
+                let (document, range) = s.part(&p.text_document.uri, p.range)?;
+                let wanted =
+                    hints::hints(document).into_iter().filter(|hint| range.start <= hint.at && hint.at <= range.end);
+                Ok(Some(wanted.map(|hint| answers::hint(document, s.encoding, hint)).collect()))
+            }),
+            "textDocument/completion" => {
+                self.asked::<CompletionRequest>(params, |s, p| s.completion(p.text_document_position_params))
+            }
+            "textDocument/definition" => self.asked::<DefinitionRequest>(params, |s, p| {
+                let places = s.places(&p.text_document_position_params, names::declarations)?;
+                Ok(Some(gen_lsp_types::Definition::LocationList(places).into()))
+            }),
+            "textDocument/references" => self.asked::<ReferencesRequest>(params, |s, p| {
+                let all = p.context.include_declaration;
+                let find = |document: &Document, name| names::references(document, name, all);
+                s.places(&p.text_document_position_params, find).map(Some)
+            }),
+            "textDocument/documentHighlight" => self.asked::<DocumentHighlightRequest>(params, |s, p| {
+                let find = |document: &Document, name| names::references(document, name, true);
+                let places = s.places(&p.text_document_position_params, find)?;
+                Ok(Some(places.into_iter().map(|place| DocumentHighlight { range: place.range, kind: None }).collect()))
+            }),
+            "textDocument/prepareRename" => {
+                self.asked::<PrepareRenameRequest>(params, |s, p| s.prepare_rename(&p.text_document_position_params))
+            }
+            "textDocument/rename" => self.asked::<RenameRequest>(params, |s, p| {
+                let (document, offset) = s.at(&p.text_document_position_params)?;
+                let name = names::name_at(document, offset).ok_or_else(|| refused("there is no name here".into()))?;
+                let ranges = names::rename(document, name, &p.new_name).map_err(refused)?;
+                let edits = ranges.into_iter().map(|range| (range, p.new_name.clone())).collect();
+                let uri = &p.text_document_position_params.text_document.uri;
+                Ok(Some(answers::workspace_edit(document, s.encoding, uri, edits)))
+            }),
+            "textDocument/documentSymbol" => self.asked::<DocumentSymbolRequest>(params, |s, p| {
+                let document = s.document(&p.text_document.uri)?;
+                let list = symbols::symbols(document).into_iter();
+                let list: Vec<_> = list.map(|symbol| answers::symbol(document, s.encoding, symbol)).collect();
+                Ok(Some(list.into()))
+            }),
+            "textDocument/semanticTokens/full" => self.asked::<SemanticTokensRequest>(params, |s, p| {
+                let document = s.document(&p.text_document.uri)?;
+                Ok(Some(answers::tokens(document, s.encoding, &highlight::pieces(document))))
+            }),
+            "textDocument/foldingRange" => self.asked::<FoldingRangeRequest>(params, |s, p| {
+                let document = s.document(&p.text_document.uri)?;
+                Ok(Some(symbols::folds(document).iter().map(|fold| answers::fold(document, fold)).collect()))
+            }),
+            "textDocument/formatting" => self.asked::<DocumentFormattingRequest>(params, |s, p| {
+                let document = s.document(&p.text_document.uri)?;
+                // Text with syntax errors is left as it is.
+                let laid_out = crate::format(&document.sources, document.file).answer;
+                Ok(laid_out.map(|text| answers::difference(document, s.encoding, &text)))
+            }),
+            "textDocument/codeAction" => self.asked::<CodeActionRequest>(params, |s, p| s.actions(&p)),
+            "workspace/executeCommand" => self.asked::<ExecuteCommandRequest>(params, |s, p| s.execute(&p)),
+            _ => Err(Refusal { code: ErrorCode::MethodNotFound, message: format!("`{method}` is not known") }),
+        }
+    }
+
+    /// Reads the parameters, brings every text up to date, and asks.
+    fn asked<R: Request>(
+        &mut self,
+        params: Value,
+        ask: impl FnOnce(&Self, R::Params) -> Answer<R>,
+    ) -> Result<Value, Refusal> {
+        let invalid = |error: serde_json::Error| Refusal { code: ErrorCode::InvalidParams, message: error.to_string() };
+        let params = serde_json::from_value(params).map_err(invalid)?;
+        self.publish_all();
+        serde_json::to_value(ask(self, params)?).map_err(invalid)
+    }
+
+    fn document(&self, uri: &Uri) -> Result<&Document, Refusal> {
+        let text = self.texts.iter().find(|text| text.uri == *uri);
+        text.and_then(|text| text.document.as_ref()).ok_or_else(|| refused(format!("`{}` is not open", uri.0)))
+    }
+
+    fn at(&self, place: &TextDocumentPositionParams) -> Result<(&Document, usize), Refusal> {
+        let document = self.document(&place.text_document.uri)?;
+        Ok((document, self.encoding.offset(document, place.position)))
+    }
+
+    fn part(&self, uri: &Uri, range: gen_lsp_types::Range) -> Result<(&Document, Range<usize>), Refusal> {
+        let document = self.document(uri)?;
+        let offset = |position: Position| self.encoding.offset(document, position);
+        Ok((document, offset(range.start)..offset(range.end)))
+    }
+
+    fn hover(&self, place: TextDocumentPositionParams) -> Answer<HoverRequest> {
+        let (document, offset) = self.at(&place)?;
+        Ok(hover::hover(document, offset).map(|hover| answers::hover(document, self.encoding, hover)))
+    }
+
+    fn completion(&self, place: TextDocumentPositionParams) -> Answer<CompletionRequest> {
+        let (document, offset) = self.at(&place)?;
+        let range = self.encoding.range(document, completion::typed(document, offset));
+        let items = completion::items(document, offset).into_iter().enumerate();
+        let items: Vec<_> = items.map(|(order, item)| answers::item(order, item, range)).collect();
+        Ok(Some(items.into()))
+    }
+
+    /// The places that a name at a place leads to; none where there is no name.
+    fn places(
+        &self,
+        place: &TextDocumentPositionParams,
+        find: impl FnOnce(&Document, usize) -> Vec<Range<usize>>,
+    ) -> Result<Vec<Location>, Refusal> {
+        let (document, offset) = self.at(place)?;
+        let Some(name) = names::name_at(document, offset) else { return Ok(Vec::new()) };
+        let uri = &place.text_document.uri;
+        let location = |range| Location { uri: uri.clone(), range: self.encoding.range(document, range) };
+        Ok(find(document, name).into_iter().map(location).collect())
+    }
+
+    fn prepare_rename(&self, place: &TextDocumentPositionParams) -> Answer<PrepareRenameRequest> {
+        let (document, offset) = self.at(place)?;
+        let Some(name) = names::name_at(document, offset) else { return Ok(None) };
+        let range = self.encoding.range(document, document.tokens[name].range.clone());
+        let placeholder = document.token_text(name).to_string();
+        Ok(Some(PrepareRenamePlaceholder { range, placeholder }.into()))
+    }
+
+    fn actions(&self, params: &CodeActionParams) -> Answer<CodeActionRequest> {
+        let uri = &params.text_document.uri;
+        let (document, range) = self.part(uri, params.range)?;
+        let fixes = params.context.only.as_ref().is_none_or(|only| only.iter().any(answers::is_quick_fix));
+        let touches = |place: Range<usize>| place.start <= range.end && range.start <= place.end;
+        let mut actions = Vec::new();
+        for finding in document.findings.iter().filter(|_| fixes) {
+            if !touches(answers::place(document, finding)) {
+                continue;
+            }
+            let told = answers::diagnostic(document, self.encoding, uri, finding);
+            for (order, action) in mends::actions(document, finding).into_iter().enumerate() {
+                let edit = answers::workspace_edit(document, self.encoding, uri, action.edits);
+                actions.push(answers::action(action.title, told.clone(), edit, order == 0));
+            }
+            actions.push(answers::explain(finding.code.0, told));
+        }
+        Ok(Some(actions))
+    }
+
+    /// `vibc.explain CODE`: the code's page, as the answer and as a message to be read.
+    fn execute(&self, params: &ExecuteCommandParams) -> Answer<ExecuteCommandRequest> {
+        let code = params.arguments.as_ref().and_then(|arguments| arguments.first()?.as_str());
+        let (answers::EXPLAIN, Some(code)) = (params.command.as_str(), code) else {
+            return Err(refused(format!("`{}` is no command of this server", params.command)));
+        };
+        let page = explain::explain(code).map_err(|_| refused(format!("no diagnostic has the code `{code}`")))?;
+        let message = serde_json::json!({ "type": 3, "message": page });
+        self.send(Notification::new("window/showMessage".into(), message));
+        Ok(Some(page.into()))
+    }
+}
+
+fn refused(message: String) -> Refusal {
+    Refusal { code: ErrorCode::RequestFailed, message }
+}
