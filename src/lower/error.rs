@@ -18,8 +18,6 @@ pub const CONFLICT: Code = Code("vib::loop::conflict");
 pub const RANK_DROP: Code = Code("vib::loop::rank_drop");
 /// A joint or a coupling that says what others say already.
 pub const REDUNDANT: Code = Code("vib::loop::redundant");
-/// What is not built yet.
-pub const NOT_AVAILABLE: Code = Code("vib::feature::not_available");
 /// More row entries than there is room for.
 pub const TOO_DEEP: Code = Code("vib::limit::depth");
 /// No static rest.
@@ -60,10 +58,6 @@ pub enum LowerError {
     Loop {
         joints: Vec<(String, Span)>,
         why: Why,
-    },
-    NotAvailable {
-        what: &'static str,
-        span: Span,
     },
     TableUnread {
         span: Span,
@@ -133,9 +127,6 @@ impl LowerError {
                     .mend_by_field(*span, &["at = (0, 0)"])
             }
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
-            LowerError::NotAvailable { what, span } => {
-                Diagnostic::error(NOT_AVAILABLE, *span, format!("{what} is not available yet"))
-            }
             LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREAD, *span, "this table was not read")
                 .help("name fewer different tables in one model"),
             LowerError::TooDeep { entries, span } => Diagnostic::error(

@@ -22,10 +22,10 @@ fn checked(text: &str) -> Checked {
     checked_with(text, "", "")
 }
 
-/// The codes of what is found, in order of place; without the refusal of what is right but not available yet.
+/// The codes of what is found, in order of place.
 fn codes(checked: &Checked) -> Vec<&'static str> {
     let found = checked.diagnostics.clone().sorted();
-    found.iter().map(|diagnostic| diagnostic.code.0).filter(|code| *code != "vib::feature::not_available").collect()
+    found.iter().map(|diagnostic| diagnostic.code.0).collect()
 }
 
 /// The message and help of a finding.

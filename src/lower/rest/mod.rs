@@ -129,11 +129,8 @@ impl Found {
     ) -> Result<Found, Vec<LowerError>> {
         let reduction = constraints.reduction(scene, kinematics, &self.state)?;
         if !constraints.hold_exactly(kinematics, &self.state) {
-            let span = constraints.list[0].source.span(scene);
-            return Err(vec![LowerError::NotAvailable {
-                what: "`rest as drawn` with a loop that a base has moved",
-                span,
-            }]);
+            let all: Vec<u32> = (0..constraints.list.len() as u32).collect();
+            return Err(vec![constraints.open(scene, kinematics, &all)]);
         }
         let held = drawn::hold(scene, kinematics, &reduction, &self.state)?;
         (self.rest.residual, self.rest.proven) = (held.residual, held.proven);
