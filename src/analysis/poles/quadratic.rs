@@ -2,6 +2,8 @@
 //! poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact where the numbers are. Clause: spec.md 11.4.
 
 use crate::analysis::answer::PoleKind;
+use crate::analysis::numeric::complex::{Complex, Real};
+use crate::analysis::numeric::triple::Precise;
 use crate::base::{Ball, Dd, Number};
 
 /// A root, and whether it is known only together with the other one.
@@ -29,13 +31,32 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
     if discriminant.is_zero() {
         return double(m, c);
     }
-    if discriminant.is_negative() {
-        return complex_pair(m, c, &discriminant);
-    }
-    if discriminant.is_positive() {
-        return real_pair(m, c, k, &discriminant);
-    }
-    undecided(m, c, &discriminant)
+    let pair = match () {
+        () if discriminant.is_negative() => complex_pair(m, c, &discriminant),
+        () if discriminant.is_positive() => real_pair(m, c, k, &discriminant),
+        () => return undecided(m, c, &discriminant),
+    };
+    Roots::Apart(sharpened(pair, [m, c, k].map(Precise::of)))
+}
+
+/// The same roots with sharper bounds: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
+/// evaluated in triple words; the balls above collect the rounding of every step in double-double.
+fn sharpened(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
+    const UP: f64 = 1.0 + 1e-14;
+    let bound = |own: &Root, other: &Root| {
+        let s = Complex::new(Precise::of_dd(own.re.mid), Precise::of_dd(own.im.mid));
+        let value = (s.scale(m) + Complex::real(c)) * s + Complex::real(k);
+        let size = |x: Precise| (x.value.hi().abs() + x.radius) * UP;
+        let apart = (own.re.mid - other.re.mid).hi.abs().max((own.im.mid - other.im.mid).hi.abs()) / UP;
+        let least = (m.value.hi() / UP - m.radius) * (apart - (other.re.rad + other.im.rad) * UP);
+        if least > 0.0 { (size(value.re) + size(value.im)) / least * UP } else { f64::INFINITY }
+    };
+    let narrowed = |ball: Ball, bound: f64| Ball::new(ball.mid, ball.rad.min(bound));
+    let of = |own: &Root, other: &Root| {
+        let bound = bound(own, other);
+        Root { re: narrowed(own.re, bound), im: narrowed(own.im, bound), kind: own.kind }
+    };
+    [of(&roots[0], &roots[1]), of(&roots[1], &roots[0])]
 }
 
 /// -c/2m twice.
@@ -44,7 +65,7 @@ fn double(m: &Number, c: &Number) -> Roots {
 }
 
 /// -c/2m -+ i sqrt(-d)/2m.
-fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> Roots {
+fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> [Root; 2] {
     let twice = m + m;
     let re = (-&(c / &twice)).to_ball();
     let im = (&root_of(&-discriminant) / &twice).to_ball();
@@ -54,20 +75,20 @@ fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> Roots {
         false if re.mid.hi > 0.0 => PoleKind::Flutter,
         _ => PoleKind::Oscillation,
     };
-    Roots::Apart([Root { re, im: -im, kind }, Root { re, im, kind }])
+    [Root { re, im: -im, kind }, Root { re, im, kind }]
 }
 
 /// With q = -(c + sgn(c) sqrt(d)) / 2, which adds what has one sign, the roots are q/m and k/q (Press et al., 5.6).
-fn real_pair(m: &Number, c: &Number, k: &Number, discriminant: &Number) -> Roots {
+fn real_pair(m: &Number, c: &Number, k: &Number, discriminant: &Number) -> [Root; 2] {
     let root = root_of(discriminant);
     if c.is_zero() {
         let rate = (&root / &(m + m)).to_ball();
-        return Roots::Apart([real_root(-rate), real_root(rate)]);
+        return [real_root(-rate), real_root(rate)];
     }
     let negative = c.is_negative();
     let sum = if negative { c - &root } else { c + &root };
     let q = -&(&sum / &Number::from(2));
-    Roots::Apart([real_root((&q / m).to_ball()), real_root((k / &q).to_ball())])
+    [real_root((&q / m).to_ball()), real_root((k / &q).to_ball())]
 }
 
 /// |s + c/2m| <= sqrt|d| / 2m for both, whatever the sign of d.

@@ -1,0 +1,62 @@
+//! Ten thousand random systems: whether every bound holds, how sharp they are, and what could not be certified.
+//! `cargo bench --bench bounds` prints the table of `benches/README.md`; `cargo bench --bench bounds -- 100` takes as many of
+//! each kind.
+
+#[allow(dead_code)]
+#[path = "../tests/suite/exact.rs"]
+mod exact;
+#[allow(dead_code)]
+#[path = "../tests/suite/sweeps.rs"]
+mod sweeps;
+#[allow(dead_code)]
+#[path = "../tests/suite/systems.rs"]
+mod systems;
+
+use std::io::Write;
+use sweeps::{DAMPED, Figures, Kind, UNDAMPED, check_modes, check_poles};
+use systems::Random;
+use vibc::system::LinearSystem;
+
+/// Of each kind: fifteen kinds make ten thousand.
+const EACH: usize = 667;
+
+fn main() {
+    let each = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(EACH);
+    let mut out = std::io::stdout().lock();
+    let mut say = |line: String| writeln!(out, "{line}").expect("standard output");
+    say(format!("{each} systems of each kind, seeds 1 to {}", UNDAMPED.len() + DAMPED.len()));
+    say("| kind | numbers | violations | median bound/error | worst | together only | uncertified | worst bound |"
+        .into());
+    say("| --- | --- | --- | --- | --- | --- | --- | --- |".into());
+    let mut seed = 0;
+    let mut told = Vec::new();
+    for (kinds, check) in [(&UNDAMPED[..], check_modes as Check), (&DAMPED[..], check_poles)] {
+        for kind in kinds {
+            seed += 1;
+            let mut figures = sweep(kind, check, seed, each);
+            say(row(kind.0, &mut figures));
+            told.extend(figures.violations.into_iter().chain(figures.uncertified));
+        }
+    }
+    told.into_iter().for_each(say);
+}
+
+type Check = fn(&LinearSystem, &mut Figures, &str);
+
+fn sweep((name, system): &Kind, check: Check, seed: u64, each: usize) -> Figures {
+    let (mut random, mut figures) = (Random::new(seed), Figures::default());
+    for i in 0..each {
+        check(&system(&mut random, i), &mut figures, &format!("{name} {i}"));
+    }
+    figures
+}
+
+fn row(name: &str, figures: &mut Figures) -> String {
+    let (median, worst) = (figures.median(), figures.ratios.last().copied().unwrap_or(1.0));
+    let Figures { numbers, violations, uncertified, clustered, worst_bound, .. } = figures;
+    format!(
+        "| {name} | {numbers} | {} | {median:.1} | {worst:.0e} | {clustered} | {} | {worst_bound:.0e} |",
+        violations.len(),
+        uncertified.len()
+    )
+}
