@@ -13,12 +13,12 @@ mod sweeps;
 mod systems;
 
 use std::io::Write;
-use sweeps::{DAMPED, Figures, Kind, UNDAMPED, check_modes, check_poles};
+use sweeps::{DAMPED, Figures, Kind, UNDAMPED, check_modes, check_poles, turned};
 use systems::Random;
 use vibc::system::LinearSystem;
 
-/// Of each kind: fifteen kinds make ten thousand.
-const EACH: usize = 667;
+/// Of each kind: fifteen kinds, each as it is and turned, make ten thousand.
+const EACH: usize = 334;
 
 fn main() {
     let each = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(EACH);
@@ -33,20 +33,28 @@ fn main() {
     for (kinds, check) in [(&UNDAMPED[..], check_modes as Check), (&DAMPED[..], check_poles)] {
         for kind in kinds {
             seed += 1;
-            let mut figures = sweep(kind, check, seed, each);
-            say(row(kind.0, &mut figures));
-            told.extend(figures.violations.into_iter().chain(figures.uncertified));
+            for turning in [false, true] {
+                let mut figures = sweep(kind, check, seed, each, turning);
+                let name = if turning { format!("{}, turned by 30 degrees", kind.0) } else { kind.0.to_string() };
+                say(row(&name, &mut figures));
+                told.extend(figures.violations.into_iter().chain(figures.uncertified));
+            }
         }
     }
     told.into_iter().for_each(say);
 }
 
-type Check = fn(&LinearSystem, &mut Figures, &str);
+type Check = fn(&LinearSystem, &LinearSystem, &mut Figures, &str);
 
-fn sweep((name, system): &Kind, check: Check, seed: u64, each: usize) -> Figures {
+fn sweep((name, system): &Kind, check: Check, seed: u64, each: usize, turning: bool) -> Figures {
     let (mut random, mut figures) = (Random::new(seed), Figures::default());
     for i in 0..each {
-        check(&system(&mut random, i), &mut figures, &format!("{name} {i}"));
+        let truth = system(&mut random, i);
+        let what = format!("{name} {i}{}", if turning { " turned" } else { "" });
+        match turning {
+            true => check(&turned(&truth), &truth, &mut figures, &what),
+            false => check(&truth, &truth, &mut figures, &what),
+        }
     }
     figures
 }

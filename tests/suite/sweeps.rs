@@ -9,7 +9,7 @@ use super::systems::{Builder, Random};
 use num_rational::BigRational;
 use vibc::analysis::{self, ModeKind, PoleKind};
 use vibc::base::{Ball, Dd, Number};
-use vibc::system::{LinearSystem, Nature};
+use vibc::system::{CoordinateId, Form, LinearSystem, Nature};
 
 /// A kind of system, by name; the number that goes with it varies size and range.
 pub type Kind = (&'static str, fn(&mut Random, usize) -> LinearSystem);
@@ -88,9 +88,9 @@ impl Figures {
     }
 }
 
-/// All frequencies of one system.
-pub fn check_modes(system: &LinearSystem, figures: &mut Figures, what: &str) {
-    let (exact, quadratic) = (ExactPencil::of(system), Quadratic::of(system));
+/// All frequencies of one system; `truth` has the same ones, and rational numbers.
+pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Figures, what: &str) {
+    let (exact, quadratic) = (ExactPencil::of(truth), Quadratic::of(truth));
     let modes = match analysis::modes(system) {
         Ok(modes) => modes,
         Err(error) => return figures.violations.push(format!("{what}: {error:?}")),
@@ -116,8 +116,8 @@ pub fn check_modes(system: &LinearSystem, figures: &mut Figures, what: &str) {
     }
 }
 
-/// All poles of one system.
-pub fn check_poles(system: &LinearSystem, figures: &mut Figures, what: &str) {
+/// All poles of one system; `truth` has the same ones, and rational numbers.
+pub fn check_poles(system: &LinearSystem, truth: &LinearSystem, figures: &mut Figures, what: &str) {
     let poles = analysis::modes(system).and_then(|modes| analysis::poles(system, &modes));
     let poles = match poles {
         Ok(poles) => poles,
@@ -126,7 +126,7 @@ pub fn check_poles(system: &LinearSystem, figures: &mut Figures, what: &str) {
     if poles.list.len() + poles.infinite != 2 * system.n() {
         figures.violations.push(format!("{what}: {} poles", poles.list.len()));
     }
-    let exact = Quadratic::of(system);
+    let exact = Quadratic::of(truth);
     for pole in poles.list.iter().filter(|pole| pole.im.mid.hi >= 0.0 && pole.kind != PoleKind::Rigid) {
         let what = || format!("{what}: {pole:?}");
         figures.bound(pole.relative_error, system.n(), what);
@@ -136,6 +136,36 @@ pub fn check_poles(system: &LinearSystem, figures: &mut Figures, what: &str) {
             figures.error(exact.error(pole.re.mid, pole.im.mid), pole.re.rad.hypot(pole.im.rad), what);
         }
     }
+}
+
+/// The same system in coordinates of which each two are turned by 30 degrees: cos 30 is no rational number, so that nothing
+/// of the structure can be decided exactly any more.
+pub fn turned(system: &LinearSystem) -> LinearSystem {
+    let cos = &Number::from(3).sqrt().expect("positive") / &Number::from(2);
+    let half = Number::from("0.5");
+    let n = system.n();
+    let turn = |form: &Form| {
+        let mut turned = Form::new();
+        for term in form.terms() {
+            let source = turned.source(form.source_name(term.source));
+            let mut row = vec![Number::ZERO; n];
+            for (i, a) in form.row(term) {
+                let (i, partner) = (i.index(), i.index() ^ 1);
+                let sign = if i < partner { Number::ONE } else { Number::from(-1) };
+                match partner < n {
+                    true => {
+                        row[i] = &row[i] + &(a * &cos);
+                        row[partner] = &row[partner] + &(&(a * &half) * &sign);
+                    }
+                    false => row[i] = &row[i] + a,
+                }
+            }
+            let row = (0u32..).map(CoordinateId).zip(row).filter(|(_, a)| !a.is_zero());
+            turned.push(source, term.nature, term.weight.clone(), row);
+        }
+        turned
+    };
+    LinearSystem { m: turn(&system.m), c: turn(&system.c), k: turn(&system.k), ..system.clone() }
 }
 
 /// The k-th eigenvalue (from 0) is within `radius` of the ball's midpoint.

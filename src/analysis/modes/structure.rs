@@ -23,6 +23,9 @@ pub struct NullSpace {
     /// The dimension for unknowns in general position. Larger than the number of vectors only if some of the form's
     /// numbers are not rational, so that no rational vector can be given.
     pub dimension: usize,
+    /// The coordinates that can be chosen at will: in the j-th vector of the reduced basis the j-th of them is 1, the
+    /// others are 0.
+    pub free: Vec<usize>,
 }
 
 /// The exact null space of `form` on n coordinates.
@@ -30,7 +33,7 @@ pub fn null_space(form: &Form, n: usize) -> NullSpace {
     let positive = form.terms().iter().all(|term| term.weight.is_positive());
     let exact = is_exact(form, positive);
     let mut best: Option<Echelon> = None;
-    let mut space = NullSpace { vectors: Vec::new(), dimension: n };
+    let mut space = NullSpace { vectors: Vec::new(), dimension: n, free: (0..n).collect() };
     for field in PRIMES.iter().take(if exact { PRIMES.len() } else { 2 }) {
         let Some(next) = Echelon::of(form, n, positive, *field) else { continue };
         let combined = match best.take() {
@@ -97,8 +100,63 @@ impl Echelon {
             let vector: Option<Vec<Rational>> = vector.iter().map(|x| recover_rational(x, &self.modulus)).collect();
             vector.filter(|v| is_null(form, n, positive, v))
         });
-        NullSpace { vectors: recovered.collect(), dimension: self.free.len() }
+        NullSpace { vectors: recovered.collect(), dimension: self.free.len(), free: self.free.clone() }
     }
+}
+
+/// The reduced basis of the null space of positive terms as enclosures, where its vectors are not rational: with the free
+/// coordinates given, the others solve a positive definite system, which is eliminated in balls. `None` where that does not
+/// prove it regular.
+pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec<Number>>> {
+    let bound: Vec<usize> = (0..n).filter(|i| !free.contains(i)).collect();
+    let mut matrix = vec![vec![Ball::ZERO; n]; n];
+    for term in form.terms() {
+        // The null space does not depend on the weights: rows of length one make the system well conditioned.
+        let row: Vec<(usize, Ball)> = form.row(term).iter().map(|(i, a)| (i.index(), a.to_ball())).collect();
+        let square: f64 = row.iter().map(|(_, a)| a.to_f64() * a.to_f64()).sum();
+        let weight = Ball::from(1.0 / square);
+        for &(i, a) in &row {
+            for &(j, b) in &row {
+                matrix[i][j] = matrix[i][j] + weight * a * b;
+            }
+        }
+    }
+    // Columns: the bound coordinates, then the free ones, whose effect is to be balanced.
+    let order: Vec<usize> = bound.iter().chain(free).copied().collect();
+    let rows = bound.iter().map(|&i| order.iter().map(|&j| matrix[i][j]).collect()).collect();
+    let solved = eliminate_balls(rows)?;
+    let vector = |column: usize| {
+        let mut vector = vec![Number::ZERO; n];
+        vector[free[column]] = Number::ONE;
+        for (row, &i) in solved.iter().zip(&bound) {
+            vector[i] = Number::from(-row[bound.len() + column]);
+        }
+        vector
+    };
+    Some((0..free.len()).map(vector).collect())
+}
+
+/// Gauss and Jordan's elimination of the leading square, pivots from the diagonal, the largest first.
+fn eliminate_balls(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
+    let mut left: Vec<usize> = (0..rows.len()).collect();
+    while !left.is_empty() {
+        let larger = |a: &usize, b: &usize| rows[*a][*a].mid.hi.abs().total_cmp(&rows[*b][*b].mid.hi.abs());
+        let at = (0..left.len()).max_by(|&a, &b| larger(&left[a], &left[b]))?;
+        let p = left.swap_remove(at);
+        let pivot = rows[p][p];
+        if pivot.contains_zero() || !pivot.is_finite() {
+            return None;
+        }
+        let unit: Vec<Ball> = rows[p].iter().map(|&x| x / pivot).collect();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != p) {
+            let factor = row[p];
+            if !factor.is_zero() {
+                row.iter_mut().zip(&unit).for_each(|(x, &u)| *x = *x - factor * u);
+            }
+        }
+        rows[p] = unit;
+    }
+    Some(rows)
 }
 
 /// sum w a a^T modulo the prime, row by row.

@@ -84,6 +84,16 @@ impl PoleList {
         self.list.extend(std::iter::repeat_n(zero, count));
     }
 
+    /// Poles that are there, and of which nothing is known.
+    pub fn unknown(&mut self, count: usize) {
+        let anything = Ball::new(Dd::ZERO, f64::INFINITY);
+        for _ in 0..count {
+            let s = Complex::new(anything, anything);
+            let kind = PoleKind::Undetermined;
+            self.push(Known { s, kind, cluster: None, defective: false, route: Route::Refined });
+        }
+    }
+
     /// The roots of a quadratic.
     pub fn quadratic(&mut self, roots: Roots) {
         let (pair, together, defective) = match roots {

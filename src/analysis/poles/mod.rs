@@ -6,6 +6,7 @@
 //! not told apart, and where motions have no inertia, the polynomial det Q decides exactly.
 
 pub(in crate::analysis) mod aberth;
+pub(in crate::analysis) mod cluster;
 pub(in crate::analysis) mod companion;
 pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
@@ -22,6 +23,7 @@ use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::parts::{Part, as_system, independent};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::aberth::aberth;
+use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
 use crate::analysis::poles::exact::{Exact, exact_poles};
@@ -152,7 +154,8 @@ impl Portion<'_> {
         let basis = Basis::of(&working, modes, &rigid);
         let certified = |starts: &[Complex<f64>]| {
             let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed));
-            let pairs: Vec<Pair> = refined.collect();
+            let mut pairs: Vec<Pair> = refined.collect();
+            separate(&working, &mut pairs);
             let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
             (pairs, discs)
         };
@@ -165,6 +168,15 @@ impl Portion<'_> {
             return Ok(());
         }
         let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
+        let rigid_modes = modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
+        if rigid.free.len() + rigid.dragged.len() < rigid_modes && count + rigid_modes <= 2 * pencil.n {
+            // Each rigid motion has a pole at zero; whether a damper feels it, and so where its other pole is, could not be
+            // decided, and nothing is certified without knowing all.
+            found.zeros(rigid_modes);
+            found.unknown(2 * pencil.n - count - rigid_modes);
+            found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
+            return Ok(());
+        }
         if basis.zeros() + count != 2 * pencil.n {
             // Better no poles than a list that lacks some without a word.
             return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });

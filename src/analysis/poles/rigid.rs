@@ -2,9 +2,9 @@
 //! double pole at zero; the others come to rest at any place, which is a single pole at zero. In: the part as a system.
 //! Out: a basis of each kind, of rational vectors that are verified exactly. Clause: spec.md 11.7.
 
-use crate::analysis::modes::structure::null_space;
+use crate::analysis::modes::structure::{NullSpace, enclosed_vectors, null_space};
 use crate::base::{Number, Rational};
-use crate::system::{CoordinateId, Form, LinearSystem, Nature};
+use crate::system::{CoordinateId, Form, LinearSystem, Nature, Term};
 
 /// Bases of the null space of K.
 #[derive(Clone, Debug, Default)]
@@ -15,10 +15,56 @@ pub struct RigidMotions {
     pub dragged: Vec<Vec<Number>>,
 }
 
-/// The rigid motions of a part that has some.
+/// The rigid motions of a part that has some, in a basis in which neither the inertia of the free ones nor the drag of the
+/// others couples them.
 pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
+    uncoupled(part, any_basis(part))
+}
+
+/// Gram and Schmidt's process with factors of binary64: combinations of rigid motions are as exactly rigid as these are, and
+/// nearly orthogonal is all that the discs ask for.
+fn uncoupled(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
+    let mut free: Vec<Vec<Number>> = Vec::new();
+    for motion in motions.free {
+        free.push(without(&part.m, motion, &free));
+    }
+    let mut dragged: Vec<Vec<Number>> = Vec::new();
+    for motion in motions.dragged {
+        // What a free motion adds is not dragged.
+        let motion = without(&part.m, motion, &free);
+        dragged.push(without(&part.c, motion, &dragged));
+    }
+    RigidMotions { free, dragged }
+}
+
+/// The motion less its parts along others, by the product x^T F y.
+fn without(form: &Form, mut motion: Vec<Number>, others: &[Vec<Number>]) -> Vec<Number> {
+    for other in others {
+        let factor = -product(form, &motion, other) / product(form, other, other);
+        let Some(factor) = Rational::from_f64(factor).filter(|factor| !factor.is_zero()) else { continue };
+        let factor = Number::from(factor);
+        motion.iter_mut().zip(other).for_each(|(x, y)| *x = &*x + &(&factor * y));
+    }
+    motion
+}
+
+/// x^T F y in binary64.
+fn product(form: &Form, x: &[Number], y: &[Number]) -> f64 {
+    let part = |term: &Term| {
+        let stretch =
+            |x: &[Number]| form.row(term).iter().map(|(i, a)| a.to_f64() * x[i.index()].to_f64()).sum::<f64>();
+        term.weight.to_f64() * stretch(x) * stretch(y)
+    };
+    form.terms().iter().map(part).sum()
+}
+
+fn any_basis(part: &LinearSystem) -> RigidMotions {
     let n = part.n();
-    let motions = null_space(&part.k, n).vectors;
+    let space = null_space(&part.k, n);
+    if space.vectors.len() < space.dimension {
+        return enclosed_motions(part, &space).unwrap_or_default();
+    }
+    let motions = space.vectors;
     let free = if part.k.terms().iter().all(|term| term.weight.is_positive()) {
         null_space(&with_dampers(part), n).vectors
     } else {
@@ -27,6 +73,20 @@ pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
     };
     let dragged = completing(&free, &motions);
     RigidMotions { free: exact(free), dragged: exact(dragged) }
+}
+
+/// The same as enclosures, where the model's numbers are not rational: for positive terms, whose null space is that of their
+/// rows. Motions that no damper feels solve the rows of both; those of K alone that such motions do not already choose at
+/// will are dragged.
+fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotions> {
+    if !part.k.terms().iter().all(|term| term.weight.is_positive()) {
+        return None;
+    }
+    let (n, both) = (part.n(), with_dampers(part));
+    let free = null_space(&both, n).free;
+    let motions = enclosed_vectors(&part.k, n, &space.free)?;
+    let dragged = space.free.iter().zip(motions).filter(|(at, _)| !free.contains(at)).map(|(_, motion)| motion);
+    Some(RigidMotions { dragged: dragged.collect(), free: enclosed_vectors(&both, n, &free)? })
 }
 
 fn exact(vectors: Vec<Vec<Rational>>) -> Vec<Vec<Number>> {
