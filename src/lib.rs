@@ -314,7 +314,7 @@ struct Read<'a> {
     sources: &'a Sources,
     overrides: &'a Overrides,
     /// How long the motion in time is followed, where that is given, s.
-    until: Option<&'a Number>,
+    until: Option<Number>,
     tree: Tree,
     scene: CheckedScene,
     settings: Vec<Setting>,
@@ -341,8 +341,12 @@ fn read<'a>(
     let checked = model::check(sources, &parsed.tree, overrides);
     diagnostics.extend(checked.diagnostics);
     let scene = checked.scene.filter(|_| !broken)?;
-    let tree = parsed.tree;
-    Read { sources, overrides, until, tree, scene, settings: Vec::new(), solved: Vec::new() }.solve(diagnostics)
+    let (tree, until) = (parsed.tree, until.cloned());
+    let mut read = Read { sources, overrides, until, tree, scene, settings: Vec::new(), solved: Vec::new() };
+    if read.until.is_none() {
+        read.until = read.asked(|text| text.usual_time(&read.scene));
+    }
+    read.solve(diagnostics)
 }
 
 impl<'a> Read<'a> {
@@ -380,7 +384,7 @@ impl<'a> Read<'a> {
                 lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
             },
         };
-        ask(&Text { sources, tree, overrides, stages, until: *until })
+        ask(&Text { sources, tree, overrides, stages, until: until.as_ref() })
     }
 }
 

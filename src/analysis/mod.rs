@@ -12,6 +12,7 @@ pub mod modal;
 pub mod modes;
 pub mod nets;
 pub mod numeric;
+pub mod peak;
 mod poles;
 pub mod response;
 mod stability;

@@ -7,7 +7,7 @@ use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{
     Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Number};
 use crate::lower::Remark;
 use crate::questions::answer::{Requirement, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
@@ -216,6 +216,7 @@ struct JsonSolved<'a> {
     slope: Option<f64>,
     relative_slope: Option<f64>,
     looked_at: usize,
+    until_s: Option<f64>,
 }
 
 /// In SI, frequencies in Hz.
@@ -228,6 +229,7 @@ struct JsonRequirement<'a> {
     margin: Option<f64>,
     error_bound: Option<f64>,
     told: Cow<'a, str>,
+    until_s: Option<f64>,
 }
 
 /// An object with a number for each name, in their order.
@@ -295,6 +297,7 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
         slope: solved.slope.and_then(|slope| finite(slope.to_f64())),
         relative_slope: solved.relative_slope().and_then(|slope| finite(slope.to_f64())),
         looked_at: solved.looked_at,
+        until_s: solved.until.as_ref().map(Number::to_f64),
     }
 }
 
@@ -311,6 +314,7 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
         margin: requirement.margin.and_then(|margin| finite(margin.to_f64() + 0.0)),
         error_bound: value.and_then(|ball| finite(error_bound(ball))),
         told: requirement.told(),
+        until_s: requirement.until.as_ref().map(Number::to_f64),
     }
 }
 

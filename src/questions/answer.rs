@@ -30,6 +30,8 @@ pub struct Solved {
     pub slope: Option<Ball>,
     /// At so many values of the range the measure was looked at.
     pub looked_at: usize,
+    /// How long the motion was followed, where the measure is one of time, s.
+    pub until: Option<Number>,
 }
 
 /// A requirement and how it stands.
@@ -49,6 +51,8 @@ pub struct Requirement {
     pub unit: Written,
     /// Value and limit are frequencies that were written in rad/s.
     pub in_radians: bool,
+    /// How long the motion was followed, where the measure is one of time, s.
+    pub until: Option<Number>,
 }
 
 /// What a measure came to.

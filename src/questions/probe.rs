@@ -3,7 +3,7 @@
 
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
-use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, stability};
+use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stability};
 use crate::base::{Ball, Dimension, Number};
 use crate::lower::Lowered;
 use crate::model::scene::{Measure, MotionTerm, Output, Question, Scene, Signal};
@@ -81,6 +81,9 @@ impl Probe {
     }
 }
 
+/// The motion grows, or nothing moves.
+const NO_TIME: Measurement = Measurement::None("nothing says how long the motion is followed: say it with `--until`");
+
 /// What the probes are applied to.
 pub struct Measured<'a> {
     pub scene: &'a Scene,
@@ -122,10 +125,14 @@ impl Measured<'_> {
                 let loads = self.loads();
                 transfer.map_or(NONE, |transfer| measures::static_value(transfer, &loads, *output))
             }
-            Probe::Peak(_) | Probe::Rms(_) => {
-                let _ = system;
-                NONE
-            }
+            Probe::Peak(output) => match &self.context.until {
+                Some(until) => peak::peak(system, drives, *output, until),
+                None => NO_TIME,
+            },
+            Probe::Rms(output) => match &self.context.until {
+                Some(until) => peak::rms(system, drives, *output, until),
+                None => NO_TIME,
+            },
         }
     }
 

@@ -65,6 +65,7 @@ fn requirement(text: &Text, require: &Require, measured: Measurement) -> Require
         margin,
         unit: question.unit.clone(),
         in_radians: question.radians.is_some(),
+        until: text.followed(&question.measure),
     }
 }
 

@@ -323,6 +323,7 @@ impl<'a> Unknowns<'a> {
             residual: residual.unwrap_or(Ball::new(Dd::ZERO, f64::INFINITY)),
             slope,
             looked_at: self.looks[unknown],
+            until: self.text.followed(&question.measure),
         }
     }
 }

@@ -2,10 +2,10 @@
 //! and values; out: the measures, or why there are none.
 
 use super::probe::{Measured, Probe, prepare};
-use crate::analysis::{AnalysisError, Measurement, Modes, Poles, Request, Which, modes_as, poles};
+use crate::analysis::{AnalysisError, Measurement, Modes, Poles, Request, Which, modes, modes_as, peak, poles};
 use crate::base::{Diagnostics, Number, Sources};
 use crate::lower::Lowered;
-use crate::model::scene::{Parameter, Question};
+use crate::model::scene::{Measure, Parameter, Question};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
 use crate::system::{LinearSystem, Signal};
@@ -17,7 +17,7 @@ pub struct Text<'a> {
     pub tree: &'a Tree,
     pub overrides: &'a Overrides,
     pub stages: Stages<'a>,
-    /// How long the motion in time is followed; from the poles and signals where it is not given, s.
+    /// How long the motion in time is followed, where that is known, s.
     pub until: Option<&'a Number>,
 }
 
@@ -84,6 +84,28 @@ impl Text<'_> {
         };
         let context = &self.context(scene, &probes)?;
         Ok(Measured { scene: scene.scene(), lowered: &lowered, modes, poles, context }.measure(&probes))
+    }
+
+    /// How long the motion is followed for a measure of it.
+    pub fn followed(&self, measure: &Measure) -> Option<Number> {
+        matches!(measure, Measure::Peak { .. } | Measure::Rms { .. }).then(|| self.until.cloned()).flatten()
+    }
+
+    /// How long the motion of a scene is followed where nobody says it: from its poles and signals. The time stays the same
+    /// in all trials, so that measures do not jump with it.
+    pub fn usual_time(&self, scene: &CheckedScene) -> Option<Number> {
+        let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
+        let questions = solves.iter().map(|s| &s.question).chain(requires.iter().map(|r| &r.question));
+        let is_of_time = |measure: &Measure| matches!(measure, Measure::Peak { .. } | Measure::Rms { .. });
+        let mut measures = questions.map(|question| &question.measure);
+        if !measures.any(is_of_time) {
+            return None;
+        }
+        let mut said = Diagnostics::new();
+        let system = (self.stages.lower)(scene, &mut said)?.system;
+        let drives = (self.stages.drives)(scene, &mut said)?;
+        let poles = poles(&system, &modes(&system).ok()?).ok()?;
+        peak::usual_time(&poles, &drives)
     }
 
     /// The signals, where a probe needs them.

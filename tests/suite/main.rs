@@ -19,6 +19,7 @@ mod literals;
 mod loops;
 mod lowering;
 mod massless;
+mod measures;
 mod models;
 mod modes;
 mod poles;

@@ -4,6 +4,7 @@
 //!
 //! Signals are zero before t = 0, where the initial state holds; what jumps at a time has jumped at that time.
 
+pub(in crate::analysis) mod course;
 pub(in crate::analysis) mod exponential;
 pub(in crate::analysis) mod propagator;
 pub mod signal;

@@ -36,22 +36,29 @@ pub fn solved(list: &[Solved]) -> String {
             solved.relative_slope().map_or(String::new(), |slope| certain(&slope, FEW)),
         ]);
     }
-    line("solved") + &table.text(INDENT)
+    line("solved") + &table.text(INDENT) + &followed(list.iter().find_map(|solved| solved.until.as_ref()))
 }
 
 pub fn requirements(list: &[Requirement]) -> String {
     if list.is_empty() {
         return String::new();
     }
-    line("requirements") + &table(list).text(INDENT)
+    line("requirements") + &table(list)
 }
 
 /// The requirements of several models, each line with its model's name.
 pub fn checked(model: &str, list: &[Requirement]) -> String {
-    if list.is_empty() { String::new() } else { format!("{model}\n") + &table(list).text(INDENT) }
+    if list.is_empty() { String::new() } else { format!("{model}\n") + &table(list) }
 }
 
-fn table(list: &[Requirement]) -> Table {
+/// How long `peak` and `rms` follow the motion, where one of them is asked.
+fn followed(until: Option<&Number>) -> String {
+    until.map_or(String::new(), |until| {
+        line(format!("peak and rms are those of the motion up to {} s (--until)", certain_number(until, DIGITS)))
+    })
+}
+
+fn table(list: &[Requirement]) -> String {
     let mut table = Table::new()
         .column("requirement", "", Align::Left)
         .column("holds", "", Align::Left)
@@ -63,7 +70,7 @@ fn table(list: &[Requirement]) -> Table {
     for requirement in list {
         table.row(cells(requirement));
     }
-    table
+    table.text(INDENT) + &followed(list.iter().find_map(|requirement| requirement.until.as_ref()))
 }
 
 fn cells(requirement: &Requirement) -> Vec<String> {

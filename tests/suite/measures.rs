@@ -1,0 +1,287 @@
+//! Every measure against its definition: closed forms, dense sampling, quadrature and the simulated motion; published cases; and
+//! what bounds promise.
+
+use vibc::analysis::grid;
+use vibc::backend::ModalAnswer;
+use vibc::base::{Ball, Number, Rational, SourceFile, Sources};
+use vibc::model::Overrides;
+use vibc::questions::answer::Value;
+
+pub fn sources(text: &str) -> (Sources, vibc::base::FileId) {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("model.vib", text));
+    (sources, file)
+}
+
+/// The report of a model whose requirements need not hold.
+fn answer(text: &str) -> ModalAnswer {
+    let (sources, file) = sources(text);
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    let said: Vec<&str> =
+        outcome.diagnostics.iter().map(|d| d.code.0).filter(|c| *c != "vib::require::fails").collect();
+    assert!(said.is_empty(), "{said:?}\n{text}");
+    outcome.answer.expect("a report")
+}
+
+/// The enclosures of measures, by requirements that need not hold.
+fn measured(model: &str, measures: &[&str]) -> Vec<Ball> {
+    let requires: String = measures.iter().map(|measure| format!("require {measure}\n")).collect();
+    let answer = answer(&format!("{model}{requires}"));
+    let number = |value: &Value| match value {
+        Value::Number(ball) => *ball,
+        other => panic!("{other:?}\n{model}{requires}"),
+    };
+    answer.requirements.iter().map(|requirement| number(&requirement.value)).collect()
+}
+
+fn one(model: &str, measure: &str) -> Ball {
+    measured(model, &[measure])[0]
+}
+
+/// |true - value| is within the enclosure, and that is narrow.
+fn agrees(value: Ball, truth: f64, width: f64) {
+    let off = (value.to_f64() - truth).abs();
+    // What the expected number itself is rounded by.
+    let rounding = 1e-14 * truth.abs();
+    assert!(off <= value.rad + rounding, "{value:?} is not {truth}");
+    assert!(value.rad <= width * truth.abs(), "{value:?} is known to less than {width}");
+}
+
+/// A unit oscillator of 10 rad/s with a damping ratio, under a signal.
+fn oscillator(zeta: f64, signal: &str) -> String {
+    let c = 20.0 * zeta;
+    format!(
+        "body block {{ mass = 1 kg, moves x }}\nspring s: ground -- block {{ k = 100 N/m }}\n\
+         damper d: ground -- block {{ c = {c} N*s/m }}\nforce F: block along x{signal}\noutput x = block.x\n"
+    )
+}
+
+/// Under a step the first swing is the largest: a/k (1 + exp(-pi zeta / sqrt(1 - zeta^2))).
+#[test]
+fn the_peak_after_a_step_is_the_overshoot() {
+    for zeta in [0.01, 0.1, 0.5, 0.9] {
+        let peak = one(&oscillator(zeta, " = step(10 N, 0.3 s)"), "peak(x) < 1 m");
+        let over = (-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()).exp();
+        agrees(peak, 0.1 * (1.0 + over), 1e-11);
+    }
+}
+
+/// Overdamped, the step's answer creeps up to its rest and is largest at the end of the time.
+#[test]
+fn the_peak_of_what_creeps_is_at_the_end() {
+    let zeta = 2.0f64;
+    let root = (zeta * zeta - 1.0).sqrt();
+    let (slow, fast) = (-10.0 * (zeta - root), -10.0 * (zeta + root));
+    let at = |t: f64| 0.1 * (1.0 - (fast * (slow * t).exp() - slow * (fast * t).exp()) / (fast - slow));
+    let model = oscillator(zeta, " = step(10 N, 0 s)") + "require peak(x) < 1 m\n";
+    let (sources, file) = sources(&model);
+    let until = Number::from(2);
+    let request = vibc::analysis::Request::default();
+    let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+    let Value::Number(peak) = outcome.answer.expect("a report").requirements[0].value else { panic!("no number") };
+    agrees(peak, at(2.0), 1e-11);
+}
+
+/// A blow starts the motion: x = J/(m wd) exp(-zeta w t) sin(wd t), largest where tan(wd t) = wd/(zeta w).
+#[test]
+fn the_peak_after_a_blow() {
+    let zeta = 0.05f64;
+    let damped = 10.0 * (1.0 - zeta * zeta).sqrt();
+    let t = (damped / (10.0 * zeta)).atan() / damped;
+    let truth = 2.0 / damped * (-10.0 * zeta * t).exp() * (damped * t).sin();
+    agrees(one(&oscillator(zeta, " = impulse(2 N*s, 0.1 s)"), "peak(x) < 1 m"), truth, 1e-11);
+    // The blow itself accelerates beyond all bounds.
+    let answer = answer(&(oscillator(zeta, " = impulse(2 N*s, 0.1 s)") + "require peak(block.ax) < 1 m/s^2\n"));
+    assert!(matches!(answer.requirements[0].value, Value::Infinite));
+}
+
+/// Peak and rms of random chains under random signals, against samples of the simulated motion: none lies above the peak,
+/// the nearest comes close to it; Simpson's rule gives the mean square.
+#[test]
+fn peak_and_rms_agree_with_dense_samples() {
+    let mut random = crate::independent::random_scenes::Random::new(5);
+    let signals = [
+        "step(1 N, 0.2 s)",
+        "harmonic(1 N, 1.3 Hz, 0.4)",
+        "chirp(1 N, 0.2 Hz, 3 Hz, 4 s)",
+        "pulse(2 N, 0.1 s, 0.7 s)",
+        "ramp(1 N, 0.1 s, 2 s) + harmonic(0.3 N, 5 Hz)",
+        "impulse(1 N*s, 0.5 s)",
+    ];
+    for signal in signals {
+        let mut model = String::new();
+        for i in 0..3 {
+            let mut number = |low: u32, high: u32| f64::from(low + random.below((high - low) as usize) as u32) / 100.0;
+            let (m, k, c) = (number(50, 200), number(2000, 20000), number(5, 200));
+            let before = if i == 0 { "ground".to_string() } else { format!("m{}", i - 1) };
+            model += &format!(
+                "body m{i} {{ mass = {m} kg, moves x }}\nspring k{i}: {before} -- m{i} {{ k = {k} N/m }}\n\
+                 damper c{i}: {before} -- m{i} {{ c = {c} N*s/m }}\n"
+            );
+        }
+        model += &format!("force F: m1 along x = {signal}\noutput x = m2.x\noutput v = m0.vx\n");
+        let requires = "require peak(x) < 0 m\nrequire rms(x) < 0 m\nrequire peak(v) < 0 m/s\nrequire rms(v) < 0 m/s\n";
+        let (sources, file) = sources(&(model.clone() + requires));
+        let until = Number::from(5);
+        let request = vibc::analysis::Request::default();
+        let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+        let found = outcome.answer.expect("a report").requirements;
+        let step = Number::from(Rational::new(1, 2000));
+        let motion =
+            vibc::simulate(&sources, file, &Overrides::default(), &grid(&until, &step)).answer.expect("a motion");
+        for (output, pair) in found.chunks(2).enumerate() {
+            let [Value::Number(peak), Value::Number(rms)] = [&pair[0].value, &pair[1].value] else {
+                panic!("{pair:?}")
+            };
+            let samples: Vec<f64> = motion.history.values.iter().map(|row| row[output].to_f64()).collect();
+            let largest = samples.iter().map(|x| x.abs()).fold(0.0, f64::max);
+            assert!(peak.rad < 1e-9 * peak.to_f64() && rms.rad < 1e-9 * rms.to_f64(), "{signal} {peak:?} {rms:?}");
+            assert!(largest <= peak.to_f64() + peak.rad, "{signal} {output}: {largest} above {peak:?}");
+            // Between samples a curve of 30 rad/s rises by (30 h)^2 / 8 at most; a jump of velocity is at a sample.
+            assert!(largest >= peak.to_f64() * (1.0 - 1e-4), "{signal} {output}: {largest} below {peak:?}");
+            let sum: f64 = samples.windows(3).step_by(2).map(|w| w[0] * w[0] + 4.0 * w[1] * w[1] + w[2] * w[2]).sum();
+            let simpson = (sum / 6.0 / ((samples.len() - 1) / 2) as f64).sqrt();
+            let off = (simpson - rms.to_f64()).abs() / rms.to_f64();
+            assert!(off < 2e-4, "{signal} {output}: {simpson} {rms:?}");
+        }
+    }
+}
+
+/// A free swing without damping: the peak is its amplitude, and over whole half-periods the rms is that over sqrt 2.
+#[test]
+fn a_free_swing_has_its_amplitude_and_rms() {
+    let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\n\
+                 initial a { x = 3 mm, vx = 4 mm/s }\noutput x = a.x\n";
+    agrees(one(model, "peak(x) < 1 m"), 5e-3, 1e-10);
+    let text = format!("{model}require rms(x) < 1 m\n");
+    let (sources, file) = sources(&text);
+    let until = &Number::pi() * &Number::from(7);
+    let request = vibc::analysis::Request::default();
+    let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+    let Value::Number(rms) = outcome.answer.expect("a report").requirements[0].value else { panic!("no number") };
+    agrees(rms, 5e-3 / 2f64.sqrt(), 1e-10);
+}
+
+/// After the transients the simulated motion swings with the steady amplitude.
+#[test]
+fn the_amplitude_is_what_is_left_after_the_transients() {
+    let model = oscillator(0.1, " = harmonic(10 N, 1 Hz) + harmonic(4 N, 2 Hz, 30 deg)");
+    let amplitude = one(&model, "amplitude(x) < 1 m");
+    let part = |force: f64, f: f64| {
+        let w = std::f64::consts::TAU * f;
+        force / ((100.0 - w * w).powi(2) + (2.0 * w).powi(2)).sqrt()
+    };
+    agrees(amplitude, part(10.0, 1.0) + part(4.0, 2.0), 1e-15);
+    let single = oscillator(0.1, " = harmonic(10 N, 1 Hz)");
+    let amplitude = one(&single, "amplitude(x) < 1 m").to_f64();
+    let (sources, file) = sources(&single);
+    let times: Vec<Number> = (0..4000).map(|i| Number::from(Rational::new(40_000 + i, 1000))).collect();
+    let motion = vibc::simulate(&sources, file, &Overrides::default(), &times).answer.expect("a motion");
+    let largest = motion.history.values.iter().map(|row| row[0].to_f64().abs()).fold(0.0, f64::max);
+    assert!((largest / amplitude - 1.0).abs() < 1e-5, "{largest} {amplitude}");
+}
+
+/// Static values, frequencies, ratios, gains and phases of one oscillator.
+#[test]
+fn the_others_by_their_formulas() {
+    let model = oscillator(0.05, " = step(10 N, 0 s)");
+    let measures = [
+        "static(x) < 1 m",
+        "frequency(1) < 1 Hz",
+        "damping(1) < 1",
+        "gain(F -> x, 1 Hz) < 1 m/N",
+        "phase(F -> x, 1 Hz) < 0 deg",
+        "gain(F -> block.ax, 10 rad/s) < 1 m/s^2/N",
+    ];
+    let found = measured(&model, &measures);
+    let w = std::f64::consts::TAU;
+    let (re, im) = (100.0 - w * w, w);
+    let expected = [0.1, 10.0 / w, 0.05, 1.0 / re.hypot(im), -im.atan2(re), 100.0 / 10.0];
+    for (value, truth) in found.into_iter().zip(expected) {
+        agrees(value, truth, 1e-20);
+    }
+}
+
+/// A constant load makes the rest; `static` tells what it adds there.
+#[test]
+fn a_constant_load_counts_for_static() {
+    let constant = one(&oscillator(0.1, " = constant(5 N)"), "static(x) < 1 m");
+    agrees(constant, 0.05, 1e-25);
+}
+
+/// Den Hartog's tuned damper (V10 of the published cases): the two peaks of the classic tuning are not quite equal.
+#[test]
+fn den_hartog() {
+    let model = "let mu = 0.05\nlet f = 1/(1 + mu)\nlet zeta = sqrt(3*mu/(8*(1 + mu)))\n\
+                 body a { mass = 1 kg, moves x }\nbody b { mass = mu * 1 kg, moves x }\n\
+                 spring s: ground -- a { k = 1 N/m }\nspring t: a -- b { k = mu*f^2 * 1 N/m }\n\
+                 damper d: a -- b { c = 2*zeta*mu*f * 1 N*s/m }\nforce F: a along x\n";
+    for (ratio, height) in [(0.899102590673, 6.40749226153), (1.05275472685, 6.40844316970)] {
+        let gain = one(model, &format!("gain(F -> a.x, {ratio} rad/s) < 1 m/N"));
+        // The heights are printed with twelve digits.
+        assert!((gain.to_f64() / height - 1.0).abs() < 1e-11, "{gain:?} {height}");
+    }
+}
+
+/// C04 (ANSYS VM90): two masses between three springs, 200 N on the first.
+#[test]
+fn harmonic_answers_of_two_masses() {
+    let model = "body a { mass = 0.5 kg, moves x }\nbody b { mass = 0.5 kg, moves x }\n\
+                 spring r: ground -- a { k = 200 N/m }\nspring s: a -- b { k = 200 N/m }\nspring t: b -- ground { k = 200 N/m }\n\
+                 force F: a along x = harmonic(200 N, f)\noutput u1 = a.x\noutput u2 = b.x\n";
+    for (f, u1, u2) in [
+        ("1.5", 0.822718011937, 0.462738244367),
+        ("4", 0.511455279575, 1.21525275463),
+        ("6.5", 0.585117376324, 0.269650793591),
+    ] {
+        let model = format!("param f = {f} Hz\n{model}");
+        let found = measured(&model, &["amplitude(u1) < 1 m", "amplitude(u2) < 1 m"]);
+        for (value, truth) in found.into_iter().zip([u1, u2]) {
+            assert!((value.to_f64() / truth - 1.0).abs() < 1e-10, "{value:?} {truth}");
+        }
+    }
+}
+
+/// C07 (ANSYS VM149): the first peak of a chain with 2 % in every mode, near its first frequency.
+#[test]
+fn a_chain_with_modal_damping() {
+    let mut model = String::from("damping modal 2 %\n");
+    for i in 1..=4 {
+        let mass = if i == 4 { "0.5" } else { "1" };
+        let before = if i == 1 { "ground".to_string() } else { format!("m{}", i - 1) };
+        model +=
+            &format!("body m{i} {{ mass = {mass} kg, moves x }}\nspring k{i}: {before} -- m{i} {{ k = 1e4 N/m }}\n");
+    }
+    model += "spring k5: m4 -- ground { k = 1e4 N/m }\nforce F: m3 along x\n";
+    let found = measured(
+        &model,
+        &[
+            "frequency(1) < 1 Hz",
+            "frequency(4) < 1 Hz",
+            "gain(F -> m3.x, 10.102 Hz) < 1 m/N",
+            "gain(F -> k4.force, 10.102 Hz) < 1",
+        ],
+    );
+    for (value, truth) in found.into_iter().zip([10.1552531694642, 34.9632476435319, 2.26121625e-3, 10.0403497]) {
+        assert!((value.to_f64() / truth - 1.0).abs() < 5e-8, "{value:?} {truth}");
+    }
+}
+
+/// S11 (ANSYS VM88) and S08 (VM74), S09 (VM75): amplitudes at and above resonance, and the largest motion.
+#[test]
+fn published_amplitudes_and_peaks() {
+    let unbalance = |force: &str, f: &str| {
+        format!(
+            "body a {{ mass = 0.02590673 kg, moves x }}\nspring s: ground -- a {{ k = 30 N/m }}\n\
+             damper d: ground -- a {{ c = 0.11754533 N*s/m }}\nforce F: a along x = harmonic({force} N, {f} Hz)\n"
+        )
+    };
+    for (force, f, truth) in [("2.4", "5.415947", 0.600000466516), ("24000", "541.5947", 0.0800079494981)] {
+        let amplitude = one(&unbalance(force, f), "amplitude(a.x) < 1 m");
+        assert!((amplitude.to_f64() / truth - 1.0).abs() < 1e-11, "{amplitude:?} {truth}");
+    }
+    let mass = "body a { mass = 0.5 kg, moves x }\nspring s: ground -- a { k = 200 N/m }\nforce F: a along x";
+    // Free of damping, a step doubles its static value; a blow swings with J / sqrt(k m).
+    agrees(one(&format!("{mass} = step(200 N, 0 s)\n"), "peak(a.x) < 9 m"), 2.0, 1e-10);
+    agrees(one(&format!("{mass} = impulse(10 N*s, 0 s)\n"), "peak(a.x) < 9 m"), 1.0, 1e-10);
+}
