@@ -178,6 +178,15 @@ pub struct Emit {
     /// What inputs do between samples: stay, or run along a line
     #[arg(long, value_enum, default_value_t = HoldOption::Zero)]
     pub hold: HoldOption,
+    /// Which signals are part of the state: none, or those that the model declares
+    #[arg(long, value_enum, default_value_t = SignalsOption::External)]
+    pub signals: SignalsOption,
+    /// Add a program that prints the CSV of `vibc simulate`, with the model's signals built in
+    #[arg(long, requires = "until", requires = "output")]
+    pub program: bool,
+    /// The time of the program's last sample, such as 10s
+    #[arg(long, value_name = "TIME", value_parser = time, requires = "program")]
+    pub until: Option<Readings<Number>>,
     /// Write NAME.c and NAME.h, or NAME.rs, into this directory instead of to standard output
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -187,6 +196,14 @@ pub struct Emit {
 pub enum TargetOption {
     Rust,
     C,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SignalsOption {
+    /// Every input is an argument of each step
+    External,
+    /// Inputs with signals are none: what drives them is part of the state
+    Internal,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -385,6 +402,8 @@ fn setting(text: &str) -> Result<String, String> {
 
 /// Times of more samples than this are a slip of the hand.
 pub const MOST_SAMPLES: f64 = 4e6;
+/// A program that is emitted prints them as it goes.
+pub const MOST_PROGRAM_SAMPLES: f64 = 4e9;
 
 /// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written.
 fn quantity(text: &str, dimension: Dimension, literals: Literals) -> Result<(Number, Angle), String> {

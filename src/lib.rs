@@ -229,7 +229,11 @@ fn emission(
 ) -> Option<Emission> {
     let scene = checked_scene(sources, model, overrides, diagnostics)?;
     let system = damped(&scene, diagnostics)?.system;
-    let discrete = analysis::modes(&system).and_then(|modes| analysis::discretise(&system, &modes, options));
+    let mut options = options.clone();
+    if options.built_in {
+        options.internal = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    }
+    let discrete = analysis::modes(&system).and_then(|modes| analysis::discretise(&system, &modes, &options));
     let system = discrete.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     Some(Emission { model: scene.scene().name.clone(), system })
 }

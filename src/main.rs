@@ -6,7 +6,7 @@ mod cli;
 use clap::{CommandFactory, Parser};
 use cli::{
     Analyze, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages, OverrideOptions,
-    PrecisionOption, Simulate, TableFormat, TargetOption, Transfer,
+    PrecisionOption, SignalsOption, Simulate, TableFormat, TargetOption, Transfer,
 };
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibc::analysis::discrete::{Hold, Precision};
 use vibc::analysis::{self, Roads, Sweep};
-use vibc::backend::emit::Language;
+use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
@@ -201,12 +201,21 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
 }
 
 fn emit(options: &Emit, messages: &Messages) -> Status {
+    let literals = options.overrides.literals;
+    let step = options.step.of_literals(literals);
+    let until = options.until.as_ref().map(|until| until.of_literals(literals));
+    let samples = until.map_or(0.0, |until| (until / step).to_f64());
+    if samples > cli::MOST_PROGRAM_SAMPLES {
+        complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_PROGRAM_SAMPLES));
+        return Status::Usage;
+    }
+    let program = until.map(|until| Program { step: step.clone(), samples: analysis::samples(until, step) });
     let input = match read_all(&options.file, &options.overrides) {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
     let wanted = analysis::discrete::Options {
-        step: options.step.of_literals(options.overrides.literals).clone(),
+        step: step.clone(),
         hold: match options.hold {
             HoldOption::Zero => Hold::Zero,
             HoldOption::First => Hold::First,
@@ -217,6 +226,9 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         },
         tolerance: options.tolerance,
         unpruned: false,
+        built_in: options.program || options.signals == SignalsOption::Internal,
+        internal: Vec::new(),
+        until: until.cloned(),
     };
     let language = match options.target {
         TargetOption::C => Language::C,
@@ -232,7 +244,10 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
     }
     match &options.output {
         None => deliver(None, &backend::emit::whole(&emission.model, &emission.system, language)),
-        Some(folder) => deliver_all(folder, &backend::emit::files(&emission.model, &emission.system, language)),
+        Some(folder) => {
+            let files = backend::emit::files(&emission.model, &emission.system, language, program.as_ref());
+            deliver_all(folder, &files)
+        }
     }
 }
 

@@ -34,7 +34,7 @@ pub use modes::splits::{Split, splits};
 pub use modes::{modes, modes_as};
 pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::poles;
-pub use response::{History, grid, respond};
+pub use response::{History, grid, respond, samples};
 pub use stability::stability;
 pub use transfer::modal::{ModalPair, ModalSum};
 pub use transfer::table::{Feature, FeatureKind, Roads, Row, Sweep, Table, table};

@@ -20,6 +20,9 @@ pub fn options(step: &str) -> Options {
         precision: Precision::Double,
         tolerance: None,
         unpruned: false,
+        built_in: false,
+        internal: Vec::new(),
+        until: None,
     }
 }
 
@@ -77,7 +80,7 @@ fn emitted_code_compiles_without_a_word() {
         let emission = emission(&name, &text, &options("0.01"));
         let folder = tempfile::tempdir().expect("a folder");
         for language in [Language::C, Language::Rust] {
-            write(&folder, &emit::files(&emission.model, &emission.system, language));
+            write(&folder, &emit::files(&emission.model, &emission.system, language, None));
         }
         let c = format!("{name}.c");
         for compiler in ["gcc", "clang"] {

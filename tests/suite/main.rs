@@ -5,6 +5,7 @@ mod bounds;
 mod command_line;
 mod diagnostics;
 mod emit;
+mod emit_exact;
 mod exact;
 mod examples;
 mod formatting;

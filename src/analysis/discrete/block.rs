@@ -50,6 +50,14 @@ pub struct Split {
     pub method: &'static str,
 }
 
+impl Split {
+    /// Whether an input does anything.
+    pub fn feels(&self, input: usize) -> bool {
+        let column = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
+        self.blocks.iter().any(|block| column(&block.b)) || self.direct.outputs.iter().any(column)
+    }
+}
+
 /// w' = A w + B0 u + B1 u' + B2 u'' with w = xi + (B1 + A B2) u + B2 u': the B of xi' = A xi + B u, and the two offsets.
 pub fn without_derivatives(a: &Matrix<Dd>, b: [Matrix<Dd>; 3]) -> (Matrix<Dd>, [Matrix<Dd>; 2]) {
     let [b0, b1, b2] = b;

@@ -2,16 +2,17 @@
 
 use crate::analysis::discrete::Hold;
 use crate::analysis::discrete::block::{Block, Direct, clean_product, product, sum};
-use crate::analysis::discrete::hold::{Propagator, propagator};
+use crate::analysis::discrete::hold::{Propagator, exponential, propagator};
 use crate::analysis::discrete::lift::{Lift, lift};
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
+use crate::analysis::discrete::signals::Chain;
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 
 /// What a term multiplies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Operand {
-    /// An input as given.
+    /// An input as given, by its place among those that are given.
     Input(usize),
     /// The same, but zero in the first step, which no line leads to.
     Ramped(usize),
@@ -30,9 +31,9 @@ pub struct Cell {
     pub input: Vec<Vec<(Operand, f64)>>,
     /// What each state adds to the outputs.
     pub output: Vec<Vec<(usize, f64)>>,
-    /// Each state from displacements and velocities: one row a state.
+    /// Each state from displacements and velocities: one row a state; empty for signals.
     pub to: Vec<Vec<f64>>,
-    /// Displacements and velocities from the states: one column a state.
+    /// Displacements and velocities from the states: one column a state; empty for signals.
     pub back: Vec<Vec<f64>>,
     /// The states at t = 0.
     pub start: Vec<f64>,
@@ -58,44 +59,54 @@ impl Cell {
 }
 
 /// How cells are made.
-pub struct Maker {
+pub struct Maker<'a> {
     /// s
     pub step: Dd,
     pub hold: Hold,
     pub precision: Precision,
+    /// Inputs that are given from outside.
+    pub given: Vec<usize>,
+    pub chains: &'a [Chain],
 }
 
-/// A cell, with what the line that inputs run along does at the sample itself.
+/// What operands do, a column each.
+type Columns = Vec<(Operand, Vec<Dd>)>;
+
+/// A cell, with what else depends on its coordinates.
 pub struct Made {
     pub cell: Cell,
-    /// In the outputs: one row an output, one column an input.
-    pub seen: Matrix<Dd>,
-    /// In displacements and velocities.
-    pub moved: Matrix<Dd>,
+    /// The cell's states from the block's.
+    pub s: Matrix<Dd>,
+    /// What the line that inputs run along adds at the sample itself: to outputs, to displacements and velocities.
+    pub seen: Columns,
+    pub moved: Columns,
     to: Matrix<Dd>,
 }
 
-/// What inputs do to the states of a block.
-struct Drive {
-    /// In a step, as given.
-    held: Matrix<Dd>,
-    /// In a step, but not in the first one.
-    ramped: Matrix<Dd>,
-    /// At the sample itself.
-    shift: Matrix<Dd>,
+/// A signal's states as a cell.
+pub struct MadeSignal {
+    pub cell: Cell,
+    pub s: Matrix<Dd>,
+    inverse: Matrix<Dd>,
+    /// Index of the first of its states among all signals'.
+    pub first: usize,
 }
 
-impl Maker {
+impl Maker<'_> {
     /// A block as a cell, in the form that loses least; `None` where a number is out of range.
-    pub fn cell(&self, block: &Block, start: &[Dd]) -> Option<Made> {
+    pub fn cell(&self, block: &Block, signals: &[MadeSignal], start: &[Dd]) -> Option<Made> {
         let propagator = propagator(&block.a, self.step)?;
-        let drive = self.drive(block, &propagator);
+        let (mut drive, shift) = self.drive(block, &propagator);
+        for (chain, signal) in self.chains.iter().zip(signals) {
+            let effect = product(&chain.on(block, Dd::ONE, self.step)?, &signal.inverse);
+            drive.extend((0..chain.size()).map(|k| (Operand::Signal(signal.first + k), effect.column(k).to_vec())));
+        }
+        drive.retain(|(_, column)| column.iter().any(|x| !x.is_zero()));
         let same = Matrix::identity(block.size());
         let (form, s) = match block.size() {
             1 => (self.single(block)?, same),
             2 => {
-                let on = |j: usize| [drive.held[(0, j)], drive.held[(1, j)]];
-                let first = (0..drive.held.columns()).map(on).find(|g| g.iter().any(|x| !x.is_zero()));
+                let first = drive.first().map(|(_, column)| [column[0], column[1]]);
                 let rate = (block.a[(0, 0)] + block.a[(1, 1)]) * self.step;
                 match lift(&propagator.f, rate, first, self.precision) {
                     Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
@@ -104,23 +115,24 @@ impl Maker {
             }
             _ => (self.dense(&propagator.f), same),
         };
-        Some(self.finish(block, form, &s, &drive, start))
+        Some(self.finish(block, form, s, &drive, &shift, start))
     }
 
-    /// With inputs along a line, xi_(k+1) = F xi_k + G0 u_k + G1 u_(k+1); the state is w_k = xi_k - G1 u_k, which is known
-    /// before u_k is.
-    fn drive(&self, block: &Block, propagator: &Propagator) -> Drive {
+    /// What inputs do in a step, and at the sample itself. With inputs along a line, xi_(k+1) = F xi_k + G0 u_k + G1 u_(k+1);
+    /// the state is w_k = xi_k - G1 u_k, which is known before u_k is.
+    fn drive(&self, block: &Block, propagator: &Propagator) -> (Columns, Columns) {
         let held = product(&propagator.p1, &block.b);
+        let columns = |m: &Matrix<Dd>, operand: fn(usize) -> Operand| -> Columns {
+            self.given.iter().enumerate().map(|(at, &j)| (operand(at), m.column(j).to_vec())).collect()
+        };
         match self.hold {
-            Hold::Zero => {
-                let none = Matrix::zeros(block.size(), block.b.columns());
-                Drive { held, ramped: none.clone(), shift: none }
-            }
+            Hold::Zero => (columns(&held, Operand::Input), Columns::new()),
             Hold::First => {
                 let slope = Dd::ONE / self.step;
                 let shift = product(&propagator.p2, &block.b).map(|x| x * slope);
-                let held = sum(&held, &shift.map(|x| -x));
-                Drive { held, ramped: product(&propagator.f, &shift), shift }
+                let mut drive = columns(&sum(&held, &shift.map(|x| -x)), Operand::Input);
+                drive.extend(columns(&product(&propagator.f, &shift), Operand::Ramped));
+                (drive, columns(&shift, Operand::Ramped))
             }
         }
     }
@@ -139,18 +151,17 @@ impl Maker {
         Form::Dense((0..n).map(|i| (0..n).map(|j| self.precision.round(f[(i, j)] - one(i, j))).collect()).collect())
     }
 
-    fn finish(&self, block: &Block, form: Form, s: &Matrix<Dd>, drive: &Drive, start: &[Dd]) -> Made {
-        let inverse = inverse(s);
-        let (mut held, mut ramped) = (product(s, &drive.held), product(s, &drive.ramped));
+    fn finish(&self, block: &Block, form: Form, s: Matrix<Dd>, drive: &Columns, shift: &Columns, start: &[Dd]) -> Made {
+        let inverse = inverse(&s);
+        let mut drive = transformed(&s, drive);
         if let Form::Pair(lift) = &form {
             // x follows v, so it gets only what inputs do to it beyond that.
-            [&mut held, &mut ramped].into_iter().for_each(|g| beyond(g, Dd::from(lift.p)));
+            drive.iter_mut().for_each(|(_, column)| beyond(column, Dd::from(lift.p)));
         }
         let (c, back) = (clean_product(&block.c, &inverse), clean_product(&block.back, &inverse));
-        let to = clean_product(s, &block.to);
+        let to = clean_product(&s, &block.to);
         let size = block.size();
         let round = |x: Dd| self.precision.round(x);
-        let input = (0..size).map(|i| rounded_terms(&input_terms(&held, &ramped, i), self.precision)).collect();
         let output = (0..size).map(|j| {
             let row = (0..c.rows()).map(|i| (i, round(c[(i, j)])));
             row.filter(|(_, value)| *value != 0.0).collect()
@@ -159,73 +170,104 @@ impl Maker {
         let cell = Cell {
             name: block.name.clone(),
             form,
-            input,
+            input: (0..size).map(|i| self.terms(&drive, i)).collect(),
             output: output.collect(),
             to: (0..size).map(|i| (0..to.columns()).map(|j| round(to[(i, j)])).collect()).collect(),
             back: (0..size).map(|j| back.column(j).iter().map(|&x| round(x)).collect()).collect(),
             start: (0..size).map(|i| round(at_start[(i, 0)])).collect(),
         };
-        let seen = product(&block.c, &drive.shift);
-        Made { cell, seen, moved: product(&block.back, &drive.shift), to }
+        let (seen, moved) = (transformed(&block.c, shift), transformed(&block.back, shift));
+        Made { cell, s, seen, moved, to }
     }
 
-    /// What outputs see at once, before the blocks' lines are added.
-    pub fn direct(&self, direct: &Direct) -> Vec<Vec<(Operand, Dd)>> {
-        let [d0, d1, _] = &direct.outputs;
+    /// The cell of a signal's states; `first` numbers them among all signals'.
+    pub fn signal(&self, chain: &Chain, first: usize) -> Option<MadeSignal> {
+        let size = chain.size();
+        let f = exponential(chain.generator.clone())?;
+        let lifted = if chain.turns() { lift(&f, Dd::ZERO, None, self.precision) } else { None };
+        let (form, s) = match lifted {
+            Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
+            None => (self.dense(&f), Matrix::identity(size)),
+        };
+        let at_start = product(&s, &Matrix::from_fn(size, 1, |i, _| chain.start[i]));
+        let cell = Cell {
+            name: chain.name.clone(),
+            form,
+            input: vec![Vec::new(); size],
+            output: vec![Vec::new(); size],
+            to: Vec::new(),
+            back: Vec::new(),
+            start: at_start.column(0).iter().map(|&x| self.precision.round(x)).collect(),
+        };
+        let inverse = inverse(&s);
+        Some(MadeSignal { cell, s, inverse, first })
+    }
+
+    /// Rows over inputs, their slopes and the signals' states, from factors of u, u' and u''.
+    pub fn rows(&self, factors: &[Matrix<Dd>], signals: &[MadeSignal]) -> Vec<Vec<(Operand, Dd)>> {
         let slope = Dd::ONE / self.step;
         let row = |i: usize| {
-            let at_once = (0..d0.columns()).map(|j| (Operand::Input(j), d0[(i, j)]));
-            let slopes = (0..d1.columns()).map(|j| (Operand::Slope(j), d1[(i, j)] * slope));
-            let first = self.hold == Hold::First;
-            at_once.chain(slopes.filter(|_| first)).collect()
+            let given = || self.given.iter().enumerate();
+            let mut row: Vec<(Operand, Dd)> =
+                given().map(|(at, &j)| (Operand::Input(at), factors[0][(i, j)])).collect();
+            if self.hold == Hold::First {
+                row.extend(given().map(|(at, &j)| (Operand::Slope(at), factors[1][(i, j)] * slope)));
+            }
+            for (chain, signal) in self.chains.iter().zip(signals) {
+                let of = |k: usize| {
+                    let powers = factors.iter().zip(&chain.rows);
+                    powers.fold(Dd::ZERO, |sum, (m, row)| sum + m[(i, chain.input)] * row[k])
+                };
+                let own = Matrix::from_fn(1, chain.size(), |_, k| of(k));
+                let own = clean_product(&own, &signal.inverse);
+                row.extend((0..chain.size()).map(|k| (Operand::Signal(signal.first + k), own[(0, k)])));
+            }
+            row
         };
-        (0..d0.rows()).map(row).collect()
+        (0..factors[0].rows()).map(row).collect()
     }
 
-    /// Adds what outputs see of the lines.
-    pub fn see_ramp(&self, direct: &mut [Vec<(Operand, Dd)>], seen: &Matrix<Dd>) {
-        for (i, row) in direct.iter_mut().enumerate() {
-            for j in 0..seen.columns() {
-                let value = seen[(i, j)];
-                match row.iter_mut().find(|(operand, _)| *operand == Operand::Ramped(j)) {
-                    Some((_, sum)) => *sum += value,
-                    None if !value.is_zero() => row.push((Operand::Ramped(j), value)),
-                    None => {}
-                }
+    /// What inputs and signals take from the states of a cell: to (E0 u + E1 u').
+    pub fn taken(&self, made: &Made, direct: &Direct, signals: &[MadeSignal]) -> Vec<Vec<(Operand, f64)>> {
+        let factors = [&direct.state[0], &direct.state[1]].map(|e| clean_product(&made.to, e));
+        let rows = self.rows(&factors, signals);
+        rows.iter().map(|row| rounded_terms(row, self.precision)).collect()
+    }
+
+    /// A state's terms as numbers of the target.
+    fn terms(&self, columns: &Columns, state: usize) -> Vec<(Operand, f64)> {
+        let terms: Vec<(Operand, Dd)> = columns.iter().map(|(operand, column)| (*operand, column[state])).collect();
+        rounded_terms(&terms, self.precision)
+    }
+}
+
+/// Adds columns to rows of terms.
+pub fn add_columns(rows: &mut [Vec<(Operand, Dd)>], columns: &Columns) {
+    for (operand, column) in columns {
+        for (row, &value) in rows.iter_mut().zip(column).filter(|(_, value)| !value.is_zero()) {
+            match row.iter_mut().find(|(known, _)| known == operand) {
+                Some((_, sum)) => *sum += value,
+                None => row.push((*operand, value)),
             }
         }
     }
+}
 
-    /// Rows as numbers of the target, without zeros.
-    pub fn offset(&self, of: &Matrix<Dd>) -> Vec<Vec<(usize, f64)>> {
-        (0..of.rows()).map(|i| self.rounded(|j| of[(i, j)], of.columns())).collect()
-    }
-
-    /// What the last inputs take from the states: to E0.
-    pub fn state_offset(&self, made: &Made, direct: &Direct) -> Vec<Vec<(usize, f64)>> {
-        let taken = product(&made.to, &direct.state[0]);
-        (0..taken.rows()).map(|i| self.rounded(|j| taken[(i, j)], taken.columns())).collect()
-    }
-
-    fn rounded(&self, of: impl Fn(usize) -> Dd, count: usize) -> Vec<(usize, f64)> {
-        (0..count).map(|j| (j, self.precision.round(of(j)))).filter(|(_, value)| *value != 0.0).collect()
-    }
+fn transformed(s: &Matrix<Dd>, columns: &Columns) -> Columns {
+    let image = |column: &Vec<Dd>| {
+        let column = Matrix::from_fn(column.len(), 1, |i, _| column[i]);
+        clean_product(s, &column).column(0).to_vec()
+    };
+    columns.iter().map(|(operand, column)| (*operand, image(column))).collect()
 }
 
 /// The first row less p times the second.
-fn beyond(g: &mut Matrix<Dd>, p: Dd) {
-    for j in 0..g.columns() {
-        let follows = p * g[(1, j)];
-        let rest = g[(0, j)] - follows;
-        // Coordinates were chosen to make it zero.
-        let nothing = rest.hi.abs() <= 1e-20 * (g[(0, j)].hi.abs() + follows.hi.abs());
-        g[(0, j)] = if nothing { Dd::ZERO } else { rest };
-    }
-}
-
-fn input_terms(g: &Matrix<Dd>, ramped: &Matrix<Dd>, state: usize) -> Vec<(Operand, Dd)> {
-    let held = (0..g.columns()).map(|j| (Operand::Input(j), g[(state, j)]));
-    held.chain((0..ramped.columns()).map(|j| (Operand::Ramped(j), ramped[(state, j)]))).collect()
+fn beyond(column: &mut [Dd], p: Dd) {
+    let follows = p * column[1];
+    let rest = column[0] - follows;
+    // Coordinates were chosen to make it zero.
+    let nothing = rest.hi.abs() <= 1e-20 * (column[0].hi.abs() + follows.hi.abs());
+    column[0] = if nothing { Dd::ZERO } else { rest };
 }
 
 /// Terms as numbers of the target, without zeros.
@@ -234,7 +276,7 @@ pub fn rounded_terms(terms: &[(Operand, Dd)], precision: Precision) -> Vec<(Oper
     rounded.filter(|(_, value)| *value != 0.0).collect()
 }
 
-/// The inverse of a matrix of one or two rows, or of the identity.
+/// The inverse of a matrix of two rows, or of the identity.
 fn inverse(s: &Matrix<Dd>) -> Matrix<Dd> {
     match s.rows() {
         2 => {

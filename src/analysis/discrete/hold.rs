@@ -37,6 +37,39 @@ pub fn propagator(a: &Matrix<Dd>, h: Dd) -> Option<Propagator> {
     Some(Propagator { f: part(0, Dd::ONE), p1: part(1, h), p2: part(2, h * h) })
 }
 
+/// What a source does to w' = A w + drive s, s' = (R / h) s, in so many steps of h: the corner of exp([A, drive; 0, R / h] t).
+pub fn coupled(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
+    let (n, m) = (a.rows(), r.rows());
+    let scale = balance(a);
+    // The drive has a unit of its own: a power of two brings it near one.
+    let force = |i: usize, j: usize| (drive[(i, j)] * h).scale(1.0 / scale[i]);
+    let most = (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| force(i, j).hi.abs()).fold(0.0, f64::max);
+    if most == 0.0 || steps.is_zero() {
+        return Some(Matrix::zeros(n, m));
+    }
+    let unit = 2f64.powi(exponent(most).clamp(-1000, 1000));
+    let augmented = Matrix::from_fn(n + m, n + m, |i, j| {
+        let entry = match (i < n, j < n) {
+            (true, true) => (a[(i, j)] * h).scale(scale[j] / scale[i]),
+            (true, false) => force(i, j - n).scale(1.0 / unit),
+            (false, false) => r[(i - n, j - n)],
+            (false, true) => Dd::ZERO,
+        };
+        entry * steps
+    });
+    let e = exponential(augmented)?;
+    Some(Matrix::from_fn(n, m, |i, j| e[(i, n + j)].scale(unit * scale[i])))
+}
+
+/// exp(A t) x
+pub fn moved(a: &Matrix<Dd>, x: &[Dd], t: Dd) -> Option<Vec<Dd>> {
+    let n = a.rows();
+    let scale = balance(a);
+    let e = exponential(Matrix::from_fn(n, n, |i, j| (a[(i, j)] * t).scale(scale[j] / scale[i])))?;
+    let entry = |i: usize, j: usize| e[(i, j)].scale(scale[i] / scale[j]);
+    Some((0..n).map(|i| (0..n).fold(Dd::ZERO, |sum, j| sum + entry(i, j) * x[j])).collect())
+}
+
 /// exp of a matrix without a unit.
 pub fn exponential(a: Matrix<Dd>) -> Option<Matrix<Dd>> {
     let norm = norm_bound(a.rows(), a.columns(), |i, j| a[(i, j)].hi.abs());

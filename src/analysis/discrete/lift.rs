@@ -103,8 +103,14 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
         entry / det
     });
     let rows = |x: [Dd; 2]| {
-        let moved = [0, 1].map(|j| x[0] * inverse[(0, j)] + x[1] * inverse[(1, j)]);
-        [x, [0, 1].map(|j| (x[j] - moved[j]) / p)]
+        let change = |j: usize| {
+            let terms = [x[j], -(x[0] * inverse[(0, j)]), -(x[1] * inverse[(1, j)])];
+            let sum = terms[0] + terms[1] + terms[2];
+            let size: f64 = terms.iter().map(|x| x.hi.abs()).sum();
+            // What is left of zero by rounding is nothing.
+            if sum.hi.abs() <= 1e-26 * size { Dd::ZERO } else { sum / p }
+        };
+        [x, [change(0), change(1)]]
     };
     let size = [0, 1].map(|j| step[(0, j)].hi.abs() + step[(1, j)].hi.abs());
     // Independence of the rows, measured in coordinates of the size of the motion.

@@ -11,6 +11,7 @@
 
 pub mod block;
 pub mod cell;
+mod events;
 pub mod hold;
 pub mod invariant;
 pub mod lift;
@@ -18,21 +19,23 @@ pub mod modal;
 pub mod precision;
 pub mod reduce;
 pub mod rounding;
+pub mod signals;
 
 pub use cell::{Cell, Form, Operand};
 pub use lift::{Decay, Lift};
 pub use precision::Precision;
 pub use reduce::{Left, Why};
 pub use rounding::Rounding;
+pub use signals::Signals;
 
 use crate::analysis::answer::Modes;
 use crate::analysis::discrete::block::{Direct, Split};
-use crate::analysis::discrete::cell::{Maker, rounded_terms};
+use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::poles;
 use crate::base::{Dd, Number};
-use crate::system::{CoordinateKind, LinearSystem};
+use crate::system::{CoordinateKind, LinearSystem, Signal};
 
 /// What an input does between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +57,12 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// Everything is kept, also what no input reaches.
     pub unpruned: bool,
+    /// Whether the model's signals are built into the state.
+    pub built_in: bool,
+    /// Signals built into the state, for each input; inputs without any stay inputs. Empty: none are built in.
+    pub internal: Vec<Vec<Signal>>,
+    /// The end of the motion, s, where it is known: what happens later is left out.
+    pub until: Option<Number>,
 }
 
 /// An input, an output or a coordinate.
@@ -61,6 +70,13 @@ pub struct Options {
 pub struct Port {
     pub name: String,
     pub unit: String,
+}
+
+/// A change of all states, in the order of the cells, before a step.
+#[derive(Clone, Debug)]
+pub struct Event {
+    pub tick: u64,
+    pub change: Vec<f64>,
 }
 
 /// The discrete system.
@@ -80,12 +96,14 @@ pub struct DiscreteSystem {
     pub cells: Vec<Cell>,
     /// What each output sees at once.
     pub direct: Vec<Vec<(Operand, f64)>>,
-    /// Displacements, then velocities, of all coordinates: what the last inputs add.
-    pub offset: Vec<Vec<(usize, f64)>>,
-    /// The same for what the line does that they run along; not before the first step.
-    pub ramped_offset: Vec<Vec<(usize, f64)>>,
-    /// What a state is short of for the last inputs (an offset of `set_state`): one row a state.
-    pub state_offset: Vec<Vec<(usize, f64)>>,
+    /// Displacements, then velocities, of all coordinates: what the last inputs and the signals add.
+    pub offset: Vec<Vec<(Operand, f64)>>,
+    /// What the last inputs and the signals take from a state that is set: one row a state that is not a signal's.
+    pub taken: Vec<Vec<(Operand, f64)>>,
+    /// How many of the cells, the first ones, are those of signals.
+    pub signals: usize,
+    /// What happens to all states at certain steps, ascending.
+    pub events: Vec<Event>,
     /// Outputs that would follow the derivative of an input, which an input that is held does not have.
     pub without_slope: Vec<usize>,
     pub left: Vec<Left>,
@@ -100,8 +118,9 @@ impl DiscreteSystem {
 
     /// Whether the last inputs are part of the state.
     pub fn remembers(&self) -> bool {
-        self.offset.iter().chain(&self.ramped_offset).chain(&self.state_offset).any(|row| !row.is_empty())
-            || self.uses(|o| matches!(o, Operand::Slope(_)))
+        let last = |operand: &Operand| matches!(operand, Operand::Input(_) | Operand::Ramped(_));
+        let kept = self.offset.iter().chain(&self.taken).flatten().any(|(operand, _)| last(operand));
+        kept || self.uses(|operand| matches!(operand, Operand::Slope(_)))
     }
 
     /// Whether the first step differs from the others, as inputs that are interpolated have nothing before them.
@@ -127,32 +146,51 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     }
     let mut split = split(system, modes)?;
     let start = start(system);
-    let left = reduce::reduce(&mut split, &start, options);
-    let maker = Maker { step: options.step.to_ball().mid, hold: options.hold, precision: options.precision };
-    let mut cells = Vec::with_capacity(split.blocks.len());
-    let mut direct = maker.direct(&split.direct);
-    let mut state_offset = Vec::new();
-    let mut moved = Matrix::zeros(2 * n, system.inputs.len());
-    for block in &split.blocks {
-        let made = maker.cell(block, &start).ok_or_else(|| AnalysisError::out_of_range(system))?;
-        maker.see_ramp(&mut direct, &made.seen);
-        state_offset.extend(maker.state_offset(&made, &split.direct));
-        block::add(&mut moved, &made.moved);
-        cells.push(made.cell);
+    let signals = Signals::of(&options.internal, &options.step, options.until.as_ref())
+        .map_err(|long| AnalysisError::signal_too_long(system, long.input))?;
+    if let Some(input) = signals.blow_on_base(system) {
+        return Err(AnalysisError::blow_on_base(system, input));
     }
+    let left = reduce::reduce(&mut split, &start, options);
+    let signals = signals.useful(|input| split.feels(input));
+    let step = options.step.to_ball().mid;
+    let driven = |j: &usize| options.internal.get(*j).is_some_and(|list| !list.is_empty());
+    let given: Vec<usize> = (0..system.inputs.len()).filter(|j| !driven(j)).collect();
+    let maker =
+        Maker { step, hold: options.hold, precision: options.precision, given: given.clone(), chains: &signals.chains };
+    let out_of_range = || AnalysisError::out_of_range(system);
+    let mut first = 0;
+    let mut made_signals = Vec::with_capacity(signals.chains.len());
+    for chain in &signals.chains {
+        made_signals.push(maker.signal(chain, first).ok_or_else(out_of_range)?);
+        first += chain.size();
+    }
+    let mut direct = maker.rows(&split.direct.outputs, &made_signals);
+    let mut offset = maker.rows(&split.direct.state, &made_signals);
+    let mut made = Vec::with_capacity(split.blocks.len());
+    for block in &split.blocks {
+        let cell = maker.cell(block, &made_signals, &start).ok_or_else(out_of_range)?;
+        add_columns(&mut direct, &cell.seen);
+        add_columns(&mut offset, &cell.moved);
+        made.push(cell);
+    }
+    let taken = made.iter().flat_map(|made| maker.taken(made, &split.direct, &made_signals)).collect();
+    let changes = events::changes(&signals, &split.blocks, &made_signals, &made, step).ok_or_else(out_of_range)?;
+    let mut cells: Vec<Cell> = made_signals.into_iter().map(|made| made.cell).collect();
+    let signal_cells = cells.len();
+    cells.extend(made.into_iter().map(|made| made.cell));
+    let events = events::after_start(changes, &mut cells, options.precision);
     let rounding = rounding::rounding(&cells, options.precision);
-    let offset = maker.offset(&split.direct.state[0]);
-    let ramped_offset = maker.offset(&moved);
     let round = |row: Vec<(Operand, Dd)>| rounded_terms(&row, options.precision);
     let slopes = &split.direct.outputs[1];
     let without_slope = (0..system.outputs.len()).filter(|&i| {
-        let row = |m: &Matrix<Dd>| (0..m.columns()).any(|j| !m[(i, j)].is_zero());
+        let row = |m: &Matrix<Dd>| given.iter().any(|&j| !m[(i, j)].is_zero());
         row(&split.direct.outputs[2]) || options.hold == Hold::Zero && row(slopes)
     });
     Ok(DiscreteSystem {
         coordinates: coordinates(system),
         rates: system.coordinates.iter().map(|c| rate_unit(c.kind)).collect(),
-        inputs: (system.inputs.iter())
+        inputs: (given.iter().map(|&j| &system.inputs[j]))
             .map(|input| Port { name: system.display(input.name), unit: input.unit.to_string() })
             .collect(),
         outputs: (system.outputs.iter())
@@ -166,9 +204,10 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         without_slope: without_slope.collect(),
         cells,
         direct: direct.into_iter().map(round).collect(),
-        offset,
-        ramped_offset,
-        state_offset,
+        offset: offset.into_iter().map(round).collect(),
+        taken,
+        signals: signal_cells,
+        events,
         left,
         rounding,
     })

@@ -93,12 +93,16 @@ pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) 
     Ok(History { times: times.to_vec(), values })
 }
 
-/// The times 0, step, 2 step, ... up to `until`.
-pub fn grid(until: &Number, step: &Number) -> Vec<Number> {
+/// How many times there are.
+pub fn samples(until: &Number, step: &Number) -> u64 {
     let count = (until / step).to_f64();
     // A last sample that falls short of `until` only by rounding counts.
-    let whole = (count * (1.0 + 1e-12)).floor() as i64;
-    (0..=whole).map(|i| step * &Number::from(i)).collect()
+    (count * (1.0 + 1e-12)).floor() as u64 + 1
+}
+
+/// The times 0, step, 2 step, ... up to `until`.
+pub fn grid(until: &Number, step: &Number) -> Vec<Number> {
+    (0..samples(until, step) as i64).map(|i| step * &Number::from(i)).collect()
 }
 
 impl<'a> Run<'a> {

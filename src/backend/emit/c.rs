@@ -72,6 +72,20 @@ impl Words for C<'_> {
         ]
     }
 
+    fn due(&self, count: usize) -> [Vec<String>; 2] {
+        [
+            vec![
+                format!("if (state->next < {count}u && EVENTS[state->next] == state->tick) {{"),
+                "    const uint32_t event = state->next;".to_string(),
+            ],
+            vec![
+                "    state->next = event + 1u;".to_string(),
+                "}".to_string(),
+                "state->tick = state->tick + 1u;".to_string(),
+            ],
+        ]
+    }
+
     fn lane(&self) -> String {
         "block + lane".to_string()
     }
@@ -100,6 +114,9 @@ fn header(plan: &Plan) -> String {
     let guard = format!("VIBC_{}_H", name.to_uppercase());
     let mut text = block_comment(&plan.header);
     text += &format!("#ifndef {guard}\n#define {guard}\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n");
+    if !plan.events.is_empty() {
+        text = text.replace("#ifdef __cplusplus\nextern", "#include <stdint.h>\n\n#ifdef __cplusplus\nextern");
+    }
     text += "/* The state: copy it to keep it. */\n";
     text += &format!("typedef struct {name}_state {{\n");
     if plan.state.is_empty() {
@@ -112,6 +129,10 @@ fn header(plan: &Plan) -> String {
             Start::Numbers(numbers) => format!("[{}]", numbers.len()),
         };
         text += &line(1, &format!("{real} {}{size}; {}", array.name, comment(&array.note)));
+    }
+    if !plan.events.is_empty() {
+        text += &line(1, &format!("uint32_t tick; {}", comment("steps done")));
+        text += &line(1, &format!("uint32_t next; {}", comment("the next event")));
     }
     text += &format!("}} {name}_state;\n\n");
     let structure = |what: &str, fields: &[super::plan::Field]| {
@@ -160,8 +181,13 @@ fn body(plan: &Plan) -> String {
     for table in &plan.tables {
         text += &constants(&words, table);
     }
+    if !plan.events.is_empty() {
+        let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick}u,\n")).collect();
+        let (note, count) = (comment("steps before which something happens"), ticks.len());
+        text += &format!("\n{note}\nstatic const uint32_t EVENTS[{count}] = {{\n{}}};\n", ticks.concat());
+    }
     let [(_, init), (_, reset), (_, step), (_, set), (_, get)] = prototypes(plan);
-    text += &function(&init, &start(&words));
+    text += &function(&init, &(start(&words) + &events_start(plan)));
     text += &function(&reset, &line(1, &format!("{}_init(state);", plan.name)));
     text += &function(&step, &statements(&words, &plan.step, 1));
     text += &function(&set, &statements(&words, &plan.set_state, 1));
@@ -210,6 +236,10 @@ fn start(words: &C) -> String {
         }
     }
     text
+}
+
+fn events_start(plan: &Plan) -> String {
+    if plan.events.is_empty() { String::new() } else { line(1, "state->tick = 0u;") + &line(1, "state->next = 0u;") }
 }
 
 fn constants(words: &C, table: &Table) -> String {

@@ -7,8 +7,11 @@ mod motion;
 mod names;
 mod plan;
 mod planner;
+mod program;
 mod rust;
 mod text;
+
+pub use program::Program;
 
 use crate::analysis::DiscreteSystem;
 
@@ -35,13 +38,20 @@ const GET_STATE: &str = "The motion at the coming sample, as it is while the inp
 /// A state without states.
 const NO_STATE: &str = "none";
 
-/// The files of a model, in its directory.
-pub fn files(model: &str, system: &DiscreteSystem, language: Language) -> Vec<File> {
-    let plan = planner::plan(model, system, header::header(model, system));
-    match language {
+/// The files of a model, in its directory, with a program where one is asked for.
+pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: Option<&Program>) -> Vec<File> {
+    let mut plan = planner::plan(model, system, header::header(model, system));
+    if program.is_some() && plan.name == "main" {
+        // The program's own file has that name.
+        plan.name = "main_".into();
+    }
+    let mut files = match language {
         Language::C => c::files(&plan),
         Language::Rust => rust::files(&plan),
-    }
+    };
+    let columns: Vec<String> = system.outputs.iter().map(|output| output.name.clone()).collect();
+    files.extend(program.map(|program| program::file(&plan, &columns, program, language)));
+    files
 }
 
 /// The same as one text.

@@ -3,7 +3,7 @@
 
 use super::plan::{Array, Expression, Factor, Index, Start, Statement, Table, Target, plus, product, sum, total};
 use super::planner::Slot;
-use crate::analysis::discrete::DiscreteSystem;
+use crate::analysis::discrete::{DiscreteSystem, Operand};
 
 /// Numbers that are written out; more are tables.
 const WRITTEN_OUT: usize = 1024;
@@ -15,7 +15,8 @@ pub fn functions(
     arrays: &[Array],
     tables: &mut Vec<Table>,
 ) -> (Vec<Statement>, Vec<Statement>) {
-    let places = slots.iter().enumerate();
+    // Signals are not set: they go on as they are.
+    let places = slots.iter().enumerate().skip(system.signals);
     let states = places
         .flat_map(|(cell, slots)| slots.iter().enumerate().map(move |(i, slot)| State { system, cell, row: i, slot }));
     let motion = Motion { system, n: system.coordinates.len(), states: states.collect() };
@@ -76,22 +77,31 @@ impl Motion<'_> {
         (set.collect(), get.collect())
     }
 
-    /// A state less what the last inputs have in it.
+    /// A state less what the last inputs and the signals have in it.
     fn without_inputs(&self, state: usize, value: Option<Expression>) -> Option<Expression> {
-        self.system.state_offset[state].iter().fold(value, |so_far, (input, taken)| {
-            Some(plus(so_far, Factor::Number(-taken), Expression::state("last", Index::At(*input))))
+        self.system.taken[state].iter().fold(value, |so_far, (operand, taken)| match self.now(*operand) {
+            Some(of) => Some(plus(so_far, Factor::Number(-taken), of)),
+            None => so_far,
         })
     }
 
-    /// A displacement or velocity with what the last inputs add to it.
+    /// A displacement or velocity with what the last inputs and the signals add to it.
     fn with_inputs(&self, j: usize, value: Option<Expression>) -> Option<Expression> {
-        let last = |input: usize| Expression::state("last", Index::At(input));
-        let value = (self.system.offset[j].iter())
-            .fold(value, |so_far, (input, e)| Some(plus(so_far, Factor::Number(*e), last(*input))));
-        let ramp = Expression::state("ramp", Index::Only);
-        (self.system.ramped_offset[j].iter()).fold(value, |so_far, (input, e)| {
-            Some(plus(so_far, Factor::Number(*e), product(ramp.clone(), last(*input))))
+        self.system.offset[j].iter().fold(value, |so_far, (operand, e)| match self.now(*operand) {
+            Some(of) => Some(plus(so_far, Factor::Number(*e), of)),
+            None => so_far,
         })
+    }
+
+    /// An operand between two steps; inputs that keep their last values have no slope.
+    fn now(&self, operand: Operand) -> Option<Expression> {
+        let last = |input: usize| Expression::state("last", Index::At(input));
+        match operand {
+            Operand::Input(input) => Some(last(input)),
+            Operand::Ramped(input) => Some(product(Expression::state("ramp", Index::Only), last(input))),
+            Operand::Slope(_) => None,
+            Operand::Signal(state) => Some(Expression::state("w", Index::At(state))),
+        }
     }
 
     fn by_tables(&self, arrays: &[Array], tables: &mut Vec<Table>) -> (Vec<Statement>, Vec<Statement>) {
@@ -136,7 +146,7 @@ impl Motion<'_> {
         for (index, state) in self.states.iter().enumerate() {
             let place = || Index::At(state.slot.at);
             let so_far = Expression::state(&state.slot.array, place());
-            if !self.system.state_offset[index].is_empty()
+            if !self.system.taken[index].is_empty()
                 && let Some(value) = self.without_inputs(index, Some(so_far))
             {
                 set.push(Statement::Assign(Target::state(&state.slot.array, place()), value));

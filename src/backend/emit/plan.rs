@@ -18,6 +18,8 @@ pub struct Plan {
     /// The state's arrays.
     pub state: Vec<Array>,
     pub tables: Vec<Table>,
+    /// Steps before which something happens; the state then counts its steps.
+    pub events: Vec<u64>,
     pub step: Vec<Statement>,
     pub set_state: Vec<Statement>,
     pub get_state: Vec<Statement>,
@@ -68,6 +70,8 @@ pub enum Statement {
     Lanes(String),
     /// For i in 0, 8, ... below the count, for l in 0..8: the body, at i + l.
     Blocks(usize, Vec<Statement>),
+    /// If the next of so many events is due: the body.
+    WhenDue(usize, Vec<Statement>),
     /// For `i` (or another name) from 0 on, below the count.
     Loop(&'static str, usize, Vec<Statement>),
 }
@@ -93,6 +97,8 @@ pub enum Index {
     Of(&'static str),
     /// i + l in blocks of eight.
     Lane,
+    /// The event that is due.
+    Event,
 }
 
 #[derive(Clone, Debug)]

@@ -20,12 +20,14 @@ pub struct Slot {
 pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
     let mut planner = Planner::new(system);
     planner.locals();
+    (0..system.signals).for_each(|cell| planner.cell(cell));
     planner.at_once();
-    let (loops, single) = groups(&system.cells);
+    let (loops, single) = groups(&system.cells, system.signals);
     loops.iter().for_each(|group| planner.group(group));
     single.iter().for_each(|&cell| planner.cell(cell));
     planner.end();
     let state = planner.arrays();
+    let events = planner.events(&state);
     let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
     Plan {
         name: identifier(model),
@@ -36,6 +38,7 @@ pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
         coordinates: fields(&system.coordinates),
         state,
         tables: planner.tables,
+        events,
         step: planner.step,
         set_state,
         get_state,
@@ -55,10 +58,10 @@ fn fields(ports: &[Port]) -> Vec<Field> {
 const LOOP: usize = 8;
 
 /// Cells that are alike, in groups large enough for loops, and the others.
-fn groups(cells: &[Cell]) -> (Vec<Vec<usize>>, Vec<usize>) {
+fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
     let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
     let mut single = Vec::new();
-    for (i, cell) in cells.iter().enumerate() {
+    for (i, cell) in cells.iter().enumerate().skip(signals) {
         let Some(kind) = Kind::of(cell) else {
             single.push(i);
             continue;
@@ -220,7 +223,8 @@ impl<'a> Planner<'a> {
             Operand::Input(j) => Expression::local(format!("u_{}", self.inputs[j])),
             Operand::Ramped(j) => Expression::local(format!("r_{}", self.inputs[j])),
             Operand::Slope(j) => Expression::local(format!("d_{}", self.inputs[j])),
-            Operand::Signal(i) => Expression::local(format!("signal_{i}")),
+            // The signals' cells come first.
+            Operand::Signal(i) => Expression::local(format!("w{i}")),
         }
     }
 
@@ -415,6 +419,44 @@ impl<'a> Planner<'a> {
             let value = if begun { Expression::local(format!("y_{name}")) } else { Expression::Number(0.0) };
             self.step.push(Statement::Assign(Target::Output(output), value));
         }
+    }
+
+    /// What happens at certain steps, by tables over the arrays.
+    fn events(&mut self, arrays: &[Array]) -> Vec<u64> {
+        let events = &self.system.events;
+        if events.is_empty() {
+            return Vec::new();
+        }
+        let slots: Vec<&Slot> = self.slots.iter().flatten().collect();
+        let mut body = Vec::new();
+        for array in arrays {
+            let Start::Numbers(numbers) = &array.start else { continue };
+            let mut rows = vec![0.0; events.len() * numbers.len()];
+            for (state, slot) in slots.iter().enumerate().filter(|(_, slot)| slot.array == array.name) {
+                for (row, event) in events.iter().enumerate() {
+                    rows[row * numbers.len() + slot.at] = event.change[state];
+                }
+            }
+            if rows.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            let name = format!("EVENTS_{}", array.name.to_uppercase());
+            let change = |at: Index| {
+                let entry = Expression::Entry(name.clone(), Index::Event, at.clone());
+                let value = sum(Expression::state(&array.name, at.clone()), entry);
+                Statement::Assign(Target::state(&array.name, at), value)
+            };
+            if numbers.len() > LOOP {
+                body.push(Statement::Loop("i", numbers.len(), vec![change(Index::Of("i"))]));
+            } else {
+                let moves = |at: usize| rows.iter().skip(at).step_by(numbers.len()).any(|x| *x != 0.0);
+                body.extend((0..numbers.len()).filter(|&at| moves(at)).map(|at| change(Index::At(at))));
+            }
+            let note = "what each event adds to the states".to_string();
+            self.tables.push(Table { name, columns: numbers.len(), values: rows, note });
+        }
+        self.step.insert(0, Statement::WhenDue(events.len(), body));
+        events.iter().map(|event| event.tick).collect()
     }
 
     fn arrays(&self) -> Vec<Array> {

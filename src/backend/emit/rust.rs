@@ -60,6 +60,20 @@ impl Words for Rust<'_> {
         [format!("for block in 0..{} {{", count / 8), "for lane in 0..8 {".to_string()]
     }
 
+    fn due(&self, count: usize) -> [Vec<String>; 2] {
+        [
+            vec![
+                "let event = self.next as usize;".to_string(),
+                format!("if event < {count} && EVENTS[event] == self.tick {{"),
+            ],
+            vec![
+                "    self.next += 1;".to_string(),
+                "}".to_string(),
+                "self.tick = self.tick.wrapping_add(1);".to_string(),
+            ],
+        ]
+    }
+
     fn lane(&self) -> String {
         "8 * block + lane".to_string()
     }
@@ -86,6 +100,9 @@ pub fn whole(plan: &Plan) -> String {
         text += &line(1, &format!("/// {}", array.note));
         text += &line(1, &format!("{}: {kind},", array.name));
     }
+    if !plan.events.is_empty() {
+        text += "    /// steps done\n    tick: u32,\n    /// the next event\n    next: u32,\n";
+    }
     text += "}\n";
     if !plan.inputs.is_empty() {
         text += &structure("Inputs", real, &plan.inputs);
@@ -103,12 +120,20 @@ pub fn whole(plan: &Plan) -> String {
     for table in &plan.tables {
         text += &constants(&words, table);
     }
+    if !plan.events.is_empty() {
+        let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick},\n")).collect();
+        let (count, ticks) = (ticks.len(), ticks.concat());
+        text += &format!("\n/// steps before which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
+    }
     let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
     let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
     text += "\nimpl State {\n";
     text += &format!("    /// {}\n    pub const fn init() -> State {{\n        State {{\n", super::INIT);
     for array in &plan.state {
         text += &line(3, &format!("{}: {},", array.name, start(&words, &array.start)));
+    }
+    if !plan.events.is_empty() {
+        text += &(line(3, "tick: 0,") + &line(3, "next: 0,"));
     }
     text += "        }\n    }\n\n";
     text += &format!(

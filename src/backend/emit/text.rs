@@ -21,6 +21,8 @@ pub trait Words {
     fn loop_head(&self, index: &str, count: usize) -> String;
     /// The heads of the loops over `count / 8` blocks and over the eight lanes of one.
     fn block_heads(&self, count: usize) -> [String; 2];
+    /// The lines before and after what happens when the next of so many events is due.
+    fn due(&self, count: usize) -> [Vec<String>; 2];
     /// The index in a block.
     fn lane(&self) -> String;
 }
@@ -40,6 +42,11 @@ fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
         Statement::Lanes(name) => line(depth, &words.lanes(name)),
         Statement::Loop(index, count, body) => {
             line(depth, &words.loop_head(index, *count)) + &statements(words, body, depth + 1) + &line(depth, "}")
+        }
+        Statement::WhenDue(count, body) => {
+            let [before, after] = words.due(*count);
+            let [before, after] = [before, after].map(|lines| lines.iter().map(|l| line(depth, l)).collect::<String>());
+            before + &statements(words, body, depth + 1) + &after
         }
         Statement::Blocks(count, body) => {
             let [outer, inner] = words.block_heads(*count);
@@ -74,6 +81,7 @@ fn index(words: &impl Words, index: &Index) -> Option<String> {
         Index::Only => None,
         Index::Of(name) => Some((*name).to_string()),
         Index::Lane => Some(words.lane()),
+        Index::Event => Some("event".to_string()),
     }
 }
 

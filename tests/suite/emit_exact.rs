@@ -1,0 +1,313 @@
+//! Emitted programs against the exact response: what C and Rust print, bit for bit the same, and both within rounding of the
+//! motion that `vibc simulate` computes with bounds. Clause: spec.md, "Simulation code".
+
+use super::emit::{STRICT, examples, has, options, silently, write};
+use super::systems::{Builder, HardCase, number};
+use super::transfer::with_every_pair;
+use std::process::Command;
+use tempfile::TempDir;
+use vibc::analysis::discrete::{DiscreteSystem, Hold, Options, Precision};
+use vibc::analysis::{self, History, Signal, discretise, respond};
+use vibc::backend::emit::{self, Language, Program};
+use vibc::base::{Number, SourceFile, SourceKind, Sources};
+use vibc::model::Overrides;
+use vibc::system::{CoordinateId, LinearSystem};
+
+/// What a program printed.
+struct Printed {
+    header: String,
+    rows: Vec<Vec<f64>>,
+}
+
+/// Compiles and runs the programs in C and Rust; they must print the same bytes.
+fn printed(name: &str, system: &DiscreteSystem, program: &Program) -> Printed {
+    let folder = tempfile::tempdir().expect("a folder");
+    let main = run_c(&folder, name, system, program, "gcc", &[]);
+    same(&main, &run_rust(&folder, name, system, program), name);
+    if has("clang") {
+        same(&main, &run_c(&folder, name, system, program, "clang", &[]), name);
+    }
+    let mut lines = main.lines();
+    let header = lines.next().expect("a header").to_string();
+    let read = |field: &str| field.parse::<f64>().expect("a number");
+    Printed { header, rows: lines.map(|line| line.split(',').map(read).collect()).collect() }
+}
+
+/// Equal to the last bit; the first line that differs is shown.
+fn same(a: &str, b: &str, name: &str) {
+    let differ = a.lines().zip(b.lines()).find(|(a, b)| a != b);
+    assert!(differ.is_none() && a.len() == b.len(), "{name}: {differ:?}");
+}
+
+fn run_c(
+    folder: &TempDir,
+    name: &str,
+    system: &DiscreteSystem,
+    program: &Program,
+    compiler: &str,
+    more: &[&str],
+) -> String {
+    let files = emit::files(name, system, Language::C, Some(program));
+    write(folder, &files);
+    let sources: Vec<&str> = files.iter().map(|file| file.name.as_str()).filter(|name| name.ends_with(".c")).collect();
+    silently(folder, compiler, &[&STRICT[..], &["-O1", "-o", "c"], more, &sources, &["-lm"]].concat());
+    output(folder, "c")
+}
+
+fn run_rust(folder: &TempDir, name: &str, system: &DiscreteSystem, program: &Program) -> String {
+    write(folder, &emit::files(name, system, Language::Rust, Some(program)));
+    silently(folder, "rustc", &["-C", "opt-level=1", "-o", "r", "main.rs"]);
+    output(folder, "r")
+}
+
+fn output(folder: &TempDir, program: &str) -> String {
+    let output = Command::new(folder.path().join(program)).output().expect("it runs");
+    assert!(output.status.success());
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// The largest error of each output beside its largest value, over every 997th sample and the last one.
+fn errors(printed: &Printed, history: impl Fn(&[Number]) -> History, step: &Number) -> Vec<f64> {
+    let last = printed.rows.len() - 1;
+    let samples: Vec<usize> = (0..last).step_by(997).chain([last]).collect();
+    let times: Vec<Number> = samples.iter().map(|&k| step * &Number::from(k as i64)).collect();
+    let exact = history(&times);
+    let outputs = printed.rows[0].len() - 1;
+    let of = |output: usize| {
+        let largest = printed.rows.iter().map(|row| row[output + 1].abs()).fold(0.0, f64::max);
+        let error = |(&k, row): (&usize, &Vec<vibc::base::Ball>)| {
+            let value = row[output];
+            assert!(value.rad < 1e-14 * largest.max(1e-300), "the reference is good to {:e}", value.rad);
+            (printed.rows[k][output + 1] - value.to_f64()).abs()
+        };
+        let worst = samples.iter().zip(&exact.values).map(error).fold(0.0, f64::max);
+        if worst == 0.0 { 0.0 } else { worst / largest }
+    };
+    (0..outputs).map(of).collect()
+}
+
+/// Runs a linear system under signals for 1e5 steps; every output to 1e-12 of its largest value.
+fn check(name: &str, system: &LinearSystem, drives: &[Vec<Signal>], step: &str) {
+    check_as(
+        name,
+        system,
+        drives,
+        step,
+        &Options { built_in: true, internal: drives.to_vec(), ..options(step) },
+        1e-12,
+    );
+}
+
+fn check_as(name: &str, system: &LinearSystem, drives: &[Vec<Signal>], step: &str, options: &Options, most: f64) {
+    let modes = analysis::modes(system).expect("modes");
+    let discrete = discretise(system, &modes, options).expect("a discrete system");
+    let step = number(step);
+    let printed = printed(name, &discrete, &Program { step: step.clone(), samples: 100_001 });
+    let history = |times: &[Number]| respond(system, drives, times).expect("a motion");
+    for (output, error) in errors(&printed, history, &step).into_iter().enumerate() {
+        assert!(error <= most, "{name}, output {output}: {error:e} in {}", discrete.method);
+    }
+}
+
+/// Displacement and velocity of each coordinate, a force on each.
+fn observed(system: &LinearSystem) -> LinearSystem {
+    let mut system = with_every_pair(system.clone());
+    for i in 0..system.n() {
+        let mut velocity = system.outputs[i].clone();
+        velocity.p.swap(0, 1);
+        system.outputs.push(velocity);
+    }
+    system
+}
+
+/// All kinds of signals on the examples' inputs, by turns.
+fn signals(count: usize, step: &str) -> Vec<Vec<Signal>> {
+    let (one, h) = (Number::ONE, number(step));
+    let at = |steps: &str| &h * &number(steps);
+    let all = [
+        vec![
+            Signal::Harmonic { value: one.clone(), frequency: number("1.7"), phase: number("0.3") },
+            Signal::Step { value: number("2"), at: at("123.4") },
+        ],
+        vec![
+            Signal::Ramp { value: number("3"), from: at("10"), to: at("170.7") },
+            Signal::Pulse { value: one.clone(), from: at("301.25"), to: at("407") },
+        ],
+    ];
+    (0..count).map(|i| all[i % 2].clone()).collect()
+}
+
+#[test]
+fn examples_are_exact_after_1e5_steps() {
+    for (name, text) in examples() {
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.into_bytes()));
+        let dynamics = vibc::dynamics(&sources, model, &Overrides::default()).answer.expect("an example has answers");
+        let mut system = dynamics.system;
+        if system.n() > 20 {
+            // The reference is what takes long: it is dense.
+            continue;
+        }
+        system.initial = vec![(CoordinateId(0), number("0.01"), number("-0.02"))];
+        let drives = signals(system.inputs.len(), "0.001");
+        check(&name, &system, &drives, "0.001");
+    }
+}
+
+#[test]
+fn hard_cases_are_exact_after_1e5_steps() {
+    // Steps of about a twentieth of the fastest motion that is not overdamped; of the slow one where rates lie far apart.
+    let cases = [
+        ("o12_critical_sdof", "0.01"),
+        ("o13_near_critical_sdof", "0.01"),
+        ("o15_nonproportional_2dof", "0.01"),
+        ("o22_preload_tiny_dynamics", "0.001"),
+        ("o27_long_phase", "0.015625"),
+        ("o28_stiff_transient", "0.001"),
+        ("o29_seed_cart", "0.01"),
+        ("o32_nearcritical_2dof", "0.01"),
+    ];
+    for (name, step) in cases {
+        let mut system = observed(&HardCase::load(name).system);
+        system.initial = vec![(CoordinateId(0), number("0.5"), Number::ONE)];
+        let drives = signals(system.inputs.len(), step);
+        check(name, &system, &drives, step);
+    }
+}
+
+fn single(m: &str, c: &str, k: &str) -> LinearSystem {
+    let mut b = Builder::numbered(1);
+    b.mass(0, &number(m));
+    b.spring(None, 0, &number(k));
+    b.damper(None, 0, &number(c));
+    observed(&b.finish())
+}
+
+/// In single precision, undamped, after 1e5 steps: within the bound that the header states, and far within it.
+#[test]
+fn single_precision_stays_within_its_bound() {
+    let mut system = single("1", "0", "400");
+    system.initial = vec![(CoordinateId(0), Number::ONE, Number::ZERO)];
+    let wanted = Options { precision: Precision::Single, ..options("0.01") };
+    let modes = analysis::modes(&system).expect("modes");
+    let discrete = discretise(&system, &modes, &wanted).expect("a discrete system");
+    let bound = discrete.rounding.after(100_000);
+    check_as("single", &system, &[], "0.01", &wanted, bound.min(1e-3));
+}
+
+/// A step of the input between two samples is lost by no interpolation: a ramp that follows the samples is exact with
+/// `--hold first`.
+#[test]
+fn inputs_along_a_line_are_exact() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let system = single("2", "0.7", "90");
+    let modes = analysis::modes(&system).expect("modes");
+    let discrete = discretise(&system, &modes, &Options { hold: Hold::First, ..options("0.01") }).expect("a system");
+    write(&folder, &emit::files("line", &discrete, Language::C, None));
+    // u = 3 + 5 t, from the first step on; the state is read back on the way.
+    let main = "#include \"line.h\"\n#include <stdio.h>\nint main(void) { line_state s; line_inputs u; line_outputs y; line_motion m; \
+                int k; line_init(&s); for (k = 0; k <= 200; k++) { u.x1 = 3.0 + 5.0 * (0.01 * k); line_step(&s, &u, &y); } \
+                printf(\"%.17g %.17g\\n\", y.x1, y.x1_2); line_get_state(&s, &m); line_set_state(&s, &m); line_get_state(&s, &m); \
+                printf(\"%.17g %.17g\\n\", m.displacement[0], m.velocity[0]); return 0; }\n";
+    let main = main.replace("u.x1 =", &format!("u.{} =", input_field(&discrete)));
+    std::fs::write(folder.path().join("main.c"), main).expect("a file");
+    silently(&folder, "gcc", &["-std=c99", "-O1", "-o", "line_program", "main.c", "line.c", "-lm"]);
+    let text = output(&folder, "line_program");
+    let numbers: Vec<f64> = text.split_whitespace().map(|x| x.parse().expect("a number")).collect();
+    let drive = vec![
+        Signal::Step { value: number("3"), at: Number::ZERO },
+        Signal::Ramp { value: number("500"), from: Number::ZERO, to: number("100") },
+    ];
+    let exact = respond(&system, &[drive], &[number("2")]).expect("a motion");
+    for (value, exact) in numbers.iter().zip(&exact.values[0]) {
+        assert!((value - exact.to_f64()).abs() < 1e-13, "{value:e} {:e}", exact.to_f64());
+    }
+    // At the coming sample the input is still 13: the last interval is one of a constant force.
+    let later = vec![
+        Signal::Step { value: number("3"), at: Number::ZERO },
+        Signal::Ramp { value: number("10"), from: Number::ZERO, to: number("2") },
+    ];
+    let exact = respond(&system, &[later], &[number("2.01")]).expect("a motion");
+    for (value, exact) in numbers[2..].iter().zip(&exact.values[0]) {
+        assert!((value - exact.to_f64()).abs() < 1e-13, "{value:e} {:e}", exact.to_f64());
+    }
+}
+
+fn input_field(system: &DiscreteSystem) -> String {
+    system.inputs[0].name.replace('.', "_")
+}
+
+/// What no input reaches is not emitted, and the outputs do not change by a bit of it.
+#[test]
+fn a_symmetric_scene_driven_symmetrically_has_half_of_the_states() {
+    let mut b = Builder::numbered(4);
+    for i in 0..4 {
+        b.mass(i, &number("1.3"));
+    }
+    for (from, to) in [(None, 0), (Some(0), 1), (Some(1), 2), (Some(2), 3), (None, 3)] {
+        b.spring(from, to, &number("170.7"));
+        b.damper(from, to, &number("0.2"));
+    }
+    let mut system = observed(&b.finish());
+    // One force, on both ends alike.
+    system.inputs.truncate(1);
+    system.inputs[0].b[0] = vec![(CoordinateId(0), Number::ONE), (CoordinateId(3), Number::ONE)];
+    let modes = analysis::modes(&system).expect("modes");
+    let drives = signals(1, "0.01");
+    let wanted = Options { built_in: true, internal: drives.clone(), ..options("0.01") };
+    let whole = discretise(&system, &modes, &Options { unpruned: true, ..wanted.clone() }).expect("a system");
+    let half = discretise(&system, &modes, &wanted).expect("a system");
+    let of_signals: usize = half.cells[..half.signals].iter().map(|cell| cell.size()).sum();
+    assert_eq!((whole.states() - of_signals, half.states() - of_signals), (8, 4));
+    assert_eq!(half.left.len(), 2);
+    let program = Program { step: number("0.01"), samples: 2001 };
+    let (all, some) = (printed("whole", &whole, &program), printed("half", &half, &program));
+    assert_eq!(all.header, some.header);
+    let largest = all.rows.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+    for (a, b) in all.rows.iter().flatten().zip(some.rows.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-13 * largest, "{a:e} {b:e}");
+    }
+}
+
+/// Fast modes that add little over the band are left out for a tolerance, and their static part stays.
+#[test]
+fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
+    let mut b = Builder::numbered(2);
+    b.mass(0, &Number::ONE);
+    b.mass(1, &number("1e-6"));
+    b.spring(None, 0, &number("100"));
+    b.spring(Some(0), 1, &number("1e6"));
+    b.damper(None, 0, &number("0.5"));
+    b.damper(Some(0), 1, &number("1e-3"));
+    let system = observed(&b.finish());
+    let modes = analysis::modes(&system).expect("modes");
+    let of = |tolerance| discretise(&system, &modes, &Options { tolerance, ..options("0.01") }).expect("a system");
+    let mut fewer = of(Some(1e-2));
+    assert_eq!(of(None).states(), 4);
+    // Velocities of the light mass see its own fast mode at once, so it stays for them.
+    if fewer.states() == 4 {
+        let mut seen = system.clone();
+        seen.outputs.truncate(1);
+        seen.inputs.truncate(1);
+        fewer = discretise(&seen, &modes, &Options { tolerance: Some(1e-6), ..options("0.01") }).expect("a system");
+    }
+    assert_eq!(fewer.states(), 2);
+    let text = emit::whole("fewer", &fewer, Language::C);
+    assert!(text.contains("its static part is kept"), "{text}");
+}
+
+/// The compiler's own checks of undefined behaviour and of memory find nothing.
+#[test]
+fn sanitizers_find_nothing() {
+    let mut system = observed(&HardCase::load("o29_seed_cart").system);
+    system.initial = vec![(CoordinateId(0), number("0.5"), Number::ONE)];
+    let drives = signals(system.inputs.len(), "0.01");
+    let modes = analysis::modes(&system).expect("modes");
+    let wanted = Options { built_in: true, internal: drives, ..options("0.01") };
+    let discrete = discretise(&system, &modes, &wanted).expect("a system");
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = Program { step: number("0.01"), samples: 1001 };
+    let flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let checked = run_c(&folder, "checked", &discrete, &program, "gcc", &flags);
+    same(&checked, &run_c(&folder, "checked", &discrete, &program, "gcc", &["-O2", "-march=native"]), "native");
+}
