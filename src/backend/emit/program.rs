@@ -209,11 +209,11 @@ fn rust(plan: &Plan, header: &str, time: &str, samples: u64) -> String {
 
 mod {name};
 
-use std::io::Write;
+use std::{{io, io::Write}};
 {print}
 fn main() {{
     let mut state = {name}::State::init();
-{inputs}    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+{inputs}    let mut out = io::BufWriter::new(io::stdout().lock());
     let mut text = String::from(\"{header}\\n\");
     for sample in 0..{samples}u64 {{
         let k = sample as f64;
