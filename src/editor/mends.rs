@@ -92,29 +92,26 @@ fn times(document: &Document, at: Range<usize>, factor: &str) -> (String, Range<
     (format!("multiply by `{factor}`"), at, text)
 }
 
-/// Where the bracket that opens at a place is to be closed: behind the last visible token of its statement, or before
-/// what closes another bracket too early.
+/// Where the bracket or quote that opens at a place is to be closed: behind the last visible token of its statement, but
+/// before what closes another bracket, and before the next field.
 fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
     let text = document.text();
     let Some(first) = document.tokens.iter().position(|token| token.range.start == open) else { return open };
-    let statement = document.statement_of(first);
-    let last = statement.map_or(document.tokens.len(), |s| {
-        let statement = &document.outline.statements[s];
-        // A `repeat` without its end goes on to the end of the text.
-        if document.keyword(s) == "repeat" && statement.tokens.end == first + 1 {
-            document.tokens.len()
-        } else {
-            statement.tokens.end
-        }
-    });
+    if bracket == '"' {
+        // What was to follow the string stands in it.
+        return open + document.token_text(first).trim_end_matches([')', '}', ' ', ',']).len();
+    }
     let mut depth = 0_usize;
     let mut end = document.tokens[first].range.end;
-    for token in &document.tokens[first..last] {
+    for at in first..statement_end(document, first) {
+        let token = &document.tokens[at];
         match token.kind {
-            TokenKind::LineEnd if bracket == '"' => break,
             TokenKind::LineEnd | TokenKind::Comment => continue,
-            // In braces a value ends with its line or a comma.
-            TokenKind::Sign if token.text(text) == "," && depth == 1 && bracket == ']' => break,
+            TokenKind::Sign
+                if depth == 1 && bracket != '}' && token.text(text) == "," && field_follows(document, at) =>
+            {
+                break;
+            }
             TokenKind::Open => depth += 1,
             TokenKind::Close if depth == 1 && !token.text(text).starts_with(bracket) => break,
             TokenKind::Close => depth = depth.saturating_sub(1),
@@ -123,6 +120,19 @@ fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
         end = token.range.end;
     }
     end
+}
+
+/// Behind the last token of the statement of a token; a `repeat` that is opened there goes on to the end of the text.
+fn statement_end(document: &Document, token: usize) -> usize {
+    let Some(index) = document.statement_of(token) else { return document.tokens.len() };
+    let end = document.outline.statements[index].tokens.end;
+    if document.keyword(index) == "repeat" && end == token + 1 { document.tokens.len() } else { end }
+}
+
+/// A word and `=`, or a freedom, stand behind a comma.
+fn field_follows(document: &Document, comma: usize) -> bool {
+    let word = |at: usize| document.tokens.get(at).map_or("", |token| token.text(document.text()));
+    word(comma + 2) == "=" || matches!(word(comma + 1), "moves" | "turns" | "free")
 }
 
 /// Before the `}` of the declaration around a place; with braces of its own where it has none.

@@ -4,6 +4,7 @@ mod ask;
 mod bounds;
 mod command_line;
 mod diagnostics;
+mod editor;
 mod emit;
 mod emit_exact;
 mod exact;
