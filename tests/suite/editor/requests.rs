@@ -152,7 +152,8 @@ fn hints(client: &mut Client) -> Vec<(u64, String)> {
     let params = json!({ "textDocument": { "uri": URI }, "range": client.all() });
     let hints = client.ask("textDocument/inlayHint", params);
     let hints = hints.as_array().expect("hints").iter();
-    hints.map(|h| (h["position"]["line"].as_u64().unwrap(), h["label"].as_str().unwrap().to_string())).collect()
+    let text = |hint: &Value| hint["label"].as_str().expect("a label").to_string();
+    hints.map(|hint| (hint["position"]["line"].as_u64().expect("a line"), text(hint))).collect()
 }
 
 #[test]
