@@ -2,6 +2,7 @@
 //!
 //! Columns are what the algorithms here work on (rotations of pairs, Gram products, modes), so a column is a slice.
 
+use crate::analysis::numeric::fused::fused;
 use crate::base::Dd;
 use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
@@ -197,17 +198,19 @@ impl Matrix<Dd> {
     }
 }
 
-/// a . b
-#[inline]
-pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
-    a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
+fused! {
+    /// a . b
+    pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
+        a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
+    }
 }
 
-/// y <- y + factor x
-#[inline]
-pub fn add_scaled(y: &mut [Dd], factor: Dd, x: &[Dd]) {
-    for (y, &x) in y.iter_mut().zip(x) {
-        *y += factor * x;
+fused! {
+    /// y <- y + factor x
+    pub fn add_scaled(y: &mut [Dd], factor: Dd, x: &[Dd]) {
+        for (y, &x) in y.iter_mut().zip(x) {
+            *y += factor * x;
+        }
     }
 }
 

@@ -5,6 +5,7 @@ pub(in crate::analysis) mod big_float;
 pub mod complex;
 pub mod dense;
 pub(in crate::analysis) mod enclosure;
+pub(in crate::analysis) mod fused;
 pub(in crate::analysis) mod jacobi;
 pub(in crate::analysis) mod lanes;
 pub(in crate::analysis) mod pairwise;

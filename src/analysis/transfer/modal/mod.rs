@@ -13,6 +13,7 @@ use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
+use crate::analysis::numeric::fused::fused;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, LinearSystem};
@@ -262,25 +263,27 @@ pub(in crate::analysis) fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>
     next
 }
 
-/// X^T (sum w a a^T) X, term by term.
-pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
-    let n = x.columns();
-    let mut gram = Matrix::filled(n, n, Ball::ZERO);
-    for t in 0..squares.len() {
-        let stretch: Vec<Ball> = (0..n).map(|j| squares.stretch(t, x.column(j))).collect();
-        for j in 0..n {
-            let tension = squares.weights[t] * stretch[j];
-            for i in 0..=j {
-                gram[(i, j)] = gram[(i, j)] + tension * stretch[i];
+fused! {
+    /// X^T (sum w a a^T) X, term by term.
+    pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
+        let n = x.columns();
+        let mut gram = Matrix::filled(n, n, Ball::ZERO);
+        for t in 0..squares.len() {
+            let stretch: Vec<Ball> = (0..n).map(|j| squares.stretch(t, x.column(j))).collect();
+            for j in 0..n {
+                let tension = squares.weights[t] * stretch[j];
+                for i in 0..=j {
+                    gram[(i, j)] = gram[(i, j)] + tension * stretch[i];
+                }
             }
         }
-    }
-    for j in 0..n {
-        for i in 0..j {
-            gram[(j, i)] = gram[(i, j)];
+        for j in 0..n {
+            for i in 0..j {
+                gram[(j, i)] = gram[(i, j)];
+            }
         }
+        gram
     }
-    gram
 }
 
 /// The largest |G_ij| / sqrt(s_i s_j) off the diagonal, and of what the diagonal is uncertain by (or off one by).
