@@ -131,6 +131,8 @@ pub struct Motion {
     pub model: String,
     pub system: LinearSystem,
     pub history: History,
+    /// What repeats for ever, for each frequency of the harmonic signals.
+    pub steady: Vec<analysis::Steady>,
 }
 
 /// From the text of a model to its motion at ascending times, s, under its signals and from its initial state.
@@ -152,7 +154,17 @@ fn motion(
     let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     let history = analysis::respond(&system, &drives, times);
     let history = history.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
-    Some(Motion { model: scene.scene().name.clone(), system, history })
+    let outputs: Vec<usize> = (0..system.outputs.len()).collect();
+    let steady = if has_harmonics(&drives) {
+        analysis::steady(&analysis::Transfer::of(&system), &drives, &outputs)
+    } else {
+        Vec::new()
+    };
+    Some(Motion { model: scene.scene().name.clone(), system, history, steady })
+}
+
+fn has_harmonics(drives: &[Vec<system::Signal>]) -> bool {
+    drives.iter().flatten().any(|signal| matches!(signal, system::Signal::Harmonic { .. }))
 }
 
 /// The files of tables that a model names, each once, as written: who calls adds them to the sources (see

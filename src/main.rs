@@ -193,9 +193,9 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         return Status::Usage;
     }
     let text = match options.format {
-        TableFormat::Text => backend::simulation::text(&motion.model, &motion.system, &motion.history),
+        TableFormat::Text => backend::simulation::text(&motion.model, &motion.system, &motion.history, &motion.steady),
         TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history),
-        TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history),
+        TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
     deliver(options.output.as_deref(), &text)
 }

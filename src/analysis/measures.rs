@@ -2,7 +2,7 @@
 //! out: a value, or why there is none. Clause: spec.md, "Response".
 
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
-use crate::analysis::numeric::complex::Complex;
+use crate::analysis::steady::steady;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
 use crate::system::Signal;
@@ -71,33 +71,15 @@ pub fn phase(transfer: &Transfer, input: usize, output: usize, frequency: &Numbe
 /// The largest value that an output comes near to in the steady state under the harmonic signals: signals of one frequency
 /// add as complex numbers, amplitudes of different frequencies add up.
 pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> Measurement {
-    let mut groups: Vec<(Number, Complex<Ball>, f64)> = Vec::new();
-    for (input, signals) in drives.iter().enumerate() {
-        for signal in signals {
-            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
-            let Some((sine, cosine)) = phase.sin_cos() else { return Measurement::None("the phase has no digits") };
-            let disc = match at(transfer, input, output, frequency) {
-                Gain::Finite(disc) => disc,
-                Gain::Infinite => return Measurement::Infinite,
-                Gain::Unknown => return Measurement::None("the frequency is too near to an undamped pole"),
-            };
-            let amplitude = Complex::new(cosine.to_ball(), sine.to_ball()).scale(value.to_ball());
-            let part = disc.value.to_ball() * amplitude;
-            let radius = disc.radius * value.to_ball().magnitude();
-            match groups.iter_mut().find(|(known, ..)| known == frequency) {
-                Some(group) => {
-                    group.1 = group.1 + part;
-                    group.2 += radius;
-                }
-                None => groups.push((frequency.clone(), part, radius)),
-            }
+    let mut sum = Ball::ZERO;
+    for part in steady(transfer, drives, &[output]) {
+        match part.outputs[0] {
+            Gain::Finite(disc) => sum = sum + disc.gain(),
+            Gain::Infinite => return Measurement::Infinite,
+            Gain::Unknown => return Measurement::None("the frequency is too near to an undamped pole"),
         }
     }
-    let sizes = groups.into_iter().map(|(_, sum, radius)| {
-        let disc = Disc { value: sum.mid(), radius: (sum.radius() + radius) * (1.0 + 1e-12) };
-        disc.gain()
-    });
-    Measurement::Value(sizes.fold(Ball::ZERO, |sum, size| sum + size))
+    Measurement::Value(sum)
 }
 
 /// A steady load: the input, and its value.

@@ -16,6 +16,7 @@ pub mod peak;
 mod poles;
 pub mod response;
 mod stability;
+pub mod steady;
 #[cfg(test)]
 mod test_systems;
 pub mod transfer;
@@ -36,6 +37,7 @@ pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::poles;
 pub use response::{History, grid, respond, samples};
 pub use stability::stability;
+pub use steady::{Steady, steady};
 pub use transfer::modal::{ModalPair, ModalSum};
 pub use transfer::table::{Feature, FeatureKind, Roads, Row, Sweep, Table, table};
 pub use transfer::{Disc, Frequency, Gain, Transfer};

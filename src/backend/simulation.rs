@@ -2,9 +2,10 @@
 
 use super::decimal::{certain, certain_number, upper};
 use super::report::table::{Align, Table};
-use crate::analysis::History;
+use super::transfer::{error_bound, hundredths, phase};
+use crate::analysis::{Gain, History, Steady};
 use crate::base::{Ball, Dd};
-use crate::system::LinearSystem;
+use crate::system::{LinearSystem, Output};
 
 const INDENT: usize = 2;
 const DIGITS: usize = 6;
@@ -31,8 +32,9 @@ pub fn csv(system: &LinearSystem, history: &History) -> String {
 }
 
 /// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...]}]}`; the bound is absolute and holds for
-/// every value of its output as printed.
-pub fn json(model: &str, system: &LinearSystem, history: &History) -> String {
+/// every value of its output as printed. Under harmonic signals also `"steady_state": [{"output", "frequency_hz",
+/// "amplitude", "phase_deg", "error_bound"}]`, the bound relative, in the complex plane.
+pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| JsonOutput {
             name: system.display(output.name),
@@ -46,6 +48,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History) -> String {
         model,
         time_s: history.times.iter().map(|time| time.to_f64()).collect(),
         outputs,
+        steady_state: steady.iter().flat_map(|part| steady_lines(system, part)).collect(),
     };
     serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
 }
@@ -56,6 +59,35 @@ struct JsonHistory<'a> {
     model: &'a str,
     time_s: Vec<f64>,
     outputs: Vec<JsonOutput>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    steady_state: Vec<JsonSteady>,
+}
+
+/// What is infinite or unknown is `null`; then `infinite` tells which.
+#[derive(serde::Serialize)]
+struct JsonSteady {
+    output: String,
+    frequency_hz: f64,
+    amplitude: Option<f64>,
+    phase_deg: Option<f64>,
+    error_bound: Option<f64>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    infinite: bool,
+}
+
+fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
+    let line = |(output, gain): (&Output, &Gain)| {
+        let disc = gain.disc();
+        JsonSteady {
+            output: system.display(output.name),
+            frequency_hz: part.frequency.to_f64(),
+            amplitude: disc.and_then(|disc| finite(&disc.gain())),
+            phase_deg: disc.and_then(phase).and_then(|phase| finite(&phase)),
+            error_bound: disc.map(|disc| error_bound(&disc)).filter(|bound| bound.is_finite()),
+            infinite: *gain == Gain::Infinite,
+        }
+    };
+    system.outputs.iter().zip(&part.outputs).map(line).collect()
 }
 
 #[derive(serde::Serialize)]
@@ -66,8 +98,8 @@ struct JsonOutput {
     values: Vec<Option<f64>>,
 }
 
-/// The range of each output and where it ends, with the largest error.
-pub fn text(model: &str, system: &LinearSystem, history: &History) -> String {
+/// The range of each output and where it ends, with the largest error; the steady state where there are harmonic signals.
+pub fn text(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let until = history.times.last().map_or("0".into(), |time| certain_number(time, DIGITS));
     let mut text = format!("{model} · motion until {until} s, {} samples\n", history.times.len());
     let mut table = Table::new()
@@ -83,7 +115,38 @@ pub fn text(model: &str, system: &LinearSystem, history: &History) -> String {
         table.row(cells(system.display(output.name), &output.unit, history, i));
     }
     text += &table.text(INDENT);
+    if !steady.is_empty() {
+        text += &steady_text(system, steady);
+    }
     text
+}
+
+fn steady_text(system: &LinearSystem, steady: &[Steady]) -> String {
+    let mut table = Table::new()
+        .column("output", "", Align::Left)
+        .column("unit", "", Align::Left)
+        .column("f", "[Hz]", Align::Point)
+        .column("amplitude", "", Align::Point)
+        .column("phase", "[deg]", Align::Point)
+        .column("error ≤", "", Align::Right);
+    for part in steady {
+        for (output, gain) in system.outputs.iter().zip(&part.outputs) {
+            let mut cells =
+                vec![system.display(output.name), output.unit.clone(), certain_number(&part.frequency, DIGITS)];
+            cells.extend(match gain {
+                Gain::Finite(disc) => [
+                    certain(&disc.gain(), DIGITS),
+                    phase(*disc).map_or(String::new(), |phase| hundredths(&phase)),
+                    upper(error_bound(disc)),
+                ],
+                Gain::Infinite => ["infinite", "", "exact"].map(String::from),
+                Gain::Unknown => ["?", "", "?"].map(String::from),
+            });
+            table.row(cells);
+        }
+    }
+    "\n  steady state: amplitude × sin(2π f t + phase), what stays where damping takes the rest away\n".to_string()
+        + &table.text(INDENT)
 }
 
 fn cells(name: String, unit: &str, history: &History, output: usize) -> Vec<String> {

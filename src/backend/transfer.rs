@@ -108,7 +108,7 @@ pub fn phase(disc: Disc) -> Option<Ball> {
 }
 
 /// Bound of |printed - true| / |true| in the complex plane, for the two binary64 numbers printed.
-fn error_bound(disc: &Disc) -> f64 {
+pub(super) fn error_bound(disc: &Disc) -> f64 {
     let lost = |x: Dd| (x - Dd::from(x.to_f64())).abs().to_f64();
     let size = disc.value.to_f64().abs();
     let rounding = lost(disc.value.re) + lost(disc.value.im);
@@ -221,7 +221,7 @@ fn cells(kind: &str, frequency: &Number, gain: Gain, half_power: Option<(f64, f6
 }
 
 /// Two digits after the point, as levels and angles are read.
-fn hundredths(value: &Ball) -> String {
+pub(super) fn hundredths(value: &Ball) -> String {
     if !value.is_finite() || value.rad > 0.005 {
         return "?".into();
     }

@@ -319,8 +319,40 @@ fn motions_are_printed() {
     let step = Signal::Step { value: n("200"), at: n("0.25") };
     let history = respond(&system, &[vec![step]], &times).expect("a motion");
     insta::assert_snapshot!(vibc::backend::simulation::csv(&system, &history));
-    insta::assert_snapshot!(vibc::backend::simulation::json("oscillator", &system, &history));
-    insta::assert_snapshot!(vibc::backend::simulation::text("oscillator", &system, &history));
+    insta::assert_snapshot!(vibc::backend::simulation::json("oscillator", &system, &history, &[]));
+    insta::assert_snapshot!(vibc::backend::simulation::text("oscillator", &system, &history, &[]));
+}
+
+/// S10 and S11 of the published cases (VM86, VM88): 10 N at 20 rad/s make 1/12 m. What is printed of it, and of an undamped
+/// oscillator at its own 2 rad/s.
+#[test]
+fn a_steady_state_is_told() {
+    let system = oscillator("0.5", "6", "200", "0", "0");
+    let f = &n("20") / &(&Number::pi() * &n("2"));
+    let force = |phase: &str| Signal::Harmonic { value: n("10"), frequency: f.clone(), phase: n(phase) };
+    let steady = |system: &LinearSystem, signal: Signal| {
+        let transfer = vibc::analysis::Transfer::of(system);
+        vibc::analysis::steady(&transfer, &[vec![signal]], &[0, 1])
+    };
+    let told = steady(&system, force("0"));
+    let (x, v) = (told[0].outputs[0].disc().expect("finite"), told[0].outputs[1].disc().expect("finite"));
+    near(x.gain(), 1.0 / 12.0, 1e-15);
+    near(v.gain(), 20.0 / 12.0, 1e-15);
+    // The stiffness and the inertia cancel: a quarter of a turn late.
+    assert!(x.value.re.to_f64().abs() < 1e-17 && x.value.im.to_f64() < 0.0);
+    // The motion comes to it: at t = 20 s the transient is below exp(-120).
+    let late = &motion(&system, vec![force("0.7")], &["20"])[0];
+    let told_late = steady(&system, force("0.7"))[0].outputs[0].disc().expect("finite");
+    let (s, c) = Number::from(400).sin_cos().expect("in range");
+    let value = told_late.value.re.to_f64() * s.to_f64() + told_late.value.im.to_f64() * c.to_f64();
+    near(late[0], value, 1e-14);
+    let history = respond(&system, &[vec![force("0.7")]], &[n("0"), n("20")]).expect("a motion");
+    insta::assert_snapshot!(vibc::backend::simulation::text("shaken", &system, &history, &told));
+    insta::assert_snapshot!(vibc::backend::simulation::json("shaken", &system, &history, &told));
+    let undamped = oscillator("1", "0", "4", "0", "0");
+    let own = Signal::Harmonic { value: n("1"), frequency: Number::pi().recip().expect("not zero"), phase: n("0") };
+    let told = steady(&undamped, own);
+    assert!(told[0].outputs[0].disc().is_none());
 }
 
 /// Random chains with random dampers under a step and a harmonic force: one long step and many short ones agree within

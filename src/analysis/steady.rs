@@ -1,0 +1,63 @@
+//! The steady state under harmonic signals: for each frequency the motion that repeats, y = |a| sin(2 pi f t + arg a), a the sum
+//! of H(i 2 pi f) times the signals' complex amplitudes. In: a transfer function and signals. Out: one complex amplitude for
+//! each frequency and output. Clause: spec.md, "Response" 11b.6a.
+//!
+//! It is what remains where damping takes every other motion away; without damping the motion from rest never comes to it.
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
+use crate::base::{Ball, Number};
+use crate::system::Signal;
+
+/// The motion of one frequency.
+#[derive(Clone, Debug)]
+pub struct Steady {
+    /// Hz
+    pub frequency: Number,
+    /// |a| is the amplitude and arg a the phase against sin(2 pi f t), one for each output asked for; infinite at a pole
+    /// without damping.
+    pub outputs: Vec<Gain>,
+}
+
+/// One for each frequency of the harmonic signals, in their order.
+pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) -> Vec<Steady> {
+    let mut list: Vec<Steady> = Vec::new();
+    for (input, signals) in drives.iter().enumerate() {
+        for signal in signals {
+            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
+            let gains = &transfer.between(&Frequency::hertz(frequency), &[input], outputs)[0];
+            let added = gains.iter().map(|gain| scaled(*gain, value, phase));
+            match list.iter_mut().find(|known| known.frequency == *frequency) {
+                Some(known) => known.outputs.iter_mut().zip(added).for_each(|(sum, gain)| *sum = plus(*sum, gain)),
+                None => list.push(Steady { frequency: frequency.clone(), outputs: added.collect() }),
+            }
+        }
+    }
+    list
+}
+
+/// H times value exp(i phase).
+fn scaled(gain: Gain, value: &Number, phase: &Number) -> Gain {
+    if value.is_zero() {
+        return Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 });
+    }
+    let (Some(disc), Some((sine, cosine))) = (gain.disc(), phase.sin_cos()) else {
+        return if gain == Gain::Infinite { gain } else { Gain::Unknown };
+    };
+    let amplitude = Complex::new(cosine.to_ball(), sine.to_ball()).scale(value.to_ball());
+    let product = disc.value.to_ball() * amplitude;
+    let radius = (product.radius() + disc.radius * value.to_ball().magnitude()) * (1.0 + 1e-12);
+    Gain::Finite(Disc { value: product.mid(), radius })
+}
+
+/// Two infinite motions may cancel: nothing is known of their sum.
+fn plus(a: Gain, b: Gain) -> Gain {
+    match (a, b) {
+        (Gain::Finite(a), Gain::Finite(b)) => {
+            let sum: Complex<Ball> = a.value.to_ball() + b.value.to_ball();
+            Gain::Finite(Disc { value: sum.mid(), radius: (sum.radius() + a.radius + b.radius) * (1.0 + 1e-12) })
+        }
+        (Gain::Infinite, Gain::Finite(_)) | (Gain::Finite(_), Gain::Infinite) => Gain::Infinite,
+        _ => Gain::Unknown,
+    }
+}
