@@ -16,6 +16,8 @@ pub enum Route {
     Assembled,
     /// Subtraction-free elimination of a network of springs, then Jacobi.
     StarMesh,
+    /// Sparse elimination, Lanczos' method, residuals in double-double and a count.
+    Sparse,
     /// Bisection and Newton steps on a tree.
     Tree,
     /// The modes of the positive terms first, then Jacobi in their energies: for negative stiffness.
@@ -35,6 +37,7 @@ impl Route {
             Route::FactoredDoubleDouble => "factored-dd",
             Route::Assembled => "assembled-dd",
             Route::StarMesh => "star-mesh",
+            Route::Sparse => "sparse",
             Route::Tree => "tree",
             Route::Energy => "energy",
             Route::Decoupled => "decoupled",

@@ -115,3 +115,39 @@ fn poles_that_need_all_modes_are_said_to_be_missing() {
         assert!((zeta - expected).abs() <= 1e-14 * expected);
     }
 }
+
+/// A square membrane of masses, tied to the ground all round: its omega^2 are 4 k/m (sin^2 + sin^2), many of them twice.
+#[test]
+fn a_membrane_has_its_repeated_frequencies_as_groups() {
+    let (side, k) = (22, 4096.0);
+    let at = |i: usize, j: usize| i * side + j + 1;
+    let mut model = String::new();
+    for (i, j) in (0..side * side).map(|node| (node / side, node % side)) {
+        model += &format!("body m[{}] {{ mass = 1 kg, moves x }}\n", at(i, j));
+        let missing = [i == 0, i + 1 == side, j == 0, j + 1 == side].iter().filter(|&&edge| edge).count();
+        if missing > 0 {
+            model += &format!("spring g[{}]: ground -- m[{0}] {{ k = {} N/m }}\n", at(i, j), missing * 4096);
+        }
+        for other in [(j > 0).then(|| at(i, j - 1)), (i > 0).then(|| at(i - 1, j))].into_iter().flatten() {
+            model += &format!("spring k[{other},{}]: m[{other}] -- m[{0}] {{ k = {k} N/m }}\n", at(i, j));
+        }
+    }
+    let sine = |i: usize| (i as f64 * std::f64::consts::PI / (2.0 * (side as f64 + 1.0))).sin().powi(2);
+    let mut known: Vec<f64> =
+        (1..=side).flat_map(|i| (1..=side).map(move |j| (4.0 * k * (sine(i) + sine(j))).sqrt())).collect();
+    known.sort_by(f64::total_cmp);
+    let (some, text) = asked(&model, Which::Lowest(11));
+    let found = numbers(&some, "modes", "omega");
+    assert_eq!(found.len(), 11);
+    for (found, known) in found.iter().zip(&known) {
+        // The closed form in binary64 rounds a few times.
+        assert!((found - known).abs() <= 2e-15 * known, "{found} {known}");
+    }
+    assert!(numbers(&some, "modes", "omega_error_bound").iter().all(|bound| *bound < 1e-12));
+    assert!(text.contains("modes 2 and 3: one repeated frequency"), "{text}");
+    let cluster = |mode: usize| &some["modes"][mode - 1]["cluster"];
+    assert!(cluster(1).is_null() && cluster(2) == cluster(3) && !cluster(2).is_null() && cluster(4).is_null());
+    let (band, _) = asked(&model, Which::Within(Band { from: known[3] * 0.99, to: known[7] * 1.001 }));
+    assert_eq!(numbers(&band, "modes", "mode"), [4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert_eq!(band["not_computed"]["modes_below"], 3);
+}

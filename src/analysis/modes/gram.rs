@@ -32,6 +32,8 @@ pub struct Gram<'a> {
     gamma: f64,
     norms: Vec<Norms>,
     floor: f64,
+    /// What the form may differ by besides: the product of two columns' numbers.
+    slips: Vec<f64>,
 }
 
 /// S, R, D of a column: see the module.
@@ -65,13 +67,26 @@ impl Gram<'_> {
         let norms = (0..n).map(|j| Norms::of(terms, stretches.column(j), 2.0 * UNIT_SQUARED)).collect();
         let largest = (0..n).flat_map(|j| b.column(j)).fold(0.0, |m: f64, b| m.max(b.hi.abs()));
         let floor = count as f64 * UNDERFLOW * (1.0 + largest) * (1.0 + largest);
-        Gram { terms, stretches, mid, gamma: (3.0 * count as f64 + 16.0) * UNIT_SQUARED, norms, floor }
+        Gram {
+            terms,
+            stretches,
+            mid,
+            gamma: (3.0 * count as f64 + 16.0) * UNIT_SQUARED,
+            norms,
+            floor,
+            slips: vec![0.0; n],
+        }
+    }
+
+    /// The form up to a matrix whose entry (i, j) is at most slips_i slips_j.
+    pub fn with_slips(self, slips: Vec<f64>) -> Self {
+        Gram { slips, ..self }
     }
 
     /// A bound of the error of entry (i, j) of `mid`.
     #[inline]
     pub fn radius(&self, i: usize, j: usize) -> f64 {
-        Norms::radius(self.gamma, self.norms[i], self.norms[j], self.floor)
+        Norms::radius(self.gamma, self.norms[i], self.norms[j], self.floor) + self.slips[i] * self.slips[j] * SLACK
     }
 
     /// An upper bound of |entry (i, j)|.
@@ -89,7 +104,8 @@ impl Gram<'_> {
         }
         let norms = |j: usize| Norms::of(self.terms, self.stretches.column(j), 0.0);
         let gamma = (self.terms.len() as f64 + 4.0) * Triple::ERROR;
-        Precise { value, radius: Norms::radius(gamma, norms(i), norms(j), self.floor) }
+        let slip = self.slips[i] * self.slips[j] * SLACK;
+        Precise { value, radius: Norms::radius(gamma, norms(i), norms(j), self.floor) + slip }
     }
 
     pub fn is_finite(&self) -> bool {

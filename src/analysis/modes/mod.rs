@@ -13,6 +13,7 @@ pub(in crate::analysis) mod eigen;
 pub(in crate::analysis) mod forest;
 pub(in crate::analysis) mod gram;
 pub(in crate::analysis) mod mass;
+pub(in crate::analysis) mod mesh;
 pub(in crate::analysis) mod parts;
 pub mod request;
 pub mod shape;

@@ -1,8 +1,10 @@
-//! Some modes of large parts, by what their terms are: so far trees of bodies and springs.
+//! Some modes of large parts, by what their terms are: trees of bodies and springs, and anything else that is
+//! sparse.
 
 use crate::analysis::answer::{Before, Route};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::forest::Forest;
+use crate::analysis::modes::mesh;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::modes::tree;
@@ -16,6 +18,10 @@ pub struct Found {
 
 /// The eigenpairs asked for; `None` if no sparse method suits the part.
 pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
+    of_tree(stiffness, masses, n, request).or_else(|| mesh::some(stiffness, masses, n, request))
+}
+
+fn of_tree(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     let forest = Forest::of(masses, stiffness, n)?;
     let rigid = usize::from(forest.floats);
     let (before, modes) = match request.which {

@@ -1,0 +1,413 @@
+//! Elimination of a network K - s M, node by node, in binary64: for solutions, and for counts that hold.
+//!
+//! Eliminating node p with d_p = v_p + sum_j c_pj is c_ij += c_pi c_pj / d_p, v_i += c_pi v_p / d_p: nothing is subtracted
+//! where couplings and grounds are positive, whatever their sizes. The negative grounds (the shift's s m_i) are carried beside
+//! the positive ones and meet them in d_p alone.
+//!
+//! A count that holds: forms are ordered, and lowering a coupling or a ground of what is left lowers the form that was given
+//! by as much, for adding a form on the nodes that are left commutes with eliminating the others. So if every rounding goes
+//! down, the factors are exactly those of a form A' <= A, and A has at most as many negative eigenvalues as there are negative
+//! pivots (Courant and Fischer; Sylvester): so many of the omega^2 are below s at the most. Rounded up, at the least. The pivot
+//! rounds down like the others because some factors 1 - t of the positive and 1 + t of the negative numbers of its star,
+//! t of a few roundings, give exactly the pivot used. No bound of any growth is needed: where roundings matter, the count
+//! comes out too high (too low), and proves nothing.
+//!
+//! The order is that of approximate minimum degree (crate `amd`). Clause: spec.md 10.12.
+
+use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
+use crate::analysis::modes::mesh::postponed::{Postponed, pivot};
+
+/// The order of elimination and the pattern of what it fills.
+#[derive(Clone, Debug)]
+pub struct Pattern {
+    /// Place of each node in the order.
+    place: Vec<u32>,
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    /// Entries of K, then of M, by column: (row, index of the pair); ascending columns.
+    given: [Given; 2],
+}
+
+/// The pairs of a network by their earlier node.
+#[derive(Clone, Debug)]
+struct Given {
+    starts: Vec<usize>,
+    entries: Vec<(u32, u32)>,
+}
+
+/// Which way roundings go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rounding {
+    Nearest,
+    Down,
+    #[cfg_attr(not(test), expect(dead_code, reason = "bands away from zero will count from this side"))]
+    Up,
+}
+
+/// L and D: -L_ip = c_pi / d_p.
+#[derive(Clone, Debug)]
+pub struct Factors<'a> {
+    pattern: &'a Pattern,
+    /// c_pi by columns.
+    couplings: Vec<f64>,
+    pivots: Vec<f64>,
+}
+
+/// Pivots below this part of their star's positive numbers are put off.
+const CANCELS: f64 = 0.5;
+/// More entries than this are too many to hold.
+const MOST_ENTRIES: usize = 60_000_000;
+const NONE: u32 = u32::MAX;
+
+impl Pattern {
+    /// `None` where elimination fills too much.
+    pub fn of(k: &Network, m: &Network) -> Option<Pattern> {
+        let n = k.n();
+        let place = order(n, &k.pairs, &m.pairs)?;
+        let given = [k, m].map(|network| Given::of(network, &place));
+        let mut starts = vec![0];
+        let mut rows: Vec<u32> = Vec::new();
+        let mut mark = vec![NONE; n];
+        // Columns whose first row is this one.
+        let (mut first_child, mut next_child) = (vec![NONE; n], vec![NONE; n]);
+        for column in 0..n {
+            let start = rows.len();
+            mark[column] = column as u32;
+            for given in &given {
+                for &(row, _) in given.column(column) {
+                    if std::mem::replace(&mut mark[row as usize], column as u32) != column as u32 {
+                        rows.push(row);
+                    }
+                }
+            }
+            let mut child = first_child[column];
+            while child != NONE {
+                for at in starts[child as usize]..starts[child as usize + 1] {
+                    let row = rows[at];
+                    if std::mem::replace(&mut mark[row as usize], column as u32) != column as u32 {
+                        rows.push(row);
+                    }
+                }
+                child = next_child[child as usize];
+            }
+            rows[start..].sort_unstable();
+            if let Some(&parent) = rows.get(start) {
+                next_child[column] = std::mem::replace(&mut first_child[parent as usize], column as u32);
+            }
+            if rows.len() > MOST_ENTRIES {
+                return None;
+            }
+            starts.push(rows.len());
+        }
+        Some(Pattern { place, starts, rows, given })
+    }
+
+    /// The factors of K - s M; `None` where it is not positive definite, to working precision.
+    pub fn factor(&self, k: &Network, m: &Network, s: f64) -> Option<Factors<'_>> {
+        let (pivots, couplings, postponed) = Elimination::new(self, Rounding::Nearest, 0.0).run(k, m, s)?;
+        let positive = postponed.is_empty() && pivots.iter().all(|&pivot| pivot > 0.0);
+        positive.then_some(Factors { pattern: self, couplings, pivots })
+    }
+
+    /// How many negative eigenvalues K - s M has: at the most (rounding down), at the least (up) or about.
+    pub fn count(&self, k: &Network, m: &Network, s: f64, rounding: Rounding) -> Option<usize> {
+        let (pivots, _, postponed) = Elimination::new(self, rounding, CANCELS).run(k, m, s)?;
+        let negative = pivots.iter().filter(|&&pivot| pivot < 0.0).count();
+        Some(negative + postponed.negative()?)
+    }
+}
+
+impl Given {
+    fn of(network: &Network, place: &[u32]) -> Given {
+        let mut entries: Vec<(u32, u32, u32)> = (network.pairs.iter().zip(0..))
+            .map(|(&(i, j), index)| {
+                let (a, b) = (place[i as usize], place[j as usize]);
+                (a.min(b), a.max(b), index)
+            })
+            .collect();
+        entries.sort_unstable();
+        let mut starts = vec![0; place.len() + 1];
+        entries.iter().for_each(|entry| starts[entry.0 as usize + 1] += 1);
+        for column in 0..place.len() {
+            starts[column + 1] += starts[column];
+        }
+        Given { starts, entries: entries.into_iter().map(|(_, row, index)| (row, index)).collect() }
+    }
+
+    fn column(&self, column: usize) -> &[(u32, u32)] {
+        &self.entries[self.starts[column]..self.starts[column + 1]]
+    }
+}
+
+/// What is known of the nodes on the way.
+struct Elimination<'a> {
+    pattern: &'a Pattern,
+    /// -1, 0 or 1: where roundings go.
+    side: f64,
+    couplings: Vec<f64>,
+    pivots: Vec<f64>,
+    /// Positive and negative grounds, by place.
+    grounds: [Vec<f64>; 2],
+    /// Some coupling or the pivot of the column is negative.
+    signed: Vec<bool>,
+    /// Couplings of the column at hand by row: the sum, and twice what is negative in it.
+    sum: Vec<f64>,
+    twice_negative: Vec<f64>,
+    /// For each column the entry that is due next, and the columns due at a row as lists.
+    due: Vec<usize>,
+    first: Vec<u32>,
+    next: Vec<u32>,
+    /// Relative error of what a column hands on, the largest so far.
+    carried: f64,
+    /// Pivots below this part of their star are put off.
+    cancels: f64,
+    postponed: Postponed,
+}
+
+impl<'a> Elimination<'a> {
+    fn new(pattern: &'a Pattern, rounding: Rounding, cancels: f64) -> Elimination<'a> {
+        let n = pattern.place.len();
+        let side = match rounding {
+            Rounding::Nearest => 0.0,
+            Rounding::Down => -1.0,
+            Rounding::Up => 1.0,
+        };
+        Elimination {
+            pattern,
+            side,
+            couplings: vec![0.0; pattern.rows.len()],
+            pivots: vec![0.0; n],
+            grounds: [vec![0.0; n], vec![0.0; n]],
+            signed: vec![false; n],
+            sum: vec![0.0; n],
+            twice_negative: vec![0.0; n],
+            due: pattern.starts[..n].to_vec(),
+            first: vec![NONE; n],
+            next: vec![NONE; n],
+            carried: 0.0,
+            cancels,
+            postponed: Postponed::new(side),
+        }
+    }
+
+    /// Pivots, couplings by columns, and what was put off: its pivots are one.
+    fn run(mut self, k: &Network, m: &Network, s: f64) -> Option<(Vec<f64>, Vec<f64>, Postponed)> {
+        self.set_grounds(k, m, s);
+        for column in 0..self.pivots.len() {
+            self.set_couplings(column, k, m, s);
+            let count = self.gather(column);
+            if self.finish(column, count)? {
+                self.link(column as u32);
+            }
+        }
+        Some((self.pivots, self.couplings, self.postponed))
+    }
+
+    /// v = positive - negative - s (row sum of M), each side rounded the way it has to go.
+    fn set_grounds(&mut self, k: &Network, m: &Network, s: f64) {
+        let size = s.abs();
+        // With a negative shift M's grounds change sides.
+        let (adds, takes) = if s < 0.0 { (&m.positive, &m.negative) } else { (&m.negative, &m.positive) };
+        for (node, &place) in self.pattern.place.iter().enumerate() {
+            let both = |k: Near, m: Near| {
+                let value = k.value + size * m.value;
+                (value, (k.error + size * m.error + 3.0 * U * value.abs()) * UP)
+            };
+            let (mut positive, error) = both(k.positive[node], adds[node]);
+            let (mut negative, negative_error) = both(k.negative[node], takes[node]);
+            positive += self.side * error;
+            negative -= self.side * negative_error;
+            // What is moved past zero is of the other kind.
+            if positive < 0.0 {
+                (positive, negative) = (0.0, (negative - positive) * UP);
+            }
+            if negative < 0.0 {
+                (positive, negative) = ((positive - negative) * UP, 0.0);
+            }
+            self.grounds[0][place as usize] = positive;
+            self.grounds[1][place as usize] = negative;
+        }
+    }
+
+    /// The entries of K - s M in the column.
+    fn set_couplings(&mut self, column: usize, k: &Network, m: &Network, s: f64) {
+        let pattern = self.pattern;
+        for at in pattern.starts[column]..pattern.starts[column + 1] {
+            self.sum[pattern.rows[at] as usize] = 0.0;
+            self.twice_negative[pattern.rows[at] as usize] = 0.0;
+        }
+        for (given, network, factor) in [(&pattern.given[0], k, 1.0), (&pattern.given[1], m, -s)] {
+            for &(row, index) in given.column(column) {
+                let Near { value, error } = network.couplings[index as usize];
+                let part = value * factor;
+                self.take(row as usize, part, (error * factor.abs() + U * part.abs()) * UP);
+            }
+        }
+    }
+
+    fn take(&mut self, row: usize, part: f64, error: f64) {
+        let part = part + self.side * error;
+        self.sum[row] += part;
+        if part < 0.0 {
+            self.twice_negative[row] -= 2.0 * part;
+        }
+    }
+
+    /// Adds what the columns due at this row hand on; returns how many those are.
+    fn gather(&mut self, column: usize) -> usize {
+        let pattern = self.pattern;
+        let mut count = 0;
+        let mut from = std::mem::replace(&mut self.first[column], NONE);
+        while from != NONE {
+            let j = from as usize;
+            from = self.next[j];
+            count += 1;
+            let at = self.due[j];
+            let end = pattern.starts[j + 1];
+            let ratio = self.couplings[at] / self.pivots[j];
+            let (rows, couplings) = (&pattern.rows[at + 1..end], &self.couplings[at + 1..end]);
+            if self.signed[j] {
+                for (&row, &c) in rows.iter().zip(couplings) {
+                    let part = ratio * c;
+                    self.sum[row as usize] += part;
+                    if part < 0.0 {
+                        self.twice_negative[row as usize] -= 2.0 * part;
+                    }
+                }
+            } else {
+                for (&row, &c) in rows.iter().zip(couplings) {
+                    self.sum[row as usize] += ratio * c;
+                }
+            }
+            let (same, other) = if ratio < 0.0 { (1, 0) } else { (0, 1) };
+            self.grounds[same][column] += ratio.abs() * self.grounds[0][j];
+            self.grounds[other][column] += ratio.abs() * self.grounds[1][j];
+            self.due[j] += 1;
+            self.link(j as u32);
+        }
+        count
+    }
+
+    /// Puts the column into the list of the row that is due next.
+    fn link(&mut self, column: u32) {
+        let j = column as usize;
+        if self.due[j] < self.pattern.starts[j + 1] {
+            let row = self.pattern.rows[self.due[j]] as usize;
+            self.next[j] = std::mem::replace(&mut self.first[row], column);
+        }
+    }
+
+    /// The column's couplings and its pivot, all rounded one way; false if it is put off.
+    fn finish(&mut self, column: usize, count: usize) -> Option<bool> {
+        let pattern = self.pattern;
+        let (start, end) = (pattern.starts[column], pattern.starts[column + 1]);
+        // Each number is a sum of so many, each of which has what its column hands on and three roundings.
+        let error = ((count + 4) as f64 * U + self.carried + 4.0 * U) * UP;
+        let (mut adds, mut takes, mut signed) = (0.0, 0.0, false);
+        for at in start..end {
+            let row = pattern.rows[at] as usize;
+            let c = self.sum[row] + self.side * error * (self.sum[row].abs() + self.twice_negative[row]) * UP;
+            self.couplings[at] = c;
+            if c < 0.0 {
+                takes -= c;
+                signed = true;
+            } else {
+                adds += c;
+            }
+        }
+        let mut grounds = [self.grounds[0][column], self.grounds[1][column]];
+        grounds[0] *= 1.0 + self.side * error;
+        grounds[1] *= 1.0 - self.side * error;
+        (self.grounds[0][column], self.grounds[1][column]) = (grounds[0], grounds[1]);
+        let (more, less, others) = self.postponed.couplings(column);
+        let own = ((end - start + others + 8) as f64 * U) * UP;
+        let (adds, takes) = (adds + grounds[0] + more, takes + grounds[1] + less);
+        let pivot = pivot(adds, takes, self.side, own);
+        let (rows, couplings) = (&pattern.rows[start..end], &self.couplings[start..end]);
+        if pivot < self.cancels * adds {
+            self.postponed.add(column, self.pivots.len(), rows, couplings, grounds)?;
+            self.pivots[column] = 1.0;
+            return Some(false);
+        }
+        if !pivot.is_finite() || pivot == 0.0 && end > start {
+            return None;
+        }
+        self.signed[column] = signed || pivot < 0.0;
+        self.pivots[column] = pivot;
+        // Two couplings scaled by up to 1 + 3 own each, over the pivot.
+        let handed_on = if self.side == 0.0 { 0.0 } else { 8.0 * own };
+        self.carried = self.carried.max(handed_on);
+        if others > 0 {
+            self.postponed.eliminate(column, pivot, rows, couplings, grounds, handed_on);
+        }
+        Some(true)
+    }
+}
+
+impl Factors<'_> {
+    /// x = (K - s M)^-1 b for several b at once, in place; `room` is as long as a column.
+    pub fn solve(&self, columns: &mut [Vec<f64>], room: &mut Vec<f64>) {
+        let (n, width) = (self.pivots.len(), columns.len());
+        room.clear();
+        room.resize(n * width, 0.0);
+        for (node, &place) in self.pattern.place.iter().enumerate() {
+            for (lane, column) in columns.iter().enumerate() {
+                room[place as usize * width + lane] = column[node];
+            }
+        }
+        match width {
+            1 => self.substitute::<1>(room),
+            2 => self.substitute::<2>(room),
+            3 => self.substitute::<3>(room),
+            _ => self.substitute::<4>(room),
+        }
+        for (node, &place) in self.pattern.place.iter().enumerate() {
+            for (lane, column) in columns.iter_mut().enumerate() {
+                column[node] = room[place as usize * width + lane];
+            }
+        }
+    }
+
+    /// W columns side by side.
+    fn substitute<const W: usize>(&self, room: &mut [f64]) {
+        let (x, _) = room.as_chunks_mut::<W>();
+        let (starts, rows) = (&self.pattern.starts, &self.pattern.rows);
+        for column in 0..self.pivots.len() {
+            let range = starts[column]..starts[column + 1];
+            let scaled = x[column].map(|x| x / self.pivots[column]);
+            for (&row, &c) in rows[range.clone()].iter().zip(&self.couplings[range]) {
+                for lane in 0..W {
+                    x[row as usize][lane] += c * scaled[lane];
+                }
+            }
+            x[column] = scaled;
+        }
+        for column in (0..self.pivots.len()).rev() {
+            let range = starts[column]..starts[column + 1];
+            let mut sum = [0.0; W];
+            for (&row, &c) in rows[range.clone()].iter().zip(&self.couplings[range]) {
+                for lane in 0..W {
+                    sum[lane] += c * x[row as usize][lane];
+                }
+            }
+            for lane in 0..W {
+                x[column][lane] += sum[lane] / self.pivots[column];
+            }
+        }
+    }
+}
+
+/// The place of each node in the order of elimination.
+fn order(n: usize, k: &[(u32, u32)], m: &[(u32, u32)]) -> Option<Vec<u32>> {
+    let mut pairs: Vec<(i32, i32)> = k.iter().chain(m).map(|&(i, j)| (i as i32, j as i32)).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    let mut starts = vec![0i32; n + 1];
+    pairs.iter().for_each(|pair| starts[pair.0 as usize + 1] += 1);
+    for column in 0..n {
+        starts[column + 1] += starts[column];
+    }
+    let rows: Vec<i32> = pairs.iter().map(|pair| pair.1).collect();
+    let (_, places, _) = amd::order(i32::try_from(n).ok()?, &starts, &rows, &amd::Control::default()).ok()?;
+    Some(places.into_iter().map(|place| place as u32).collect())
+}

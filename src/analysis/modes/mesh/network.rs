@@ -1,0 +1,149 @@
+//! K - s M as a network: couplings between pairs of coordinates and grounds, in binary64 with bounds of their errors.
+//!
+//! Any symmetric matrix A is the form sum_(i<j) c_ij (x_i - x_j)^2 + sum v_i x_i^2 with c_ij = -A_ij and v_i its row sums. For
+//! springs these are the springs themselves, whatever the ratio of their sizes; the shift stays apart in v.
+//! In: the terms of K and of M. Out: couplings and grounds. Clause: spec.md 10.12.
+
+use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::numeric::triple::{Precise, Triple};
+
+/// Unit roundoff.
+pub const U: f64 = f64::EPSILON / 2.0;
+/// Covers the roundings of sums of up to ten million bounds.
+pub const UP: f64 = 1.0 + 1e-9;
+
+/// A number and a bound of its error.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Near {
+    pub value: f64,
+    pub error: f64,
+}
+
+impl Near {
+    fn of(number: Precise) -> Near {
+        let value = number.value.hi();
+        Near { value, error: (number.radius + U * value.abs()) * UP }
+    }
+
+    fn times(self, other: Near) -> Near {
+        let value = self.value * other.value;
+        let spread = self.value.abs() * other.error + self.error * other.value.abs() + self.error * other.error;
+        Near { value, error: (spread + U * value.abs()) * UP }
+    }
+
+    fn add(&mut self, other: Near) {
+        self.value += other.value;
+        self.error = (self.error + other.error + U * self.value.abs()) * UP;
+    }
+}
+
+/// The couplings and grounds of a form. Positive and negative grounds are kept apart.
+#[derive(Clone, Debug)]
+pub struct Network {
+    /// Pairs (i, j), i < j, ascending, each once, and their couplings -A_ij.
+    pub pairs: Vec<(u32, u32)>,
+    pub couplings: Vec<Near>,
+    pub positive: Vec<Near>,
+    pub negative: Vec<Near>,
+    /// A_ii, not certified.
+    pub diagonal: Vec<f64>,
+}
+
+impl Network {
+    pub fn of(terms: &Terms, n: usize) -> Network {
+        let mut entries: Vec<(u32, u32, Near)> = Vec::with_capacity(terms.len());
+        let (mut positive, mut negative) = (vec![Near::default(); n], vec![Near::default(); n]);
+        let mut diagonal = vec![0.0; n];
+        for t in 0..terms.len() {
+            let weight = Near::of(terms.weights[t]);
+            let (indices, factors) = terms.row(t);
+            let sum = Near::of(sum(factors));
+            for (at, (&i, a)) in indices.iter().zip(factors).enumerate() {
+                let a = factor(*a);
+                let weighted = weight.times(a);
+                diagonal[i as usize] += weighted.value * a.value;
+                let ground = weighted.times(sum);
+                match ground.value < 0.0 {
+                    true => negative[i as usize].add(Near { value: -ground.value, ..ground }),
+                    false => positive[i as usize].add(ground),
+                }
+                for (&j, b) in indices[at + 1..].iter().zip(&factors[at + 1..]) {
+                    let product = weighted.times(factor(*b));
+                    entries.push((i.min(j), i.max(j), Near { value: -product.value, ..product }));
+                }
+            }
+        }
+        entries.sort_by_key(|entry| (entry.0, entry.1));
+        let mut network = Network { pairs: Vec::new(), couplings: Vec::new(), positive, negative, diagonal };
+        for (i, j, coupling) in entries {
+            match network.couplings.last_mut() {
+                Some(last) if network.pairs.last() == Some(&(i, j)) => last.add(coupling),
+                _ => {
+                    network.pairs.push((i, j));
+                    network.couplings.push(coupling);
+                }
+            }
+        }
+        network
+    }
+
+    pub fn n(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    /// Each coordinate is by itself.
+    pub fn is_diagonal(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// A x in binary64.
+    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
+        for ((y, x), d) in y.iter_mut().zip(x).zip(&self.diagonal) {
+            *y = d * x;
+        }
+        for (&(i, j), c) in self.pairs.iter().zip(&self.couplings) {
+            y[i as usize] -= c.value * x[j as usize];
+            y[j as usize] -= c.value * x[i as usize];
+        }
+    }
+
+    /// Its diagonal alone.
+    pub fn of_diagonal(diagonal: &[f64]) -> Network {
+        let exact = |&value: &f64| Near { value, error: 0.0 };
+        Network {
+            pairs: Vec::new(),
+            couplings: Vec::new(),
+            positive: diagonal.iter().map(exact).collect(),
+            negative: vec![Near::default(); diagonal.len()],
+            diagonal: diagonal.to_vec(),
+        }
+    }
+}
+
+fn factor(factor: Factor) -> Near {
+    match factor {
+        Factor::Plus => Near { value: 1.0, error: 0.0 },
+        Factor::Minus => Near { value: -1.0, error: 0.0 },
+        Factor::Other(value) => Near::of(value),
+    }
+}
+
+/// The sum of the factors of a row: exactly zero for a spring between two coordinates.
+fn sum(factors: &[Factor]) -> Precise {
+    let (mut value, mut radius) = (Triple::ZERO, 0.0);
+    for factor in factors {
+        let part = factor.to_triple();
+        if let Factor::Other(number) = factor {
+            radius += number.radius;
+        }
+        if !value.is_zero() && !(value + part).is_zero() {
+            radius += 2.0 * Triple::ERROR * value.hi().abs().max(part.hi().abs());
+        }
+        value = value + part;
+    }
+    // What cancels to zero in three words is zero for factors that are exactly opposite; others leave their last bits.
+    let exact = factors.len() == 2 && value.is_zero();
+    let size: f64 = factors.iter().map(|factor| factor.to_f64().abs()).sum();
+    let lost = if exact || factors.len() == 1 { 0.0 } else { 4.0 * Triple::ERROR * size };
+    Precise { value, radius: radius + lost }
+}
