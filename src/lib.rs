@@ -427,8 +427,9 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 7] = [
+const LIMITS: [&str; 8] = [
     "vib::rest::not_found",
+    "vib::limit::loops",
     "vib::limit::modes",
     "vib::limit::range",
     "vib::limit::states",

@@ -20,6 +20,8 @@ pub const RANK_DROP: Code = Code("vib::loop::rank_drop");
 pub const REDUNDANT: Code = Code("vib::loop::redundant");
 /// More row entries than there is room for.
 pub const TOO_DEEP: Code = Code("vib::limit::depth");
+/// More coordinates in closed loops than a rest is searched for.
+pub const LARGE_LOOP: Code = Code("vib::limit::loops");
 /// No static rest.
 pub const NO_REST: Code = Code("vib::rest::not_found");
 /// A drawing that is declared to be the rest, and cannot be.
@@ -64,6 +66,11 @@ pub enum LowerError {
     },
     TooDeep {
         entries: u64,
+        span: Span,
+    },
+    /// More coordinates tied by closed loops than a rest is searched for.
+    LargeLoop {
+        coordinates: usize,
         span: Span,
     },
     NoRest {
@@ -136,6 +143,13 @@ impl LowerError {
             )
             .label("bodies hang one under another down to here")
             .help("use fewer links, or let bodies stand on the ground with a freedom clause"),
+            LowerError::LargeLoop { coordinates, span } => Diagnostic::error(
+                LARGE_LOOP,
+                *span,
+                format!("the rest of {coordinates} coordinates that closed loops tie together is not searched for"),
+            )
+            .label("the first of the joints that close a loop there")
+            .help("use fewer links, draw the scene at its rest, or take the load away"),
             LowerError::NoRest { span, left, reason } => no_rest(*span, left, *reason),
             LowerError::Unheld { declared, left, given } => unheld(*declared, left, *given),
             LowerError::Initial { span, message, help } => {

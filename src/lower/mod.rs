@@ -69,6 +69,7 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let (constraints, notes) = constraints::build(scene, &kinematics)?;
     let found = rest::find(scene, &kinematics, &constraints)?;
     let reduction = constraints.reduction(scene, &kinematics, &found.state)?;
+    constraints.check_redundant(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
     let held = found.held.as_ref();
     let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, held)?;

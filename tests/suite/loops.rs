@@ -384,3 +384,53 @@ fn penalty_springs_tend_to_the_constraint() {
         assert!((pair[0] / pair[1] - 100.0).abs() < 5.0, "{gaps:?}");
     }
 }
+
+/// A train of 400 gear pairs under a torque T at its end, each turning against the next: every shaft of stiffness k is
+/// wound by T / k, so the last disc turns by T / k_0 + 400 T / k. Solved by sparse factors, not as a dense loop.
+#[test]
+fn a_long_gear_train_is_wound_by_its_torque() {
+    let answer = system(
+        "body d[0] { inertia = 1 kg*m^2, turns }
+        spring g: ground -- d[0] { k = 10 N*m/rad }
+        repeat i in 1..400 {
+          body d[i] { inertia = 1 kg*m^2, turns }
+          body e[i] { inertia = 0.3 kg*m^2, turns }
+          spring s[i]: d[i-1] -- e[i] { k = 100 N*m/rad }
+          couple c[i]: d[i].angle = -e[i].angle
+        }
+        torque T: d[400] = constant(5 N*m)",
+    );
+    let turned: Vec<f64> = answer.rest.displacement.iter().map(Number::to_f64).collect();
+    let names = answer.system.coordinate_names();
+    for (name, turned) in names.iter().zip(&turned) {
+        let stage: i32 = name[2..name.len() - 7].parse().expect("d[number].angle");
+        let truth = (0.5 + 0.05 * f64::from(stage)) * if stage % 2 == 0 { 1.0 } else { -1.0 };
+        assert!((turned - truth).abs() < 1e-13 * truth.abs(), "{name}: {turned}, {truth}");
+    }
+    assert_eq!((turned.len(), answer.rest.dependent.len()), (401, 400));
+}
+
+/// A base held aside by a constant signal moves what couplings and joints tie to it, exactly where they are linear.
+#[test]
+fn a_base_held_aside_takes_its_loops_along() {
+    let cam = system(
+        "base cam { turns, at = (0, 0) } = constant(0.5 rad)
+        body follower { mass = 2 kg, moves y, at = (0, 1 m) }
+        body load { mass = 1 kg, moves y, at = (0, 2 m) }
+        couple lift: follower.y = cam.angle * 0.05 m
+        spring s: follower -- load { k = 100 N/m }",
+    );
+    assert_eq!(cam.rest.displacement, [Number::from(Rational::new(1, 40))]);
+    assert_eq!(cam.rest.dependent[0].displacement, Number::from(Rational::new(1, 40)));
+}
+
+/// Lowered, without its modes.
+fn system(text: &str) -> vibc::lower::Lowered {
+    let mut sources = vibc::base::Sources::new();
+    let file = sources.add(vibc::base::SourceFile::model("model.vib", text));
+    let parsed = vibc::syntax::parse(&sources, file);
+    let checked = vibc::model::check(&sources, &parsed.tree, &vibc::model::Overrides::default());
+    let scene = checked.scene.unwrap_or_else(|| panic!("{:?} {:?}", parsed.errors, checked.diagnostics));
+    let outcome = vibc::lower::lower(&scene);
+    outcome.lowered.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics))
+}

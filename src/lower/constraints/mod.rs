@@ -23,6 +23,9 @@ use crate::model::scene::{JointId, Scene};
 use elimination::Elimination;
 use equation::Equation;
 
+/// What is left of a constraint in lengths of its loop that is taken for rounding, where the rest is not proven.
+const NOTHING: f64 = 1e-10;
+
 /// What asks for an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
@@ -123,5 +126,27 @@ impl Constraints {
     /// The error of constraints that no position near the drawing fulfils with the bases where they are held.
     pub fn open(&self, scene: &Scene, kinematics: &Kinematics, numbers: &[u32]) -> LowerError {
         rank::wrong(scene, kinematics, self, numbers, Why::Open)
+    }
+
+    pub fn are_linear(&self) -> bool {
+        self.list.iter().all(|constraint| constraint.equation.is_linear())
+    }
+
+    /// An error where a constraint that followed from the others as drawn does not at rest.
+    pub fn check_redundant(
+        &self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        state: &State<Number>,
+    ) -> Result<(), Vec<LowerError>> {
+        let mut reach = Reach::default();
+        let broken = self.redundant.iter().find(|constraint| {
+            let left = constraint.equation.measure(kinematics, state, &mut reach).0;
+            !left.may_be_zero() && left.to_f64().abs() > NOTHING * self.length
+        });
+        match broken {
+            None => Ok(()),
+            Some(constraint) => Err(vec![rank::broken(scene, kinematics, self, constraint.source)]),
+        }
     }
 }

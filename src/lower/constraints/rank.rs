@@ -181,6 +181,12 @@ pub fn wrong(scene: &Scene, kinematics: &Kinematics, all: &Constraints, numbers:
     loops(scene, kinematics, sources[0], &sources, why)
 }
 
+/// The error of a constraint that followed from the others as drawn, and does not any more at rest.
+pub fn broken(scene: &Scene, kinematics: &Kinematics, all: &Constraints, source: Source) -> LowerError {
+    let numbers: Vec<u32> = (0..all.list.len() as u32).collect();
+    loops(scene, kinematics, source, &sources(all, numbers.iter()), Why::Locked)
+}
+
 /// The error of a rest at which the constraints that are independent in the drawing are not.
 pub fn singular(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &Left) -> LowerError {
     let source = all.list[left.row as usize].source;

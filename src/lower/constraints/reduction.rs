@@ -1,10 +1,10 @@
 //! From rows over all coordinates of the joint tree to rows over the independent ones, which are the coordinates of the
 //! linear system. In: an elimination; out: a map of rows, forces and multipliers. Clause: spec.md, 6.7 and 8.4.
 
-use super::elimination::{Elimination, Solved};
+use super::elimination::{Elimination, Row, Solved};
 use super::equation::summed;
 use crate::base::Number;
-use crate::lower::kinematics::Index;
+use crate::lower::kinematics::{Index, Kinematics, State};
 use crate::system::CoordinateId;
 use std::collections::BTreeMap;
 
@@ -18,6 +18,8 @@ pub struct Reduction {
     /// The place of each free coordinate in the system; `DEPENDENT` for dependent ones. Empty where all are independent.
     places: Vec<u32>,
     independent: Vec<Index>,
+    /// Ascending.
+    dependent: Vec<Index>,
 }
 
 const DEPENDENT: u32 = u32::MAX;
@@ -25,7 +27,7 @@ const DEPENDENT: u32 = u32::MAX;
 impl Reduction {
     /// No constraints: every coordinate of the tree is one of the system.
     pub fn all(free: usize) -> Reduction {
-        Reduction { free, solved: BTreeMap::new(), places: Vec::new(), independent: Vec::new() }
+        Reduction { free, solved: BTreeMap::new(), places: Vec::new(), independent: Vec::new(), dependent: Vec::new() }
     }
 
     pub fn new(free: usize, elimination: Elimination) -> Reduction {
@@ -35,7 +37,8 @@ impl Reduction {
         for (place, coordinate) in independent.iter().enumerate() {
             places[*coordinate as usize] = place as u32;
         }
-        Reduction { free, solved, places, independent }
+        let dependent = solved.keys().copied().collect();
+        Reduction { free, solved, places, independent, dependent }
     }
 
     /// Whether no coordinate depends on others.
@@ -65,7 +68,22 @@ impl Reduction {
 
     /// Coordinates of the tree that depend on others, ascending.
     pub fn dependent(&self) -> impl Iterator<Item = Index> + '_ {
-        self.solved.keys().copied()
+        self.dependent.iter().copied()
+    }
+
+    /// The number of a dependent coordinate among the dependent ones, and q_d + row . q = 0.
+    pub fn equation(&self, coordinate: Index) -> Option<(usize, &Row)> {
+        let equation = self.solved.get(&coordinate)?;
+        Some((self.dependent.binary_search(&coordinate).ok()?, &equation.row))
+    }
+
+    /// Puts dependent coordinates where prescribed motions take them, in a state in which the independent ones are as drawn.
+    pub fn follow(&self, kinematics: &Kinematics, state: &mut State<Number>) {
+        for (dependent, equation) in &self.solved {
+            let parts = equation.row.iter().map(|(i, entry)| entry * state.value(*i));
+            let value = parts.fold(Number::ZERO, |sum, part| &sum - &part);
+            state.set(kinematics, *dependent, value);
+        }
     }
 
     /// Writes a row over all coordinates as one over independent and prescribed ones, ascending.

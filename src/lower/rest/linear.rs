@@ -8,6 +8,7 @@
 use super::survey::{Part, Survey};
 use crate::base::{Ball, Dd, Number};
 use crate::elements::Scalar;
+use crate::lower::constraints::Reduction;
 use crate::lower::kinematics::{Index, Kinematics};
 use crate::system::LinearSystem;
 use crate::system::ldl::{Factors, Symmetric};
@@ -35,26 +36,36 @@ const MAX_REFINEMENTS: usize = 10;
 
 pub fn solve(
     kinematics: &Kinematics,
+    reduction: &Reduction,
     system: &LinearSystem,
     survey: &Survey,
     parts: &[&Part],
 ) -> Vec<Result<Solved, Left>> {
-    let mut stiffness: Vec<Squares> = parts.iter().map(|part| Squares::new(part.coordinates.len())).collect();
-    let mut part_of = vec![usize::MAX; kinematics.n()];
-    for (number, part) in parts.iter().enumerate() {
-        for coordinate in &part.coordinates {
-            part_of[*coordinate as usize] = number;
+    let members: Vec<Vec<Index>> = parts.iter().map(|part| independent(part, reduction)).collect();
+    let mut stiffness: Vec<Squares> = members.iter().map(|members| Squares::new(members.len())).collect();
+    // Part and place in it of each coordinate of the system.
+    let mut places = vec![(usize::MAX, 0); system.n()];
+    for (number, members) in members.iter().enumerate() {
+        for (local, coordinate) in members.iter().enumerate() {
+            if let Some(place) = reduction.place(*coordinate) {
+                places[place.index()] = (number, local as u32);
+            }
         }
     }
     for term in system.k.terms() {
         let row = system.k.row(term);
-        if let Some(stiffness) = row.first().and_then(|(first, _)| stiffness.get_mut(part_of[first.index()])) {
-            let row = row.iter().map(|(i, value)| (survey.local[i.index()], value.to_ball()));
+        if let Some(stiffness) = row.first().and_then(|(first, _)| stiffness.get_mut(places[first.index()].0)) {
+            let row = row.iter().map(|(i, value)| (places[i.index()].1, value.to_ball()));
             stiffness.push(term.weight.to_ball(), row);
         }
     }
-    let forces = |part: &Part| part.coordinates.iter().map(|i| force(kinematics, survey, *i)).collect();
-    parts.iter().zip(&stiffness).map(|(part, stiffness)| solve_part(part, stiffness, forces(part))).collect()
+    let forces = |members: &[Index]| members.iter().map(|i| force(kinematics, survey, *i)).collect();
+    members.iter().zip(&stiffness).map(|(members, stiffness)| solve_part(members, stiffness, forces(members))).collect()
+}
+
+/// The coordinates of a part that are coordinates of the system.
+fn independent(part: &Part, reduction: &Reduction) -> Vec<Index> {
+    part.coordinates.iter().copied().filter(|i| reduction.place(*i).is_some()).collect()
 }
 
 /// -dV/dq as drawn, of a coordinate in metres or radians.
@@ -66,9 +77,9 @@ fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
     }
 }
 
-fn solve_part(part: &Part, stiffness: &Squares, forces: Vec<Ball>) -> Result<Solved, Left> {
-    let solution = solved(stiffness, &forces).map_err(|row| vec![(part.coordinates[row], forces[row].to_f64())])?;
-    let displacement = part.coordinates.iter().zip(&solution.values).map(|(i, value)| (*i, Number::Ball(*value)));
+fn solve_part(members: &[Index], stiffness: &Squares, forces: Vec<Ball>) -> Result<Solved, Left> {
+    let solution = solved(stiffness, &forces).map_err(|row| vec![(members[row], forces[row].to_f64())])?;
+    let displacement = members.iter().zip(&solution.values).map(|(i, value)| (*i, Number::Ball(*value)));
     Ok(Solved { displacement: displacement.collect(), residual: solution.residual, proven: solution.proven })
 }
 

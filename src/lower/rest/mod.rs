@@ -97,8 +97,11 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     if !is_loaded(scene) {
         return Ok(found);
     }
-    let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
     let drawn = constraints.reduction(scene, kinematics, &found.state)?;
+    if !found.state.is_drawn() && constraints.are_linear() {
+        drawn.follow(kinematics, &mut found.state);
+    }
+    let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
     let left = if drawn.is_trivial() { forces } else { drawn.left_of(&forces) };
     if left.iter().all(Number::is_zero) && constraints.hold_exactly(kinematics, &found.state) {
         return Ok(found);
@@ -109,6 +112,9 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     found.survey = Some(survey);
     Ok(found)
 }
+
+/// Coordinates of a part with closed loops whose rest is searched for: dense matrices of that size take seconds.
+const MAX_ALONG: usize = 2000;
 
 /// Whether anything could pull as drawn.
 fn is_loaded(scene: &Scene) -> bool {
@@ -182,6 +188,10 @@ impl Found {
         local: &[u32],
         steering: &mut State<f64>,
     ) -> Result<(), LowerError> {
+        if part.coordinates.len() > MAX_ALONG {
+            let source = constraints.list[part.constraints[0] as usize].source;
+            return Err(LowerError::LargeLoop { coordinates: part.coordinates.len(), span: source.span(scene) });
+        }
         let equations = || part.constraints.iter().map(|number| &constraints.list[*number as usize].equation);
         let coordinates = &part.coordinates[..];
         let descent = constrained::Descent {
@@ -229,22 +239,47 @@ impl Found {
             .collect();
         let Some(survey) = survey else { return Ok(rest) };
         let large: Vec<&Part> = survey.parts.iter().filter(|part| part.is_large_and_linear()).collect();
-        for solved in linear::solve(kinematics, system, &survey, &large) {
+        for solved in linear::solve(kinematics, reduction, system, &survey, &large) {
             let solved = solved.map_err(|left| vec![falls(scene, kinematics, &left)])?;
             for (coordinate, value) in solved.displacement {
-                rest.displacement[coordinate as usize] = value;
+                if let Some(place) = reduction.place(coordinate) {
+                    rest.displacement[place.index()] = value;
+                }
             }
             rest.steps += 1;
             rest.residual = rest.residual.max(solved.residual);
             rest.proven &= solved.proven;
         }
+        let held = large.iter().filter(|part| !part.constraints.is_empty()).flat_map(|part| &part.coordinates);
+        rest.let_follow(kinematics, reduction, &state, held.copied());
         Ok(rest)
+    }
+}
+
+impl Rest {
+    /// Places the dependent ones among some coordinates of linear parts where the independent ones and the bases put them.
+    fn let_follow(
+        &mut self,
+        kinematics: &Kinematics,
+        reduction: &Reduction,
+        state: &State<Number>,
+        coordinates: impl Iterator<Item = Index>,
+    ) {
+        for coordinate in coordinates {
+            let Some((number, row)) = reduction.equation(coordinate) else { continue };
+            let value = |(i, entry): (&Index, &Number)| match reduction.place(*i) {
+                Some(place) => entry * &unmeasured(kinematics, *i, &self.displacement[place.index()]),
+                None => entry * state.value(*i),
+            };
+            let sum = row.iter().map(value).fold(Number::ZERO, |sum, value| &sum - &value);
+            self.dependent[number].displacement = measured(kinematics, coordinate, &sum);
+        }
     }
 }
 
 impl Part {
     pub fn is_large_and_linear(&self) -> bool {
-        self.linear && self.constraints.is_empty() && self.coordinates.len() > MAX_DENSE
+        self.linear && self.coordinates.len() > MAX_DENSE
     }
 }
 
@@ -252,6 +287,14 @@ impl Part {
 fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
     match kinematics.length_squared(coordinate) {
         Some(length_squared) if !value.is_zero() => value * &length_squared.root(),
+        _ => value.clone(),
+    }
+}
+
+/// In units of the coordinate's direction.
+fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
+    match kinematics.length_squared(coordinate) {
+        Some(length_squared) if !value.is_zero() => value / &length_squared.root(),
         _ => value.clone(),
     }
 }

@@ -39,6 +39,9 @@ impl Balance<'_> {
 
     fn refine_and_prove(&mut self, middle: &mut [Dd]) -> bool {
         if middle.len() > 2 * MAX_DENSE {
+            // The search in binary64 stops where a step is 1e-13 of an angle or a length.
+            let sizes: Vec<f64> = middle.iter().map(|at| at.hi.abs().max(1.0)).collect();
+            self.place(middle, &|i| 1e-12 * sizes[i]);
             return false;
         }
         self.place(middle, &|_| 0.0);
