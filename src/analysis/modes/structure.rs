@@ -124,7 +124,7 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
     // Columns: the bound coordinates, then the free ones, whose effect is to be balanced.
     let order: Vec<usize> = bound.iter().chain(free).copied().collect();
     let rows = bound.iter().map(|&i| order.iter().map(|&j| matrix[i][j]).collect()).collect();
-    let solved = eliminate_balls(rows)?;
+    let solved = eliminated(rows)?;
     let vector = |column: usize| {
         let mut vector = vec![Number::ZERO; n];
         vector[free[column]] = Number::ONE;
@@ -136,8 +136,9 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
     Some((0..free.len()).map(vector).collect())
 }
 
-/// Gauss and Jordan's elimination of the leading square, pivots from the diagonal, the largest first.
-fn eliminate_balls(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
+/// Gauss and Jordan's elimination of the leading square, pivots from the diagonal, the largest first; `None` where one may be
+/// zero. So a symmetric matrix of which it succeeds is regular.
+pub fn eliminated(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
     let mut left: Vec<usize> = (0..rows.len()).collect();
     while !left.is_empty() {
         let larger = |a: &usize, b: &usize| rows[*a][*a].mid.hi.abs().total_cmp(&rows[*b][*b].mid.hi.abs());

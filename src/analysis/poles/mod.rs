@@ -20,7 +20,10 @@ pub(in crate::analysis) mod rigid;
 
 use crate::analysis::answer::{ModeKind, Modes, Poles};
 use crate::analysis::error::{AnalysisError, place};
-use crate::analysis::modes::parts::{Part, as_system, independent};
+use crate::analysis::modes::certificate::ball;
+use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
+use crate::analysis::modes::parts::{Part, as_system, chosen, independent};
+use crate::analysis::modes::request::DEFAULT_TOLERANCE;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::cluster::separate;
@@ -99,6 +102,8 @@ impl Portion<'_> {
     fn solve(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
         if self.part.c.is_empty() {
             found.undamped(modes);
+        } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
+            self.dampers_alone(found)?;
         } else if modes.list.len() != self.part.coordinates.len() {
             // Motions without inertia that dampers hold have poles all the same.
             if !self.exact(modes, found) {
@@ -129,6 +134,23 @@ impl Portion<'_> {
             return Err(self.massless());
         } else if !c.is_zero() {
             found.root(real_root((-&(&k / &c)).to_ball()), None, false);
+        }
+        Ok(())
+    }
+
+    /// Without springs Q(s) = s (s M + C): a zero for each coordinate, and s = -mu for the eigenvalues of C x = mu M x.
+    fn dampers_alone(&self, found: &mut PoleList) -> Result<(), AnalysisError> {
+        let n = self.part.coordinates.len();
+        let [c, m] = [(&self.system.c, &self.part.c), (&self.system.m, &self.part.m)]
+            .map(|(form, terms)| chosen(form, terms, self.local));
+        let pairs = eigenpairs(&c, &m, n, DEFAULT_TOLERANCE);
+        let out_of_range = |_| AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) };
+        found.zeros(n);
+        for pair in pairs.map_err(out_of_range)? {
+            match pair.value {
+                Eigenvalue::Zero => found.zeros(1),
+                Eigenvalue::Near { value, radius, .. } => found.root(real_root(-ball(value, radius)), None, false),
+            }
         }
         Ok(())
     }
@@ -169,19 +191,15 @@ impl Portion<'_> {
         }
         let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
         let rigid_modes = modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
-        if rigid.free.len() + rigid.dragged.len() < rigid_modes && count + rigid_modes <= 2 * pencil.n {
-            // Each rigid motion has a pole at zero; whether a damper feels it, and so where its other pole is, could not be
-            // decided, and nothing is certified without knowing all.
-            found.zeros(rigid_modes);
-            found.unknown(2 * pencil.n - count - rigid_modes);
-            found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
-            return Ok(());
-        }
-        if basis.zeros() + count != 2 * pencil.n {
-            // Better no poles than a list that lacks some without a word.
+        // Each rigid motion has a pole at zero; whether a damper feels it, and so where its other pole is, may not be decided.
+        let decided = rigid.free.len() + rigid.dragged.len() == rigid_modes;
+        let zeros = if decided { basis.zeros() } else { rigid_modes };
+        let Some(lost) = (2 * pencil.n).checked_sub(zeros + count) else {
             return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
-        }
-        found.zeros(basis.zeros());
+        };
+        // Those that were not found are listed all the same: nothing is known of them, nor certified of the others.
+        found.unknown(lost);
+        found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
         Ok(())
     }

@@ -2,8 +2,8 @@
 //! double pole at zero; the others come to rest at any place, which is a single pole at zero. In: the part as a system.
 //! Out: a basis of each kind, of rational vectors that are verified exactly. Clause: spec.md 11.7.
 
-use crate::analysis::modes::structure::{NullSpace, enclosed_vectors, null_space};
-use crate::base::{Number, Rational};
+use crate::analysis::modes::structure::{NullSpace, eliminated, enclosed_vectors, null_space};
+use crate::base::{Ball, Number, Rational};
 use crate::system::{CoordinateId, Form, LinearSystem, Nature, Term};
 
 /// Bases of the null space of K.
@@ -86,7 +86,26 @@ fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotio
     let free = null_space(&both, n).free;
     let motions = enclosed_vectors(&part.k, n, &space.free)?;
     let dragged = space.free.iter().zip(motions).filter(|(at, _)| !free.contains(at)).map(|(_, motion)| motion);
-    Some(RigidMotions { dragged: dragged.collect(), free: enclosed_vectors(&both, n, &free)? })
+    let dragged: Vec<Vec<Number>> = dragged.collect();
+    let free = enclosed_vectors(&both, n, &free)?;
+    are_dragged(part, &dragged).then_some(RigidMotions { free, dragged })
+}
+
+/// The dampers certainly feel every combination of these motions: N^T C N is regular. (Its rank in general position, from
+/// which they were chosen, is larger where numbers depend on each other in a way that nobody knows.)
+fn are_dragged(part: &LinearSystem, motions: &[Vec<Number>]) -> bool {
+    let mut drag = vec![vec![Ball::ZERO; motions.len()]; motions.len()];
+    for term in part.c.terms() {
+        let row = part.c.row(term);
+        let stretch = |x: &Vec<Number>| row.iter().fold(Ball::ZERO, |sum, (i, a)| sum + (a * &x[i.index()]).to_ball());
+        let stretches: Vec<Ball> = motions.iter().map(stretch).collect();
+        for (i, &a) in stretches.iter().enumerate() {
+            for (entry, &b) in drag[i].iter_mut().zip(&stretches) {
+                *entry = *entry + term.weight.to_ball() * a * b;
+            }
+        }
+    }
+    eliminated(drag).is_some()
 }
 
 fn exact(vectors: Vec<Vec<Rational>>) -> Vec<Vec<Number>> {
