@@ -2,6 +2,7 @@
 
 mod ask;
 mod bounds;
+mod clients;
 mod command_line;
 mod diagnostics;
 mod editor;
@@ -13,6 +14,7 @@ mod formatting;
 mod fuzzing;
 mod hard_cases;
 mod hard_cases_damped;
+mod highlighting;
 mod house;
 mod independent;
 mod language;

@@ -1,19 +1,22 @@
-" Colours for model files of the vibc compiler.
+" Colours for model files of the vibc compiler; the language server adds its own.
 if exists('b:current_syntax')
   finish
 endif
 syntax match vibComment '//.*$'
 syntax match vibDoc '///.*$'
-syntax keyword vibKeyword model param let gravity point body base pivot slide weld couple spring damper force torque
-syntax keyword vibKeyword initial output damping repeat solve require rest as drawn in along about moves turns free modal stable
-syntax keyword vibConstant ground pi
+syntax match vibKeyword '\(^\|{\)\s*\zs\(model\|param\|let\|gravity\|point\|body\|pivot\|slide\|weld\|couple\|spring\|damper\|base\|force\|torque\|initial\|output\|damping\|rest\|repeat\|solve\|require\)\>'
+syntax keyword vibWord as drawn in along about moves turns free modal
+syntax keyword vibConstant ground pi stable
+syntax match vibFunction '\<\(sqrt\|abs\|min\|max\|sin\|cos\|tan\|asin\|acos\|atan\|atan2\|exp\|ln\|rod\|disk\|ring\|box\|constant\|step\|impulse\|ramp\|pulse\|harmonic\|chirp\|table\|frequency\|damping\|gain\|phase\|amplitude\|static\|peak\|rms\|rayleigh\)(\@='
 syntax match vibNumber '\<\d\+\(\.\d\+\)\?\([eE][+-]\?\d\+\)\?'
 syntax region vibString start='"' end='"' oneline
 syntax match vibOperator '--\|->\|\.\.\|<=\|>='
 highlight default link vibComment Comment
 highlight default link vibDoc SpecialComment
 highlight default link vibKeyword Keyword
+highlight default link vibWord Keyword
 highlight default link vibConstant Constant
+highlight default link vibFunction Function
 highlight default link vibNumber Number
 highlight default link vibString String
 highlight default link vibOperator Operator

@@ -1,0 +1,96 @@
+-- Neovim as a client of the language server: run as `VIBC=path/of/vibc nvim --headless --clean -l neovim.lua MODEL`.
+-- It opens a model with two errors, sees both, applies a fix, renames a parameter, lays the text out and sees the
+-- frequencies. Each step that fails says so and ends with status 1.
+
+local model = arg[1]
+
+local function step(what, condition)
+  if not condition then
+    io.stderr:write('failed: ' .. what .. '\n')
+    vim.cmd('cquit 1')
+  end
+  io.stdout:write('ok: ' .. what .. '\n')
+end
+
+local function text()
+  return table.concat(vim.api.nvim_buf_get_lines(0, 0, -1, false), '\n')
+end
+
+local function place(mark)
+  local line, column = 0, nil
+  for number, content in ipairs(vim.api.nvim_buf_get_lines(0, 0, -1, false)) do
+    column = content:find(mark, 1, true)
+    if column then line = number break end
+  end
+  assert(column, mark .. ' is not in the text')
+  vim.api.nvim_win_set_cursor(0, { line, column - 1 })
+end
+
+-- The configuration that users copy, with the program that is tested.
+local here = debug.getinfo(1, 'S').source:sub(2):match('(.*/)') or './'
+local config = dofile(here .. '../../editors/neovim/lsp/vibc.lua')
+config.cmd = { os.getenv('VIBC'), 'lsp' }
+vim.opt.runtimepath:append(here .. '../../editors/neovim')
+vim.cmd('runtime! ftdetect/vib.vim')
+vim.lsp.config('vibc', config)
+vim.lsp.enable('vibc')
+vim.cmd.edit(model)
+step('the file type is known', vim.bo.filetype == 'vib')
+
+local function codes()
+  local list = {}
+  for _, finding in ipairs(vim.diagnostic.get(0)) do table.insert(list, finding.code) end
+  table.sort(list)
+  return table.concat(list, ' ')
+end
+
+local function see(expected)
+  return vim.wait(10000, function() return codes() == expected end, 10)
+end
+
+step('two errors are seen', see('vib::field::unknown vib::unit::missing'))
+
+-- A fix: the first action on the finding.
+place('mas =')
+local finding = vim.diagnostic.get(0, { lnum = vim.api.nvim_win_get_cursor(0)[1] - 1 })[1]
+local client = vim.lsp.get_clients()[1]
+local params = vim.lsp.util.make_range_params(0, client.offset_encoding)
+params.context = { diagnostics = { finding.user_data.lsp } }
+local answer = client:request_sync('textDocument/codeAction', params, 5000, 0)
+vim.lsp.util.apply_workspace_edit(answer.result[1].edit, client.offset_encoding)
+step('the fix is applied', text():find('mass = m', 1, true) and see('vib::unit::missing'))
+
+place('10')
+finding = vim.diagnostic.get(0)[1]
+params = vim.lsp.util.make_range_params(0, client.offset_encoding)
+params.range = finding.user_data.lsp.range
+params.context = { diagnostics = { finding.user_data.lsp } }
+answer = client:request_sync('textDocument/codeAction', params, 5000, 0)
+vim.lsp.util.apply_workspace_edit(answer.result[1].edit, client.offset_encoding)
+step('the unit is added', text():find('k = 10 N/m', 1, true) and see(''))
+
+place('m  =')
+vim.lsp.buf.rename('weight')
+step('the parameter is renamed', vim.wait(5000, function()
+  return text():find('param weight', 1, true) and text():find('mass = weight', 1, true)
+end, 10))
+
+vim.lsp.buf.format({ timeout_ms = 5000 })
+step('the text is laid out', text():find('param weight = 2 kg\n', 1, true) and text():find('body block { mass = weight, moves x }', 1, true))
+
+vim.lsp.inlay_hint.enable(true, { bufnr = 0 })
+local function hints()
+  local list = {}
+  for _, hint in ipairs(vim.lsp.inlay_hint.get({ bufnr = 0 })) do table.insert(list, hint.inlay_hint.label) end
+  return table.concat(list, ' ')
+end
+-- sqrt(10 / 2) rad/s
+step('the frequencies are seen', vim.wait(5000, function() return hints():find('1 freedom: 0.3559 Hz', 1, true) end, 10))
+
+place('block {')
+local page = client:request_sync('textDocument/hover', vim.lsp.util.make_position_params(0, client.offset_encoding), 5000, 0)
+step('the pointer shows the body', page.result.contents.value:find('mass 2 kg', 1, true))
+
+client:stop()
+step('the server ends', vim.wait(5000, function() return client:is_stopped() end, 10))
+vim.cmd('qall!')

@@ -1,0 +1,51 @@
+//! A published client at the language server: Neovim, driven by `tests/clients/neovim.lua`.
+//!
+//! Needs Neovim 0.11 or later as `nvim`, or where `NVIM` says. Without it the test says so and passes, but where `CI` is
+//! `true`: there `.ci/run` has installed it.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// A word for a field that there is not, and a stiffness without its unit.
+const MODEL: &str = "model two_errors
+
+param m  = 2 kg
+
+body block { mas = m, moves x}
+
+spring s: ground -- block { k = 10 }
+";
+
+/// The program, where it is new enough to have a client of its own.
+fn neovim() -> Option<String> {
+    let name = std::env::var("NVIM").unwrap_or_else(|_| "nvim".into());
+    let output = Command::new(&name).arg("--version").output().ok()?;
+    let version = String::from_utf8_lossy(&output.stdout).lines().next()?.trim_start_matches("NVIM v").to_string();
+    let mut numbers = version.split(['.', '-']).map(|number| number.parse::<u32>().unwrap_or(0));
+    let version = (numbers.next()?, numbers.next()?);
+    (version >= (0, 11)).then_some(name)
+}
+
+#[test]
+fn neovim_sees_mends_renames_lays_out() {
+    let Some(neovim) = neovim() else {
+        assert!(std::env::var("CI").as_deref() != Ok("true"), "there is no Neovim 0.11 or later");
+        println!("skipped: there is no Neovim 0.11 or later as `nvim` or as $NVIM says");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let model = folder.path().join("two_errors.vib");
+    fs::write(&model, MODEL).expect("a model");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients/neovim.lua");
+    let run = Command::new(neovim)
+        .args(["--headless", "--clean", "-l"])
+        .args([&script, &model])
+        .env("VIBC", env!("CARGO_BIN_EXE_vibc"))
+        .env("XDG_STATE_HOME", folder.path())
+        .output()
+        .expect("Neovim starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 9, "{said}{failed}");
+}
