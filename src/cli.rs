@@ -80,6 +80,9 @@ pub struct Analyze {
     /// The relative error that every frequency and pole must be certain to, such as 1e-14; exit status 4 where one is not
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
+    /// Tell what moves the frequencies and damping ratios: their derivatives by each parameter
+    #[arg(long)]
+    pub sensitivity: bool,
     #[command(flatten)]
     pub measured: MeasureOptions,
 }

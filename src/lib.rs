@@ -61,22 +61,37 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
 /// From the text of a model to a modal report of what is asked for. Where an accuracy that was asked for is not reached, the
 /// answer is there all the same, with the bounds that were.
 pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
-    analyze_until(sources, model, overrides, request, None)
+    analyze_with(sources, model, overrides, request, &Study::default())
 }
 
-/// The same with measures of the motion in time taken up to a time, s.
-pub fn analyze_until(
+/// What is asked besides the modal report.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Study<'a> {
+    /// How long `peak` and `rms` follow the motion, s; from the poles and signals where it is not given.
+    pub until: Option<&'a Number>,
+    /// The derivatives of frequencies and damping ratios by each parameter.
+    pub sensitivity: bool,
+}
+
+/// The same, and what is asked besides.
+pub fn analyze_with(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
     request: &Request,
-    until: Option<&Number>,
+    study: &Study,
 ) -> Outcome<ModalAnswer> {
     let mut diagnostics = Diagnostics::new();
-    let answer = read(sources, model, overrides, until, &mut diagnostics).and_then(|read| {
+    let answer = read(sources, model, overrides, study.until, &mut diagnostics).and_then(|read| {
         let answer = answered(&read, request, &mut diagnostics)?;
         let requirements = read.requirements(Some((&answer.modes, &answer.poles)), &mut diagnostics);
-        Some(ModalAnswer { requirements, solved: read.solved, ..answer })
+        let (modes, poles) = (&answer.modes, &answer.poles);
+        let sensitivities = if study.sensitivity {
+            read.asked(|text| questions::sensitivities(text, &read.settings, request, modes, poles))
+        } else {
+            Vec::new()
+        };
+        Some(ModalAnswer { requirements, sensitivities, solved: read.solved, ..answer })
     });
     if let Some(ModalAnswer { system, modes, poles, .. }) = &answer
         && let Some(shortfall) = analysis::shortfall(system, modes, poles, request)
@@ -409,8 +424,20 @@ fn answer(read: &Read, lowered: Lowered, request: &Request) -> Result<ModalAnswe
     let Lowered { system, rest } = lowered;
     let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
     let buckling = analysis::buckling(&system);
-    let (solved, requirements) = (Vec::new(), Vec::new());
-    Ok(ModalAnswer { model, system, rest, modes, poles, stability, buckling, solved, requirements, account: None })
+    let (solved, requirements, sensitivities) = (Vec::new(), Vec::new(), Vec::new());
+    Ok(ModalAnswer {
+        model,
+        system,
+        rest,
+        modes,
+        poles,
+        stability,
+        buckling,
+        solved,
+        requirements,
+        sensitivities,
+        account: None,
+    })
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.

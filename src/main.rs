@@ -61,8 +61,8 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
-    let until = options.measured.until.as_ref();
-    let mut analysis = vibc::analyze_until(&input.sources, input.model, &input.overrides, &options.request(), until);
+    let study = vibc::Study { until: options.measured.until.as_ref(), sensitivity: options.sensitivity };
+    let mut analysis = vibc::analyze_with(&input.sources, input.model, &input.overrides, &options.request(), &study);
     let status = failure(analysis.failure());
     show(&input.sources, std::mem::take(&mut analysis.diagnostics), messages);
     let explained = options.explain_model.then(|| vibc::explain(&input.sources, input.model, &input.overrides));

@@ -1,7 +1,7 @@
 //! Single numbers that a model asks for or requires, by their definitions on the language page, each a ball. In: answers;
 //! out: a value, or why there is none. Clause: spec.md, "Response".
 
-use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
+use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
@@ -38,10 +38,20 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
 
 /// The damping ratio of the i-th damped motion: complex pairs and pairs of real poles, ascending in |s|.
 pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
+    match damped_motion(poles, i) {
+        Ok(pole) => {
+            pole.damping_ratio.map_or(Measurement::None("a pole at zero has no damping ratio"), Measurement::Value)
+        }
+        Err(why) => Measurement::None(why),
+    }
+}
+
+/// The last pole of the i-th damped motion, or why there is none.
+pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
     let mut halves = 0;
     for pole in &poles.list {
         if pole.kind == PoleKind::Undetermined {
-            return Measurement::None("it is not certain what kind of motion this is");
+            return Err("it is not certain what kind of motion this is");
         }
         let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
         halves += match (complex, pole.im.mid.hi > 0.0) {
@@ -50,12 +60,10 @@ pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
             (false, _) => 1,
         };
         if halves >= 2 * i && i > 0 {
-            return pole
-                .damping_ratio
-                .map_or(Measurement::None("a pole at zero has no damping ratio"), Measurement::Value);
+            return Ok(pole);
         }
     }
-    Measurement::None("there is no such damped motion")
+    Err("there is no such damped motion")
 }
 
 /// |H| at a frequency in Hz.

@@ -9,7 +9,7 @@ use crate::analysis::{
 };
 use crate::base::{Ball, Dd, Number};
 use crate::lower::Remark;
-use crate::questions::answer::{Requirement, Solved, Value};
+use crate::questions::answer::{Requirement, Sensitivity, Slope, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
@@ -45,6 +45,8 @@ struct Report<'a> {
     explained: Option<Explained<'a>>,
     solved: Vec<JsonSolved<'a>>,
     requirements: Vec<JsonRequirement<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sensitivities: Vec<JsonSensitivity<'a>>,
 }
 
 #[derive(serde::Serialize)]
@@ -277,6 +279,64 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         }),
         solved: answer.solved.iter().map(json_solved).collect(),
         requirements: answer.requirements.iter().map(json_requirement).collect(),
+        sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
+    }
+}
+
+/// Derivatives in SI: Hz and ratios by SI units of the parameter.
+#[derive(serde::Serialize)]
+struct JsonSensitivity<'a> {
+    parameter: &'a str,
+    value: f64,
+    unit: &'a str,
+    si: f64,
+    frequencies: Vec<JsonSlope>,
+    damping: Vec<JsonSlope>,
+}
+
+/// `derivative` and `relative` are `null` where there is none: `kind` is then `splits`, `undefined` or `none`.
+#[derive(serde::Serialize)]
+struct JsonSlope {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mode: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motion: Option<usize>,
+    kind: &'static str,
+    derivative: Option<f64>,
+    error_bound: Option<f64>,
+    relative: Option<f64>,
+}
+
+fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
+    let shown = sensitivity.shown();
+    let slopes = |list: &[Option<Slope>], number: fn(usize, usize) -> (Option<usize>, Option<usize>)| {
+        let numbered = list.iter().enumerate().map(|(i, slope)| json_slope(slope, number(sensitivity.first, i)));
+        numbered.collect()
+    };
+    JsonSensitivity {
+        parameter: &sensitivity.parameter,
+        value: shown.number.to_f64(),
+        unit: shown.unit,
+        si: sensitivity.value.to_f64(),
+        frequencies: slopes(&sensitivity.frequencies, |first, i| (Some(first + i), None)),
+        damping: slopes(&sensitivity.ratios, |_, i| (None, Some(i + 1))),
+    }
+}
+
+fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usize>)) -> JsonSlope {
+    let (kind, found) = match slope {
+        None => ("none", None),
+        Some(Slope::Splits) => ("splits", None),
+        Some(Slope::Undefined) => ("undefined", None),
+        Some(Slope::Smooth { absolute, relative }) => ("smooth", Some((absolute, relative))),
+    };
+    JsonSlope {
+        mode,
+        motion,
+        kind,
+        derivative: found.map(|(absolute, _)| absolute.to_f64() + 0.0),
+        error_bound: found.and_then(|(absolute, _)| finite(error_bound(absolute))),
+        relative: found.and_then(|(_, relative)| finite(relative.to_f64() + 0.0)),
     }
 }
 

@@ -15,7 +15,7 @@ pub mod transfer;
 use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
-use crate::questions::answer::{Requirement, Solved};
+use crate::questions::answer::{Requirement, Sensitivity, Solved};
 use crate::system::{Coordinate, LinearSystem};
 
 /// All that a modal report says.
@@ -35,6 +35,8 @@ pub struct ModalAnswer {
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
+    /// Where they were asked for.
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 impl ModalAnswer {

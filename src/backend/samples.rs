@@ -49,6 +49,7 @@ pub fn cart() -> ModalAnswer {
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
+        sensitivities: Vec::new(),
         account: None,
     }
 }
@@ -90,6 +91,7 @@ pub fn free_pair() -> ModalAnswer {
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
+        sensitivities: Vec::new(),
         account: None,
     }
 }

@@ -55,6 +55,36 @@ pub struct Requirement {
     pub until: Option<Number>,
 }
 
+/// How the frequencies and damping ratios change with a parameter.
+#[derive(Clone, Debug)]
+pub struct Sensitivity {
+    pub parameter: String,
+    /// SI
+    pub value: Number,
+    pub unit: Written,
+    /// Number of the first mode below.
+    pub first: usize,
+    /// Of the undamped frequencies, Hz; `None` for a mode that does not oscillate.
+    pub frequencies: Vec<Option<Slope>>,
+    /// Of the damping ratios of the damped motions, as `damping(i)` counts them; none where nothing damps.
+    pub ratios: Vec<Option<Slope>>,
+}
+
+/// A derivative by a parameter.
+#[derive(Clone, Copy, Debug)]
+pub enum Slope {
+    Smooth {
+        /// df/dp in SI.
+        absolute: Ball,
+        /// (p/f) df/dp
+        relative: Ball,
+    },
+    /// Two that are equal here part on both sides.
+    Splits,
+    /// The model has no meaning on both sides, as with a number of parts.
+    Undefined,
+}
+
 /// What a measure came to.
 #[derive(Clone, Debug)]
 pub enum Value {
@@ -95,6 +125,13 @@ impl Solved {
         let target = self.target.to_ball();
         let slope = self.slope? * self.value.to_ball() / target;
         slope.is_finite().then_some(slope)
+    }
+}
+
+impl Sensitivity {
+    /// The value in the parameter's own unit.
+    pub fn shown(&self) -> Shown<'_> {
+        shown(&self.value, &self.unit, false)
     }
 }
 

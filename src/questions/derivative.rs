@@ -33,6 +33,10 @@ pub fn step(p: &Number, unit: &Number, relative_error: f64) -> Number {
 /// Slopes of several functions at once from their values at p - h, p and p + h.
 pub fn slope(before: Option<Ball>, here: Option<Ball>, after: Option<Ball>, h: &Number) -> Result<Ball, NoSlope> {
     let (Some(before), Some(here), Some(after)) = (before, here, after) else { return Err(NoSlope::Undefined) };
+    if before == here && here == after {
+        // The same to the last bit of the enclosure: it does not enter.
+        return Ok(Ball::ZERO);
+    }
     let difference = after - before;
     let bend = ((after - here) - (here - before)).abs();
     let known = difference.rad.max(here.rad);

@@ -6,6 +6,7 @@
 //! 1. [`trial`]: values of parameters to a scene, a system, and the measures asked
 //! 2. [`together`]: the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
 //! 3. [`require`]: whether measures keep their limits, and by how much
+//! 4. [`sensitivity`]: what moves frequencies and damping ratios
 
 pub mod answer;
 mod derivative;
@@ -14,10 +15,12 @@ mod newton;
 mod probe;
 mod require;
 mod search;
+mod sensitivity;
 mod together;
 pub mod trial;
 
-pub use answer::{Requirement, Solved};
+pub use answer::{Requirement, Sensitivity, Solved};
 pub use require::requirements;
+pub use sensitivity::sensitivities;
 pub use together::{Settled, solve};
 pub use trial::{Stages, Text};

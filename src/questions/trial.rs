@@ -2,7 +2,9 @@
 //! and values; out: the measures, or why there are none.
 
 use super::probe::{Measured, Probe, prepare};
-use crate::analysis::{AnalysisError, Measurement, Modes, Poles, Request, Which, modes, modes_as, peak, poles};
+use crate::analysis::{
+    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal, modes, modes_as, peak, poles,
+};
 use crate::base::{Diagnostics, Number, Sources};
 use crate::lower::Lowered;
 use crate::model::scene::{Measure, Parameter, Question};
@@ -84,6 +86,14 @@ impl Text<'_> {
         };
         let context = &self.context(scene, &probes)?;
         Ok(Measured { scene: scene.scene(), lowered: &lowered, modes, poles, context }.measure(&probes))
+    }
+
+    /// The modes and poles with some parameters at these values.
+    pub fn modal(&self, values: &[Setting], request: &Request) -> Result<Modal, String> {
+        let scene = self.scene(values)?;
+        let mut said = Diagnostics::new();
+        let lowered = (self.stages.lower)(&scene, &mut said).ok_or_else(|| first_error(&said))?;
+        modal(&lowered.system, request).map_err(|error| error.to_diagnostic().message)
     }
 
     /// How long the motion is followed for a measure of it.

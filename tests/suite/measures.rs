@@ -13,6 +13,11 @@ pub fn sources(text: &str) -> (Sources, vibc::base::FileId) {
     (sources, file)
 }
 
+/// Measures of the motion up to a time.
+fn up_to(until: &Number) -> vibc::Study<'_> {
+    vibc::Study { until: Some(until), ..vibc::Study::default() }
+}
+
 /// The report of a model whose requirements need not hold.
 fn answer(text: &str) -> ModalAnswer {
     let (sources, file) = sources(text);
@@ -77,7 +82,7 @@ fn the_peak_of_what_creeps_is_at_the_end() {
     let (sources, file) = sources(&model);
     let until = Number::from(2);
     let request = vibc::analysis::Request::default();
-    let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+    let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &up_to(&until));
     let Value::Number(peak) = outcome.answer.expect("a report").requirements[0].value else { panic!("no number") };
     agrees(peak, at(2.0), 1e-11);
 }
@@ -124,7 +129,7 @@ fn peak_and_rms_agree_with_dense_samples() {
         let (sources, file) = sources(&(model.clone() + requires));
         let until = Number::from(5);
         let request = vibc::analysis::Request::default();
-        let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+        let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &up_to(&until));
         let found = outcome.answer.expect("a report").requirements;
         let step = Number::from(Rational::new(1, 2000));
         let motion =
@@ -157,7 +162,7 @@ fn a_free_swing_has_its_amplitude_and_rms() {
     let (sources, file) = sources(&text);
     let until = &Number::pi() * &Number::from(7);
     let request = vibc::analysis::Request::default();
-    let outcome = vibc::analyze_until(&sources, file, &Overrides::default(), &request, Some(&until));
+    let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &up_to(&until));
     let Value::Number(rms) = outcome.answer.expect("a report").requirements[0].value else { panic!("no number") };
     agrees(rms, 5e-3 / 2f64.sqrt(), 1e-10);
 }
@@ -284,4 +289,84 @@ fn published_amplitudes_and_peaks() {
     // Free of damping, a step doubles its static value; a blow swings with J / sqrt(k m).
     agrees(one(&format!("{mass} = step(200 N, 0 s)\n"), "peak(a.x) < 9 m"), 2.0, 1e-10);
     agrees(one(&format!("{mass} = impulse(10 N*s, 0 s)\n"), "peak(a.x) < 9 m"), 1.0, 1e-10);
+}
+
+/// A parameter, and the relative slopes of the frequencies and of the damping ratios.
+type Slopes = (String, Vec<Ball>, Vec<Ball>);
+
+/// The slopes by every parameter.
+fn sensitivities(text: &str) -> Vec<Slopes> {
+    let (sources, file) = sources(text);
+    let study = vibc::Study { sensitivity: true, ..vibc::Study::default() };
+    let request = vibc::analysis::Request::default();
+    let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study);
+    let relative = |slope: &Option<vibc::questions::answer::Slope>| match slope {
+        Some(vibc::questions::answer::Slope::Smooth { relative, .. }) => *relative,
+        other => panic!("{other:?}"),
+    };
+    let list = outcome.answer.expect("a report").sensitivities;
+    let told = list.iter().map(|sensitivity| {
+        let frequencies = sensitivity.frequencies.iter().map(relative).collect();
+        (sensitivity.parameter.clone(), frequencies, sensitivity.ratios.iter().map(relative).collect())
+    });
+    told.collect()
+}
+
+/// Frequencies are homogeneous of degree 1/2 in all stiffnesses together and -1/2 in all masses; damping ratios stay the same
+/// where masses, dampers and stiffnesses are scaled alike, and where dampers are scaled like the roots of stiffnesses (Euler's
+/// theorem). No sum of wrong slopes would do that for each mode.
+#[test]
+fn sensitivities_obey_eulers_theorem() {
+    let mut model = String::new();
+    for i in 1..=4 {
+        let before = if i == 1 { "ground".to_string() } else { format!("m{}", i - 1) };
+        model += &format!(
+            "param m_{i} = {i}.5 kg\nparam k_{i} = 1{i}0 N/m\nparam c_{i} = 0.{i} N*s/m\n\
+             body m{i} {{ mass = m_{i}, moves x }}\nspring k{i}: {before} -- m{i} {{ k = k_{i} }}\n\
+             damper c{i}: {before} -- m{i} {{ c = c_{i} }}\n"
+        );
+    }
+    let list = sensitivities(&model);
+    for mode in 0..4 {
+        let sum = |kind: &str, of: fn(&Slopes) -> &Vec<Ball>| {
+            let slopes = list.iter().filter(|(name, ..)| name.starts_with(kind)).map(|entry| of(entry)[mode]);
+            slopes.fold(Ball::ZERO, |sum, slope| sum + slope)
+        };
+        // Each slope is that at a value within 2^-33 of the parameter.
+        let is = |found: Ball, expected: f64| (found.to_f64() - expected).abs() <= found.rad + 1e-15;
+        for (kind, degree) in [("m_", -0.5), ("k_", 0.5), ("c_", 0.0)] {
+            assert!(is(sum(kind, |(_, slopes, _)| slopes), degree), "{kind} {mode}");
+        }
+        let [m, k, c] = ["m_", "k_", "c_"].map(|kind| sum(kind, |(.., slopes)| slopes));
+        assert!(is(m + k + c, 0.0) && is(k + k + c, 0.0), "{mode}: {m:?} {k:?} {c:?}");
+        assert!(c.to_f64() > 0.9, "lightly damped, a ratio goes with the dampers");
+    }
+}
+
+/// A rod that a torsional spring with an offset holds at an angle: k q = t - m g (L/2) sin q. Both the stiffness and the rest move
+/// with each parameter; the formula is differentiated by hand.
+#[test]
+fn sensitivities_follow_the_rest() {
+    let model = "param k = 20 N*m/rad\nparam t = 6 N*m\nparam m = 2 kg\nlet L = 1.5 m\ngravity 10 m/s^2\n\
+                 body rod { mass = m, shape = rod((0, 0), (0, -L)) }\npivot p: ground@(0, 0) -- rod\n\
+                 spring s: ground -- rod { k = k }\ntorque T: rod = constant(t)\n";
+    let (k, t, m) = (20.0f64, 6.0, 2.0);
+    let g = m * 10.0 * 0.75;
+    let mut q = 0.2;
+    for _ in 0..50 {
+        q -= (k * q - t + g * f64::sin(q)) / (k + g * f64::cos(q));
+    }
+    let (sine, cosine) = q.sin_cos();
+    let stiffness = k + g * cosine;
+    // dq/dp from the rest, then d(stiffness)/dp; frequency goes with sqrt(stiffness / m).
+    let dq = [-q / stiffness, 1.0 / stiffness, -(g / m) * sine / stiffness];
+    let direct = [1.0, 0.0, g / m * cosine];
+    let values = [k, t, m];
+    let list = sensitivities(model);
+    for i in 0..3 {
+        let slope = direct[i] - g * sine * dq[i];
+        let expected = 0.5 * values[i] * slope / stiffness - if i == 2 { 0.5 } else { 0.0 };
+        let found = list[i].1[0];
+        assert!((found.to_f64() - expected).abs() < 1e-13, "{}: {found:?} {expected}", list[i].0);
+    }
 }

@@ -8,6 +8,7 @@ mod parts;
 mod poles;
 pub(super) mod questions;
 mod rest;
+mod sensitivities;
 pub(super) mod table;
 
 use super::diagnostics::readable;
@@ -32,6 +33,7 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
         modes::table(answer, options),
         modes::shares(answer),
         poles::text(answer, options),
+        sensitivities::text(answer),
         parts::parts(answer),
         answer.account.as_ref().map_or_else(String::new, |account| parts::explained(account, &answer.system)),
     ];
