@@ -399,7 +399,10 @@ impl Factors<'_> {
 
 /// The place of each node in the order of elimination.
 fn order(n: usize, k: &[(u32, u32)], m: &[(u32, u32)]) -> Option<Vec<u32>> {
-    let mut pairs: Vec<(i32, i32)> = k.iter().chain(m).map(|&(i, j)| (i as i32, j as i32)).collect();
+    // With the diagonal: the crate takes it for granted that there are as many entries as rows.
+    let diagonal = (0..n as u32).map(|i| (i, i));
+    let pairs = k.iter().chain(m).copied().chain(diagonal);
+    let mut pairs: Vec<(i32, i32)> = pairs.map(|(i, j)| (i as i32, j as i32)).collect();
     pairs.sort_unstable();
     pairs.dedup();
     let mut starts = vec![0i32; n + 1];

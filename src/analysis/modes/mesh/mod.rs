@@ -77,12 +77,12 @@ enum Lack {
 
 impl<'a> Mesh<'a> {
     fn of(stiffness: &'a Terms, masses: &'a Terms, n: usize) -> Option<Mesh<'a>> {
-        let (k, m) = (Network::of(stiffness, n), Network::of(masses, n));
+        let (k, m) = (Network::of(stiffness, n)?, Network::of(masses, n)?);
         if m.diagonal.iter().any(|&mass| mass.is_nan() || mass <= 0.0) {
             return None;
         }
         let pattern = Pattern::of(&k, &m)?;
-        let scale = least_inertia(&m, &pattern)?;
+        let scale = least_inertia(&m)?;
         // What is no spring between two coordinates holds something; one part without such floats as a whole.
         let floats = (0..n).all(|i| k.positive[i].value == 0.0 && k.negative[i].value == 0.0)
             && (0..n).all(|i| k.positive[i].error == 0.0)
@@ -314,12 +314,13 @@ const LOOK_AHEAD: usize = 4;
 const MAX_CORRECTIONS: usize = 3;
 
 /// d with M >= diag(d): M itself, or a part of its diagonal that a count confirms.
-fn least_inertia(m: &Network, pattern: &Pattern) -> Option<Vec<f64>> {
+fn least_inertia(m: &Network) -> Option<Vec<f64>> {
     if m.is_diagonal() {
         let exact = |i: usize| m.positive[i].value - m.positive[i].error - m.negative[i].value - m.negative[i].error;
         return Some((0..m.n()).map(exact).collect()).filter(|scale: &Vec<f64>| scale.iter().all(|&d| d > 0.0));
     }
     let diagonal = Network::of_diagonal(&m.diagonal);
+    let pattern = Pattern::of(m, &diagonal)?;
     let parts = [0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6];
     let holds = |part: f64| pattern.count(m, &diagonal, part, Rounding::Down) == Some(0);
     let part = parts.into_iter().find(|&part| holds(part))?;
@@ -331,7 +332,8 @@ mod tests {
     use super::*;
     use crate::analysis::modes::eigen::eigenpairs;
     use crate::analysis::test_systems::{blank, push};
-    use crate::system::LinearSystem;
+    use crate::base::Number;
+    use crate::system::{CoordinateId, LinearSystem, Nature};
 
     /// A square of springs; stiffnesses with decimal mantissas over so many decades.
     fn net(side: usize, decades: i32, held: bool) -> LinearSystem {
@@ -391,13 +393,54 @@ mod tests {
     #[test]
     fn counts_hold_from_both_sides() {
         let system = net(9, 12, true);
-        let (k, m) = (Network::of(&Terms::of(&system.k), 81), Network::of(&Terms::of(&system.m), 81));
+        let (k, m) = (
+            Network::of(&Terms::of(&system.k), 81).expect("sparse"),
+            Network::of(&Terms::of(&system.m), 81).expect("sparse"),
+        );
         let pattern = Pattern::of(&k, &m).expect("little fill");
         let truth = dense(&system);
         for (number, pair) in truth.windows(2).enumerate().step_by(5) {
             let s = 0.5 * (pair[0].0.hi() + pair[1].0.hi());
             let counts = [Rounding::Down, Rounding::Up].map(|rounding| pattern.count(&k, &m, s, rounding));
             assert_eq!(counts, [Some(number + 1); 2], "below {s:e}");
+        }
+    }
+
+    /// Bodies whose inertia couples neighbours, and levers: the inverse of M is no diagonal.
+    #[test]
+    fn coupled_inertia_and_levers_have_their_modes_too() {
+        let n = 40;
+        let mut system = net(1, 0, false);
+        system = LinearSystem { coordinates: blank(n).coordinates, ..system };
+        let one = |i: usize, a: &str| {
+            let value = match a.strip_prefix('-') {
+                Some(a) => -&Number::from(a),
+                None => Number::from(a),
+            };
+            (CoordinateId(i as u32), value)
+        };
+        let label = system.coordinates[0].name;
+        let m = system.m.source(label);
+        let k = system.k.source(label);
+        for i in 0..n {
+            let weight = Number::from(format!("1.{i:02}").as_str());
+            if i > 0 {
+                system.m.push(m, Nature::Property, weight.clone(), [one(i - 1, "0.5"), one(i, "0.5")]);
+                system.m.push(m, Nature::Property, weight.clone(), [one(i, "0.3")]);
+                system.k.push(k, Nature::Property, weight.clone(), [one(i - 1, "-1.7"), one(i, "2.3")]);
+            }
+            if i > 2 {
+                system.k.push(k, Nature::Property, weight, [one(i - 3, "0.4"), one(i - 1, "-1"), one(i, "0.7")]);
+            }
+        }
+        system.k.push(k, Nature::Property, Number::from("5"), [one(0, "1")]);
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let request = Request { which: Which::Lowest(5), ..Request::default() };
+        let found = some(&k, &m, n, &request).expect("positive definite").pairs;
+        for (pair, (truth, known)) in found.iter().zip(dense(&system)) {
+            let Eigenvalue::Near { value, radius, .. } = pair.value else { panic!("it is held") };
+            assert!((value - truth).hi().abs() <= radius + known);
+            assert!(radius <= 1e-12 * value.hi(), "{radius:e}");
         }
     }
 

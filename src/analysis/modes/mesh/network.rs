@@ -12,6 +12,9 @@ pub const U: f64 = f64::EPSILON / 2.0;
 /// Covers the roundings of sums of up to ten million bounds.
 pub const UP: f64 = 1.0 + 1e-9;
 
+/// More entries of all rows together are no sparse matrix.
+const MOST_PAIRS: usize = 20_000_000;
+
 /// A number and a bound of its error.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Near {
@@ -50,7 +53,12 @@ pub struct Network {
 }
 
 impl Network {
-    pub fn of(terms: &Terms, n: usize) -> Network {
+    /// `None` where rows are so long that the matrix is not sparse.
+    pub fn of(terms: &Terms, n: usize) -> Option<Network> {
+        let pairs = |t: usize| terms.row(t).0.len().pow(2) / 2;
+        if (0..terms.len()).map(pairs).sum::<usize>() > MOST_PAIRS {
+            return None;
+        }
         let mut entries: Vec<(u32, u32, Near)> = Vec::with_capacity(terms.len());
         let (mut positive, mut negative) = (vec![Near::default(); n], vec![Near::default(); n]);
         let mut diagonal = vec![0.0; n];
@@ -84,7 +92,7 @@ impl Network {
                 }
             }
         }
-        network
+        Some(network)
     }
 
     pub fn n(&self) -> usize {
