@@ -434,3 +434,45 @@ fn system(text: &str) -> vibc::lower::Lowered {
     let outcome = vibc::lower::lower(&scene);
     outcome.lowered.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics))
 }
+
+/// P22 of the published cases, an anchor chain of links drawn as a V between two fixed ends, far from its rest; turned too.
+/// It hangs as a catenary does: symmetric, with a smaller slope at every link, and stable.
+#[test]
+fn a_chain_between_two_ends_finds_its_rest() {
+    let chain = |turned: &str| {
+        format!(
+            "let c = cos({turned})\nlet s = sin({turned})
+            gravity (9.81 m/s^2 * s, -9.81 m/s^2 * c)
+            repeat i in 0..9 {{ point L[i] = ((c * i / 4 + s * i * 3 / 5) * 1 m, (s * i / 4 - c * i * 3 / 5) * 1 m) }}
+            repeat i in 10..20 {{
+              point L[i] = ((c * i / 4 + s * (20 - i) * 3 / 5) * 1 m, (s * i / 4 - c * (20 - i) * 3 / 5) * 1 m)
+            }}
+            repeat i in 1..20 {{ body l[i] {{ mass = 10 kg, shape = rod(L[i-1], L[i]) }} }}
+            repeat i in 2..20 {{ pivot p[i]: l[i-1]@(L[i-1]) -- l[i] }}
+            pivot p[1]: ground@(L[0]) -- l[1]\npivot p[21]: l[20]@(L[20]) -- ground"
+        )
+    };
+    let plain = ask(&chain("0"));
+    assert!(plain.lowered.rest.proven && plain.lowered.rest.residual < 1e-25, "{:?}", plain.lowered.rest.residual);
+    let omegas = plain.omegas();
+    assert!(omegas.len() == 18 && omegas.iter().all(|omega| *omega > 0.0), "{omegas:?}");
+    let rest = &plain.lowered.rest;
+    let names = plain.lowered.system.coordinate_names();
+    let own = names.into_iter().zip(&rest.displacement);
+    let words = &plain.lowered.system;
+    let dependent = rest.dependent.iter().map(|d| (words.display(d.coordinate.name), &d.displacement));
+    let turned: std::collections::BTreeMap<String, f64> = own.chain(dependent).map(|(n, d)| (n, d.to_f64())).collect();
+    let slope = |i: i32| {
+        let drawn = if i <= 10 { -1f64 } else { 1.0 } * (0.6f64 / 0.25).atan();
+        (drawn + turned[&format!("l[{i}].angle")]).tan()
+    };
+    // Weight of one link over the horizontal pull: the same between any two neighbours.
+    let step = slope(2) - slope(1);
+    for i in 2..20 {
+        assert!((slope(i + 1) - slope(i) - step).abs() < 1e-12, "{i}");
+    }
+    assert!((slope(1) + slope(20)).abs() < 1e-12);
+    for (a, b) in omegas.iter().zip(ask(&chain("30 deg")).omegas()) {
+        assert!((a - b).abs() < 1e-13 * a, "{a} {b}");
+    }
+}

@@ -537,7 +537,9 @@ impl<'a> Formulation<'a> {
         let [x, y] = unit(along);
         let origin = Vec3::ZERO;
         let [a, b] = [0, 1].map(|end| self.spot(joint.ends[end].part, Some(&origin)));
-        let sign = if b.part == Some(i) { Dd::ONE } else { -Dd::ONE };
+        let classes = self.welded();
+        let is_carried = b.part.is_some_and(|part| classes[part] == classes[i]);
+        let sign = if is_carried { Dd::ONE } else { -Dd::ONE };
         Quantity::new([a.part, b.part], move |p| {
             let d = match a.part {
                 None => [x, y],
@@ -547,35 +549,41 @@ impl<'a> Formulation<'a> {
         })
     }
 
-    /// The slide over which the ground is reached from a body, going from the ground outwards.
+    /// The slide over which the ground is reached from a body: breadth first, with the joints in order of declaration.
     fn slide_of(&self, body: usize) -> (&'a Joint, &'a Vec3) {
+        let classes = self.welded();
+        let class = |end: &Attachment| self.part(end.part).map_or(0, |part| classes[part]);
         let bodies = &self.scene.bodies;
-        let mut reached: Vec<bool> = bodies.iter().map(|b| b.freedom != Freedom::FromJoints).collect();
-        let is_reached = |reached: &[bool], end: &Attachment| match end.part {
-            Part::Body(id) => reached[id.index()],
-            _ => true,
-        };
-        loop {
-            let next = self.scene.joints.iter().find_map(|joint| {
-                let known = [0, 1].map(|end| is_reached(&reached, &joint.ends[end]));
-                let new = known.iter().position(|k| !k)?;
-                if known[1 - new] { Some((joint, self.part(joint.ends[new].part)?)) } else { None }
-            });
-            let (joint, new) = next.expect("every body is tied to the ground");
-            reached[new] = true;
-            if new == body {
-                match &joint.kind {
-                    JointKind::Slide { along } => return (joint, along),
-                    // Welded to what slides.
-                    _ => return self.slide_of(self.other_end(joint, body)),
+        // The ground, the bases, then the bodies that stand on the ground.
+        let bases = (0..self.scene.bases.len()).map(|base| classes[bodies.len() + base]);
+        let standing = (0..bodies.len()).filter(|i| bodies[*i].freedom != Freedom::FromJoints).map(|i| classes[i]);
+        let mut reached: Vec<usize> = [0].into_iter().chain(bases).chain(standing).collect();
+        let mut next = 0;
+        while let Some(&from) = reached.get(next) {
+            for joint in self.scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld) {
+                let ends = [class(&joint.ends[0]), class(&joint.ends[1])];
+                let to = if ends[0] == from { ends[1] } else { ends[0] };
+                if !ends.contains(&from) || reached.contains(&to) {
+                    continue;
+                }
+                reached.push(to);
+                if let (true, JointKind::Slide { along }) = (to == classes[body], &joint.kind) {
+                    return (joint, along);
                 }
             }
+            next += 1;
         }
+        panic!("no slide carries body {body}");
     }
 
-    fn other_end(&self, joint: &Joint, body: usize) -> usize {
-        let parts = [0, 1].map(|end| self.part(joint.ends[end].part));
-        parts.into_iter().flatten().find(|part| *part != body).expect("tied to a body")
+    /// For each part a number of what it is welded to; 0 is the ground.
+    fn welded(&self) -> Vec<usize> {
+        let mut classes: Vec<usize> = (1..=self.part_count()).collect();
+        for joint in self.scene.joints.iter().filter(|joint| joint.kind == JointKind::Weld) {
+            let [a, b] = [0, 1].map(|end| self.part(joint.ends[end].part).map_or(0, |part| classes[part]));
+            classes.iter_mut().filter(|class| **class == a.max(b)).for_each(|class| *class = a.min(b));
+        }
+        classes
     }
 
     fn assembled(&self, size: usize, poses: &[Pose], weighted: &[(Dd, &Quantity)]) -> (Vec<Dd>, Matrix) {
