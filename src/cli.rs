@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use vibc::analysis::discrete::Precision;
 use vibc::analysis::{Band, Frequency, Normalise, Request, Which};
 use vibc::base::unit::{self, Scale};
 use vibc::base::{Angle, Dimension, Literals, Number, Rational};
@@ -181,6 +182,9 @@ pub struct Emit {
     /// What inputs do between samples: stay, or run along a line
     #[arg(long, value_enum, default_value_t = HoldOption::Zero)]
     pub hold: HoldOption,
+    /// What the code does: exact steps, or the right-hand side of the equations for an integrator of your own
+    #[arg(long, value_enum, default_value_t = StyleOption::Steps)]
+    pub style: StyleOption,
     /// Which signals are part of the state: none, or those that the model declares
     #[arg(long, value_enum, default_value_t = SignalsOption::External)]
     pub signals: SignalsOption,
@@ -202,6 +206,12 @@ pub enum TargetOption {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StyleOption {
+    Steps,
+    Equations,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SignalsOption {
     /// Every input is an argument of each step
     External,
@@ -213,6 +223,15 @@ pub enum SignalsOption {
 pub enum PrecisionOption {
     F64,
     F32,
+}
+
+impl From<PrecisionOption> for Precision {
+    fn from(option: PrecisionOption) -> Precision {
+        match option {
+            PrecisionOption::F64 => Precision::Double,
+            PrecisionOption::F32 => Precision::Single,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -247,6 +247,14 @@ pub fn discrete(
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 
+/// From the text of a model to its linear system.
+pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<(String, LinearSystem)> {
+    let mut diagnostics = Diagnostics::new();
+    let scene = read(sources, model, overrides, None, &mut diagnostics).map(|read| read.scene);
+    let answer = scene.and_then(|scene| Some((scene.scene().name.clone(), damped(&scene, &mut diagnostics)?.system)));
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
 fn emission(
     sources: &Sources,
     model: FileId,
@@ -254,7 +262,7 @@ fn emission(
     options: &analysis::discrete::Options,
     diagnostics: &mut Diagnostics,
 ) -> Option<Emission> {
-    let scene = checked_scene(sources, model, overrides, diagnostics)?;
+    let scene = read(sources, model, overrides, options.until.as_ref(), diagnostics)?.scene;
     let system = damped(&scene, diagnostics)?.system;
     let mut options = options.clone();
     if options.built_in {

@@ -6,14 +6,14 @@ mod cli;
 use clap::{CommandFactory, Parser};
 use cli::{
     Analyze, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages, OverrideOptions,
-    PrecisionOption, SignalsOption, Simulate, TableFormat, TargetOption, Transfer,
+    SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
 };
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use vibc::analysis::discrete::{Hold, Precision};
+use vibc::analysis::discrete::Hold;
 use vibc::analysis::{self, Roads, Sweep};
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
@@ -214,25 +214,25 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(unreadable) => return unreadable.report(messages),
     };
+    let language = match options.target {
+        TargetOption::C => Language::C,
+        TargetOption::Rust => Language::Rust,
+    };
+    if options.style == StyleOption::Equations {
+        return emit_equations(options, &input, language, messages);
+    }
     let wanted = analysis::discrete::Options {
         step: step.clone(),
         hold: match options.hold {
             HoldOption::Zero => Hold::Zero,
             HoldOption::First => Hold::First,
         },
-        precision: match options.precision {
-            PrecisionOption::F64 => Precision::Double,
-            PrecisionOption::F32 => Precision::Single,
-        },
+        precision: options.precision.into(),
         tolerance: options.tolerance,
         unpruned: false,
         built_in: options.program || options.signals == SignalsOption::Internal,
         internal: Vec::new(),
         until: until.cloned(),
-    };
-    let language = match options.target {
-        TargetOption::C => Language::C,
-        TargetOption::Rust => Language::Rust,
     };
     let outcome = vibc::discrete(&input.sources, input.model, &input.overrides, &wanted);
     let status = failure(outcome.failure());
@@ -247,6 +247,36 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         Some(folder) => {
             let files = backend::emit::files(&emission.model, &emission.system, language, program.as_ref());
             deliver_all(folder, &files)
+        }
+    }
+}
+
+fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &Messages) -> Status {
+    if options.program || options.tolerance.is_some() {
+        complain(
+            "`--style equations` has neither `--program` nor `--tolerance`: it is the model itself, not its motion",
+        );
+        return Status::Usage;
+    }
+    let outcome = vibc::linear(&input.sources, input.model, &input.overrides);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some((model, system)) = &outcome.answer else { return status };
+    if system.outputs.is_empty() {
+        complain("the model declares no output");
+        return Status::Usage;
+    }
+    match analysis::discrete::equations::equations(system, options.precision.into()) {
+        Ok(equations) => match &options.output {
+            None => deliver(None, &backend::emit::equation_text(model, &equations, language)),
+            Some(folder) => deliver_all(folder, &backend::emit::equation_files(model, &equations, language)),
+        },
+        Err(massless) => {
+            complain(&format!(
+                "`{}` moves without a mass of its own, so the equations are not of second order in it; `--style steps` emits it",
+                massless.coordinate
+            ));
+            Status::Limit
         }
     }
 }

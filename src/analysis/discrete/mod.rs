@@ -11,6 +11,7 @@
 
 pub mod block;
 pub mod cell;
+pub mod equations;
 mod events;
 pub mod hold;
 pub mod invariant;

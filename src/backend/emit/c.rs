@@ -1,6 +1,6 @@
 //! C99: `NAME.h` and `NAME.c`. Clause: spec.md, "Simulation code".
 
-use super::plan::{Plan, Start, Table};
+use super::plan::{Plan, Start, Style, Table};
 use super::text::{Words, decimal, line, numbers, statements};
 use super::{File, NO_STATE};
 use crate::analysis::discrete::Precision;
@@ -43,6 +43,10 @@ impl Words for C<'_> {
 
     fn motion(&self, what: &str, index: String) -> String {
         format!("motion->{what}[{index}]")
+    }
+
+    fn derivative(&self, what: &str, index: String) -> String {
+        format!("derivative->{what}[{index}]")
     }
 
     fn note(&self, note: &str) -> String {
@@ -117,24 +121,9 @@ fn header(plan: &Plan) -> String {
     if !plan.events.is_empty() {
         text = text.replace("#ifdef __cplusplus\nextern", "#include <stdint.h>\n\n#ifdef __cplusplus\nextern");
     }
-    text += "/* The state: copy it to keep it. */\n";
-    text += &format!("typedef struct {name}_state {{\n");
-    if plan.state.is_empty() {
-        text +=
-            &line(1, &format!("{real} {NO_STATE}; {}", comment("there is no state, and C has no empty structures")));
+    if matches!(plan.style, Style::Steps) {
+        text += &state(plan);
     }
-    for array in &plan.state {
-        let size = match &array.start {
-            Start::Number(_) => String::new(),
-            Start::Numbers(numbers) => format!("[{}]", numbers.len()),
-        };
-        text += &line(1, &format!("{real} {}{size}; {}", array.name, comment(&array.note)));
-    }
-    if !plan.events.is_empty() {
-        text += &line(1, &format!("uint32_t tick; {}", comment("steps done")));
-        text += &line(1, &format!("uint32_t next; {}", comment("the next event")));
-    }
-    text += &format!("}} {name}_state;\n\n");
     let structure = |what: &str, fields: &[super::plan::Field]| {
         let body: String = fields
             .iter()
@@ -155,24 +144,89 @@ fn header(plan: &Plan) -> String {
     text += &format!(
         "typedef struct {name}_motion {{\n    {real} displacement[{n}];\n    {real} velocity[{n}];\n}} {name}_motion;\n\n"
     );
-    for (note, prototype) in prototypes(plan) {
-        text += &format!("{}\n{prototype};\n", comment(note));
+    for Function { note, head, .. } in functions(plan) {
+        text += &format!("{}\n{head};\n", comment(note));
     }
     text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     text
 }
 
-/// What the functions do, and how they are declared.
-fn prototypes(plan: &Plan) -> [(&'static str, String); 5] {
-    let name = &plan.name;
+/// The type of the state.
+fn state(plan: &Plan) -> String {
+    let (name, real) = (&plan.name, real(plan));
+    let mut text = String::from("/* The state: copy it to keep it. */\n");
+    text += &format!("typedef struct {name}_state {{\n");
+    if plan.state.is_empty() {
+        text +=
+            &line(1, &format!("{real} {NO_STATE}; {}", comment("there is no state, and C has no empty structures")));
+    }
+    for array in &plan.state {
+        let size = match &array.start {
+            Start::Number(_) => String::new(),
+            Start::Numbers(numbers) => format!("[{}]", numbers.len()),
+        };
+        text += &line(1, &format!("{real} {}{size}; {}", array.name, comment(&array.note)));
+    }
+    if !plan.events.is_empty() {
+        text += &line(1, &format!("uint32_t tick; {}", comment("steps done")));
+        text += &line(1, &format!("uint32_t next; {}", comment("the next event")));
+    }
+    text += &format!("}} {name}_state;\n\n");
+    text
+}
+
+/// A function: what it does, how it is declared, what it consists of.
+struct Function {
+    note: &'static str,
+    head: String,
+    body: String,
+}
+
+fn functions(plan: &Plan) -> Vec<Function> {
+    let (name, words) = (&plan.name, C { plan });
     let inputs = if plan.inputs.is_empty() { String::new() } else { format!("const {name}_inputs *inputs, ") };
-    [
-        (super::INIT, format!("void {name}_init({name}_state *state)")),
-        (super::RESET, format!("void {name}_reset({name}_state *state)")),
-        (super::STEP, format!("void {name}_step({name}_state *state, {inputs}{name}_outputs *outputs)")),
-        (super::SET_STATE, format!("void {name}_set_state({name}_state *state, const {name}_motion *motion)")),
-        (super::GET_STATE, format!("void {name}_get_state(const {name}_state *state, {name}_motion *motion)")),
+    let written = |list| statements(&words, list, 1);
+    let function = |note, head: String, body| Function { note, head: format!("void {name}_{head}"), body };
+    if let Style::Equations { start } = &plan.style {
+        let motion = format!("const {name}_motion *motion");
+        return vec![
+            function(super::INIT, format!("init({name}_motion *motion)"), motion_start(&words, start)),
+            function(
+                super::DERIVATIVE,
+                format!("derivative({motion}, {inputs}{name}_motion *derivative)"),
+                written(&plan.step),
+            ),
+            function(
+                super::OBSERVE,
+                format!("observe({motion}, {inputs}{name}_outputs *outputs)"),
+                written(&plan.observe),
+            ),
+        ];
+    }
+    let state = format!("{name}_state *state");
+    vec![
+        function(super::INIT, format!("init({state})"), start(&words) + &events_start(plan)),
+        function(super::RESET, format!("reset({state})"), line(1, &format!("{name}_init(state);"))),
+        function(super::STEP, format!("step({state}, {inputs}{name}_outputs *outputs)"), written(&plan.step)),
+        function(
+            super::SET_STATE,
+            format!("set_state({state}, const {name}_motion *motion)"),
+            written(&plan.set_state),
+        ),
+        function(
+            super::GET_STATE,
+            format!("get_state(const {state}, {name}_motion *motion)"),
+            written(&plan.get_state),
+        ),
     ]
+}
+
+fn motion_start(words: &C, start: &[(f64, f64)]) -> String {
+    let one = |(i, (q, v)): (usize, &(f64, f64))| {
+        line(1, &format!("motion->displacement[{i}] = {};", words.number(*q)))
+            + &line(1, &format!("motion->velocity[{i}] = {};", words.number(*v)))
+    };
+    start.iter().enumerate().map(one).collect()
 }
 
 fn body(plan: &Plan) -> String {
@@ -186,12 +240,9 @@ fn body(plan: &Plan) -> String {
         let (note, count) = (comment("steps before which something happens"), ticks.len());
         text += &format!("\n{note}\nstatic const uint32_t EVENTS[{count}] = {{\n{}}};\n", ticks.concat());
     }
-    let [(_, init), (_, reset), (_, step), (_, set), (_, get)] = prototypes(plan);
-    text += &function(&init, &(start(&words) + &events_start(plan)));
-    text += &function(&reset, &line(1, &format!("{}_init(state);", plan.name)));
-    text += &function(&step, &statements(&words, &plan.step, 1));
-    text += &function(&set, &statements(&words, &plan.set_state, 1));
-    text += &function(&get, &statements(&words, &plan.get_state, 1));
+    for Function { head, body, .. } in functions(plan) {
+        text += &function(&head, &body);
+    }
     text
 }
 

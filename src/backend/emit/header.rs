@@ -1,6 +1,7 @@
 //! The comment on top of emitted code: which model, what goes in and out, how it is computed and how well. Clause: spec.md,
 //! "Simulation code".
 
+use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::{Decay, DiscreteSystem, Form, Hold, Left, Operand, Port, Precision, Why};
 use crate::backend::decimal::upper;
 
@@ -50,6 +51,26 @@ pub fn header(model: &str, system: &DiscreteSystem) -> Vec<String> {
         system.states()
     ));
     lines.extend(left(&system.left));
+    lines
+}
+
+/// The lines of the header of equations.
+pub fn of_equations(model: &str, equations: &Equations) -> Vec<String> {
+    let mut lines =
+        vec![format!("{} · equations of motion by vibc {}", plain(model), env!("CARGO_PKG_VERSION")), String::new()];
+    lines.extend(ports("input", &equations.inputs));
+    lines.extend(ports("output", &equations.outputs));
+    lines.push(
+        "method     the right-hand side of a first-order system, for an integrator of your own; its error is the"
+            .into(),
+    );
+    lines.push("           integrator's. Deviations from rest, linearised there.".into());
+    let precision = match equations.precision {
+        Precision::Double => "double (binary64)",
+        Precision::Single => "single (binary32)",
+    };
+    lines.push(format!("precision  {precision}"));
+    lines.push(format!("cost       {} springs and dampers between coordinates", equations.stretches.len()));
     lines
 }
 

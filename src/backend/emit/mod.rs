@@ -2,6 +2,7 @@
 //! language is one file that prints it, and one line of [`Language`]. Clause: spec.md, "Simulation code".
 
 mod c;
+mod equations;
 mod header;
 mod motion;
 mod names;
@@ -14,6 +15,7 @@ mod text;
 pub use program::Program;
 
 use crate::analysis::DiscreteSystem;
+use crate::analysis::discrete::equations::Equations;
 
 /// A target language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +37,8 @@ const STEP: &str =
     "The outputs at the present sample, with the inputs of that sample; then the state moves on to the next one.";
 const SET_STATE: &str = "The motion at the coming sample. What the header lists as not emitted is left out of it.";
 const GET_STATE: &str = "The motion at the coming sample, as it is while the inputs keep their last values.";
+const DERIVATIVE: &str = "The derivative of the motion: velocities and accelerations.";
+const OBSERVE: &str = "The outputs.";
 /// A state without states.
 const NO_STATE: &str = "none";
 
@@ -45,10 +49,7 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
         // The program's own file has that name.
         plan.name = "main_".into();
     }
-    let mut files = match language {
-        Language::C => c::files(&plan),
-        Language::Rust => rust::files(&plan),
-    };
+    let mut files = printed(&plan, language);
     let columns: Vec<String> = system.outputs.iter().map(|output| output.name.clone()).collect();
     files.extend(program.map(|program| program::file(&plan, &columns, program, language)));
     files
@@ -56,9 +57,29 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
 
 /// The same as one text.
 pub fn whole(model: &str, system: &DiscreteSystem, language: Language) -> String {
-    let plan = planner::plan(model, system, header::header(model, system));
+    text(&planner::plan(model, system, header::header(model, system)), language)
+}
+
+/// The files of a model's equations.
+pub fn equation_files(model: &str, system: &Equations, language: Language) -> Vec<File> {
+    printed(&equations::plan(model, system, header::of_equations(model, system)), language)
+}
+
+/// The same as one text.
+pub fn equation_text(model: &str, system: &Equations, language: Language) -> String {
+    text(&equations::plan(model, system, header::of_equations(model, system)), language)
+}
+
+fn printed(plan: &plan::Plan, language: Language) -> Vec<File> {
     match language {
-        Language::C => c::whole(&plan),
-        Language::Rust => rust::whole(&plan),
+        Language::C => c::files(plan),
+        Language::Rust => rust::files(plan),
+    }
+}
+
+fn text(plan: &plan::Plan, language: Language) -> String {
+    match language {
+        Language::C => c::whole(plan),
+        Language::Rust => rust::whole(plan),
     }
 }

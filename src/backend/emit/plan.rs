@@ -10,6 +10,7 @@ pub struct Plan {
     /// Prefix of everything: the model's name.
     pub name: String,
     pub precision: Precision,
+    pub style: Style,
     /// The comment on top, a line each.
     pub header: Vec<String>,
     pub inputs: Vec<Field>,
@@ -20,9 +21,21 @@ pub struct Plan {
     pub tables: Vec<Table>,
     /// Steps before which something happens; the state then counts its steps.
     pub events: Vec<u64>,
+    /// One step; for equations the derivative.
     pub step: Vec<Statement>,
     pub set_state: Vec<Statement>,
     pub get_state: Vec<Statement>,
+    /// The outputs of equations.
+    pub observe: Vec<Statement>,
+}
+
+/// What kind of code it is.
+#[derive(Clone, Debug)]
+pub enum Style {
+    /// The exact discrete system.
+    Steps,
+    /// The right-hand side of a first-order system; displacements and velocities at t = 0.
+    Equations { start: Vec<(f64, f64)> },
 }
 
 /// An input, an output or a coordinate.
@@ -86,6 +99,9 @@ pub enum Target {
     /// Of what `get_state` returns.
     Displacement(Index),
     Velocity(Index),
+    /// Of the derivative of these.
+    DisplacementRate(Index),
+    VelocityRate(Index),
 }
 
 #[derive(Clone, Debug)]
@@ -195,5 +211,47 @@ impl Expression {
 impl Target {
     pub fn state(array: &str, index: Index) -> Target {
         Target::State(array.to_string(), index)
+    }
+}
+
+/// Statements without the constants that nothing reads.
+pub fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
+    let mut read: Vec<String> = Vec::new();
+    let mut kept: Vec<Statement> = Vec::new();
+    // From the end: what reads a local comes after it.
+    for statement in list.into_iter().rev() {
+        if matches!(&statement, Statement::Let(name, _) if !read.contains(name)) {
+            continue;
+        }
+        statement.locals(&mut read);
+        kept.push(statement);
+    }
+    kept.reverse();
+    kept
+}
+
+impl Statement {
+    fn locals(&self, read: &mut Vec<String>) {
+        match self {
+            Statement::Let(_, e) | Statement::Variable(_, e) | Statement::Assign(_, e) => e.locals(read),
+            Statement::Blocks(_, body) | Statement::Loop(_, _, body) | Statement::WhenDue(_, body) => {
+                body.iter().for_each(|statement| statement.locals(read));
+            }
+            Statement::Note(_) | Statement::Lanes(_) => {}
+        }
+    }
+}
+
+impl Expression {
+    fn locals(&self, read: &mut Vec<String>) {
+        match self {
+            Expression::Local(name) if !read.contains(name) => read.push(name.clone()),
+            Expression::Sum(a, b) | Expression::Difference(a, b) | Expression::Product(a, b) => {
+                a.locals(read);
+                b.locals(read);
+            }
+            Expression::Negative(a) => a.locals(read),
+            _ => {}
+        }
     }
 }

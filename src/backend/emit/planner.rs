@@ -4,8 +4,9 @@
 
 use super::motion;
 use super::names::{identifier, identifiers};
+use super::plan::without_unused;
 use super::plan::{
-    Array, Expression, Factor, Field, Index, Plan, Start, Statement, Table, Target, plus, product, sum, total,
+    Array, Expression, Factor, Field, Index, Plan, Start, Statement, Style, Table, Target, plus, product, sum, total,
 };
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
 
@@ -32,6 +33,7 @@ pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
     Plan {
         name: identifier(model),
         precision: system.precision,
+        style: Style::Steps,
         header,
         inputs: fields(&system.inputs),
         outputs: fields(&system.outputs),
@@ -39,9 +41,10 @@ pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
         state,
         tables: planner.tables,
         events,
-        step: planner.step,
+        step: without_unused(planner.step),
         set_state,
         get_state,
+        observe: Vec::new(),
     }
 }
 

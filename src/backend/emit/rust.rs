@@ -1,7 +1,7 @@
 //! Rust: `NAME.rs`, a module or a crate of its own, without `std`. Clause: spec.md, "Simulation code".
 
 use super::File;
-use super::plan::{Field, Plan, Start, Table};
+use super::plan::{Field, Plan, Start, Style, Table};
 use super::text::{Words, decimal, line, numbers, statements};
 use crate::analysis::discrete::Precision;
 
@@ -34,6 +34,10 @@ impl Words for Rust<'_> {
 
     fn motion(&self, what: &str, index: String) -> String {
         format!("motion.{what}[{index}]")
+    }
+
+    fn derivative(&self, what: &str, index: String) -> String {
+        format!("derivative.{what}[{index}]")
     }
 
     fn note(&self, note: &str) -> String {
@@ -91,19 +95,9 @@ pub fn whole(plan: &Plan) -> String {
     let (words, real) = (Rust { plan }, real(plan));
     let mut text: String = plan.header.iter().map(|text| format!("//! {text}").trim_end().to_string() + "\n").collect();
     text += "\n#![allow(dead_code, non_snake_case, unused_mut, unused_variables, clippy::all)]\n";
-    text += "\n/// The state: copy it to keep it.\n#[derive(Clone, Copy, Debug, PartialEq)]\npub struct State {\n";
-    for array in &plan.state {
-        let kind = match &array.start {
-            Start::Number(_) => real.to_string(),
-            Start::Numbers(numbers) => format!("[{real}; {}]", numbers.len()),
-        };
-        text += &line(1, &format!("/// {}", array.note));
-        text += &line(1, &format!("{}: {kind},", array.name));
+    if matches!(plan.style, Style::Steps) {
+        text += &state(plan);
     }
-    if !plan.events.is_empty() {
-        text += "    /// steps done\n    tick: u32,\n    /// the next event\n    next: u32,\n";
-    }
-    text += "}\n";
     if !plan.inputs.is_empty() {
         text += &structure("Inputs", real, &plan.inputs);
     }
@@ -125,9 +119,41 @@ pub fn whole(plan: &Plan) -> String {
         let (count, ticks) = (ticks.len(), ticks.concat());
         text += &format!("\n/// steps before which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
     }
+    text += &match &plan.style {
+        Style::Steps => steps(plan),
+        Style::Equations { start } => equations(plan, start),
+    };
+    text
+}
+
+/// The type of the state.
+fn state(plan: &Plan) -> String {
+    let real = real(plan);
+    let mut text = String::from(
+        "\n/// The state: copy it to keep it.\n#[derive(Clone, Copy, Debug, PartialEq)]\npub struct State {\n",
+    );
+    for array in &plan.state {
+        let kind = match &array.start {
+            Start::Number(_) => real.to_string(),
+            Start::Numbers(numbers) => format!("[{real}; {}]", numbers.len()),
+        };
+        text += &line(1, &format!("/// {}", array.note));
+        text += &line(1, &format!("{}: {kind},", array.name));
+    }
+    if !plan.events.is_empty() {
+        text += "    /// steps done\n    tick: u32,\n    /// the next event\n    next: u32,\n";
+    }
+    text += "}\n";
+    text
+}
+
+/// The functions of the state.
+fn steps(plan: &Plan) -> String {
+    let words = Rust { plan };
+    let n = plan.coordinates.len();
     let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
     let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
-    text += "\nimpl State {\n";
+    let mut text = String::from("\nimpl State {\n");
     text += &format!("    /// {}\n    pub const fn init() -> State {{\n        State {{\n", super::INIT);
     for array in &plan.state {
         text += &line(3, &format!("{}: {},", array.name, start(&words, &array.start)));
@@ -148,6 +174,27 @@ pub fn whole(plan: &Plan) -> String {
     text += &format!("    /// {}\n    pub fn get_state(&self) -> Motion {{\n", super::GET_STATE);
     text += &line(2, &format!("let mut motion = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
     text += &(statements(&words, &plan.get_state, 2) + "        motion\n    }\n}\n");
+    text
+}
+
+/// The functions of the equations.
+fn equations(plan: &Plan, start: &[(f64, f64)]) -> String {
+    let words = Rust { plan };
+    let n = plan.coordinates.len();
+    let list = |of: fn(&(f64, f64)) -> f64| start.iter().map(|x| words.number(of(x))).collect::<Vec<_>>().join(", ");
+    let (q, v) = (list(|x| x.0), list(|x| x.1));
+    let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
+    let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
+    let mut text = format!("\nimpl Motion {{\n    /// {}\n    pub const fn init() -> Motion {{\n", super::INIT);
+    text += &line(2, &format!("Motion {{ displacement: [{q}], velocity: [{v}] }}"));
+    text += &format!("    }}\n\n    /// {}\n    pub fn derivative(&self{inputs}) -> Motion {{\n", super::DERIVATIVE);
+    text += &line(2, "let motion = self;");
+    text += &line(2, &format!("let mut derivative = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
+    text += &(statements(&words, &plan.step, 2) + "        derivative\n    }\n\n");
+    text += &format!("    /// {}\n    pub fn observe(&self{inputs}) -> Outputs {{\n", super::OBSERVE);
+    text += &line(2, "let motion = self;");
+    text += &line(2, &format!("let mut outputs = Outputs {{{} }};", outputs.trim_end_matches(',')));
+    text += &(statements(&words, &plan.observe, 2) + "        outputs\n    }\n}\n");
     text
 }
 

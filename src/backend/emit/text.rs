@@ -13,6 +13,8 @@ pub trait Words {
     fn output(&self, output: usize) -> String;
     /// Of a motion given or returned: `displacement` or `velocity`.
     fn motion(&self, what: &str, index: String) -> String;
+    /// Of the derivative of a motion.
+    fn derivative(&self, what: &str, index: String) -> String;
     fn note(&self, note: &str) -> String;
     fn constant(&self, name: &str, value: &str) -> String;
     fn variable(&self, name: &str, value: &str) -> String;
@@ -72,6 +74,8 @@ fn place(words: &impl Words, target: &Target) -> String {
         Target::Lane(name) => format!("{name}[lane]"),
         Target::Displacement(at) => words.motion("displacement", index(words, at).unwrap_or_default()),
         Target::Velocity(at) => words.motion("velocity", index(words, at).unwrap_or_default()),
+        Target::DisplacementRate(at) => words.derivative("displacement", index(words, at).unwrap_or_default()),
+        Target::VelocityRate(at) => words.derivative("velocity", index(words, at).unwrap_or_default()),
     }
 }
 
