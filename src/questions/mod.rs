@@ -11,6 +11,7 @@
 pub mod answer;
 mod derivative;
 pub mod error;
+mod exact;
 mod newton;
 mod probe;
 mod require;

@@ -137,7 +137,7 @@ impl Measured<'_> {
     }
 
     /// What lasts of each input's signal: constants, which made the rest, and what stays on.
-    fn loads(&self) -> Loads {
+    pub fn loads(&self) -> Loads {
         let constants = self.scene.inputs.iter().map(|input| {
             input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
                 Signal::Constant { value } => &sum + value,

@@ -26,7 +26,7 @@ pub fn requirements(
         questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
     });
     let list: Vec<Requirement> =
-        requires.iter().zip(measured).map(|(require, measured)| requirement(text, require, measured)).collect();
+        requires.iter().zip(measured).map(|(require, measured)| requirement(text, scene, require, measured)).collect();
     let parameters = if list.iter().all(|r| r.holds == Some(true)) { Vec::new() } else { text.parameters(settings) };
     let findings = list.iter().zip(requires).enumerate().filter_map(|(index, (requirement, require))| {
         finding(requirement, || mover(text, &parameters, settings, (index, require), requirement))
@@ -35,12 +35,14 @@ pub fn requirements(
     (list, findings)
 }
 
-fn requirement(text: &Text, require: &Require, measured: Measurement) -> Requirement {
+fn requirement(text: &Text, scene: &CheckedScene, require: &Require, measured: Measurement) -> Requirement {
     let question = &require.question;
     let (holds, margin) = match (&measured, require.comparison) {
         (Measurement::Value(value), None) => (value.is_exact().then(|| *value == Ball::ONE), None),
         (Measurement::Value(value), Some(comparison)) => {
-            (holds(value, comparison, &question.value), Some(margin(value, comparison, &question.value)))
+            let order = || text.compared(scene, question).map(|order| keeps(order, comparison));
+            let holds = holds(value, comparison, &question.value).or_else(order);
+            (holds, Some(margin(value, comparison, &question.value)))
         }
         (Measurement::Infinite, Some(Comparison::Greater | Comparison::GreaterEqual)) => (Some(true), None),
         (Measurement::Infinite, Some(_)) => (Some(false), None),
@@ -71,15 +73,16 @@ fn requirement(text: &Text, require: &Require, measured: Measurement) -> Require
 
 /// Whether the comparison is certain, one way or the other.
 fn holds(value: &Ball, comparison: Comparison, limit: &Number) -> Option<bool> {
-    let or_equal = matches!(comparison, Comparison::LessEqual | Comparison::GreaterEqual);
-    let wanted = match comparison {
-        Comparison::Less | Comparison::LessEqual => Ordering::Less,
-        Comparison::Greater | Comparison::GreaterEqual => Ordering::Greater,
-    };
     let value = if value.is_zero() { Number::ZERO } else { Number::Ball(*value) };
-    match value.compare(limit)? {
-        Ordering::Equal => Some(or_equal),
-        found => Some(found == wanted),
+    value.compare(limit).map(|order| keeps(order, comparison))
+}
+
+fn keeps(order: Ordering, comparison: Comparison) -> bool {
+    match comparison {
+        Comparison::Less => order.is_lt(),
+        Comparison::LessEqual => order.is_le(),
+        Comparison::Greater => order.is_gt(),
+        Comparison::GreaterEqual => order.is_ge(),
     }
 }
 

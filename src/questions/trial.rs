@@ -1,6 +1,7 @@
 //! A trial: the model with some parameters at other values, taken through check, lowering and the measures asked. In: a text
 //! and values; out: the measures, or why there are none.
 
+use super::exact;
 use super::probe::{Measured, Probe, prepare};
 use crate::analysis::{
     AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal, modes, modes_as, peak, poles,
@@ -11,6 +12,7 @@ use crate::model::scene::{Measure, Parameter, Question};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
 use crate::system::{LinearSystem, Signal};
+use std::cmp::Ordering;
 
 /// A model's text.
 #[derive(Clone, Copy)]
@@ -73,6 +75,23 @@ impl Text<'_> {
         questions: &[Question],
         known: Option<(&Modes, &Poles)>,
     ) -> Result<Vec<Measurement>, String> {
+        self.applied(scene, questions, known, |measured, probes| measured.measure(probes))
+    }
+
+    /// How the measure of a question compares with its value, decided exactly; `None` where that cannot be done.
+    pub fn compared(&self, scene: &CheckedScene, question: &Question) -> Option<Ordering> {
+        let questions = std::slice::from_ref(question);
+        self.applied(scene, questions, None, |measured, probes| exact::compare(measured, &probes[0], question)).ok()?
+    }
+
+    /// Lowers a scene with an output for each question, computes what their probes need, and applies something to it.
+    fn applied<T>(
+        &self,
+        scene: &CheckedScene,
+        questions: &[Question],
+        known: Option<(&Modes, &Poles)>,
+        apply: impl FnOnce(&Measured, &[Probe]) -> T,
+    ) -> Result<T, String> {
         let mut with_outputs = scene.scene().clone();
         let probes = prepare(&mut with_outputs, questions);
         let scene = &CheckedScene::new(with_outputs);
@@ -85,7 +104,7 @@ impl Text<'_> {
             (None, None) => (None, None),
         };
         let context = &self.context(scene, &probes)?;
-        Ok(Measured { scene: scene.scene(), lowered: &lowered, modes, poles, context }.measure(&probes))
+        Ok(apply(&Measured { scene: scene.scene(), lowered: &lowered, modes, poles, context }, &probes))
     }
 
     /// The modes and poles with some parameters at these values.
