@@ -38,6 +38,7 @@ fn chain(n: usize) -> LinearSystem {
         m,
         c,
         k,
+        chain: Vec::new(),
         inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()] }],
         outputs: vec![Output {
             name,

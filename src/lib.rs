@@ -287,7 +287,9 @@ pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     let mut diagnostics = Diagnostics::new();
     let scene = checked_scene(sources, model, overrides, &mut diagnostics);
     let explained = scene.and_then(|scene| {
-        let system = lower::lower(&scene).lowered?.system;
+        // As the analyses take it, where it fits; a scene that hangs deeper is explained all the same.
+        let lowered = lower::lower(&scene).lowered?;
+        let system = lower::flattened(lowered.clone()).unwrap_or(lowered).system;
         let account = lower::account(&scene, &system);
         Some(Explained { model: scene.scene().name.clone(), system, account })
     });
@@ -313,6 +315,14 @@ pub fn check(
 ) -> Outcome<Vec<Requirement>> {
     let mut diagnostics = Diagnostics::new();
     let answer = read(sources, model, overrides, until, &mut diagnostics).and_then(|read| {
+        let scene = read.scene.scene();
+        if scene.requires.is_empty() && scene.damping.is_none() {
+            // No number is asked for: a scene may hang deeper than analyses take.
+            let outcome = lower::lower(&read.scene);
+            diagnostics.extend(outcome.diagnostics);
+            outcome.lowered?;
+            return Some(Vec::new());
+        }
         damped(&read.scene, &mut diagnostics)?;
         Some(read.requirements(None, &mut diagnostics))
     });
@@ -333,7 +343,8 @@ fn checked_scene(
 fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
     let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
-    let mut lowered = outcome.lowered?;
+    let lowered = lower::flattened(outcome.lowered?);
+    let mut lowered = lowered.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     match &scene.scene().damping {
         None => {}
         Some(Damping::Rayleigh { alpha, beta, .. }) => analysis::damping::rayleigh(&mut lowered.system, alpha, beta),
@@ -462,8 +473,9 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 8] = [
+const LIMITS: [&str; 9] = [
     "vib::rest::not_found",
+    "vib::limit::depth",
     "vib::limit::loops",
     "vib::limit::modes",
     "vib::limit::range",

@@ -3,7 +3,7 @@
 //! Clause: spec.md 9.4.
 
 use crate::analysis::answer::Mode;
-use crate::analysis::modes::parts::independent;
+use crate::analysis::modes::parts::{independent, independent_chained};
 use crate::system::{CoordinateId, LinearSystem};
 
 /// Coordinates that act on each other and on nothing else.
@@ -30,6 +30,8 @@ pub enum NetForm {
         width: usize,
     },
     General,
+    /// Bodies that hang so deep that M is kept as chained rows (spec.md 9.5).
+    Linkage,
 }
 
 impl NetForm {
@@ -41,6 +43,7 @@ impl NetForm {
             NetForm::Tree => "tree",
             NetForm::Band { .. } => "band",
             NetForm::General => "general",
+            NetForm::Linkage => "linkage",
         }
     }
 }
@@ -52,6 +55,9 @@ const BAND_PAYS: usize = 4;
 
 /// The parts of a system.
 pub fn nets(system: &LinearSystem) -> Vec<Net> {
+    if system.is_chained() {
+        return chained(system);
+    }
     let mut local = vec![0u32; system.n()];
     let parts = independent(system).into_iter().map(|part| {
         part.coordinates.iter().enumerate().for_each(|(place, &i)| local[i as usize] = place as u32);
@@ -73,6 +79,15 @@ pub fn nets(system: &LinearSystem) -> Vec<Net> {
             _ => Graph::new(n, edges).form(),
         };
         Net { coordinates: part.coordinates.into_iter().map(CoordinateId).collect(), form }
+    });
+    parts.collect()
+}
+
+/// The parts of a system with chained rows: those of several coordinates are linkages.
+fn chained(system: &LinearSystem) -> Vec<Net> {
+    let parts = independent_chained(system).into_iter().map(|part| Net {
+        form: if part.coordinates.len() == 1 { NetForm::Single } else { NetForm::Linkage },
+        coordinates: part.coordinates.into_iter().map(CoordinateId).collect(),
     });
     parts.collect()
 }

@@ -26,6 +26,7 @@ pub fn blank(n: usize) -> LinearSystem {
         m: Form::new(),
         c: Form::new(),
         k: Form::new(),
+        chain: Vec::new(),
         inputs: inputs.collect(),
         outputs: outputs.collect(),
         initial: Vec::new(),

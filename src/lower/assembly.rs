@@ -6,6 +6,7 @@
 //! with constraints every row is first written over the independent coordinates, and the curvature of the constraints
 //! under their multipliers adds to K.
 
+use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
@@ -16,6 +17,7 @@ use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Damper, Stretch, Stretched, Vector};
 use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Law, Motion, MotionTerm, Output, Scene};
+use crate::system::chain::ChainedRow;
 use crate::system::{self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
 
 /// A row over all coordinates, free and prescribed.
@@ -75,6 +77,7 @@ pub struct Assembly<'a> {
     between: Between<Number>,
     reach: Reach<Number>,
     row: Row,
+    chain: Vec<ChainedRow>,
 }
 
 impl<'a> Assembly<'a> {
@@ -103,6 +106,7 @@ impl<'a> Assembly<'a> {
             between: Between::default(),
             reach: Reach::default(),
             row: Row::new(),
+            chain: Vec::new(),
         }
     }
 
@@ -121,6 +125,7 @@ impl<'a> Assembly<'a> {
             m: self.m,
             c: self.c,
             k: self.k,
+            chain: self.chain,
             inputs: inputs.collect(),
             outputs,
             initial,
@@ -130,10 +135,20 @@ impl<'a> Assembly<'a> {
     /// m |du|^2 of every centre and I dtheta^2 of every turning body.
     fn inertia(&mut self) {
         let mut path = Path::default();
+        let chain = self.kinematics.hangs_deep(self.scene).then(|| Chain::new(self.kinematics, self.state));
         for (index, body) in self.scene.bodies.iter().enumerate() {
             let piece = self.kinematics.tree.bodies[index];
             let source = self.m.source(plain(body.name));
-            if let Some(mass) = body.mass.as_ref().filter(|mass| !mass.is_zero()) {
+            let chained = chain.as_ref().filter(|chain| !chain.is_still(piece));
+            let mass = body.mass.as_ref().filter(|mass| !mass.is_zero());
+            if let (Some(mass), Some(chain)) = (mass, chained) {
+                let (from, to) = (chain::anchor(self.kinematics, piece), End { piece, at: body.centre.as_deref() });
+                self.kinematics.way(from, to, &mut path);
+                self.reach.measure(self.kinematics, self.state, &path);
+                for axis in 0..2 {
+                    self.m.push(source, Nature::Property, mass.clone(), chain.row(piece, &self.reach, axis));
+                }
+            } else if let Some(mass) = mass {
                 loads::absolute(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut path);
                 self.reach.measure(self.kinematics, self.state, &path);
                 self.mass(source, mass);
@@ -144,6 +159,7 @@ impl<'a> Assembly<'a> {
                 self.square(Order::Acceleration, source, Nature::Property, inertia);
             }
         }
+        self.chain = chain.map_or_else(Vec::new, |chain| chain.rows);
     }
 
     /// m |du|^2: one square for a centre that moves along one direction, else one for each axis.
@@ -163,14 +179,20 @@ impl<'a> Assembly<'a> {
     /// A freedom without inertia follows the others by its springs, or lags behind them by its dampers; with neither it could
     /// be anywhere. Freedoms that only several of them together leave undetermined are found by the analyses.
     fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
-        let mut felt = vec![false; self.reduction.n()];
+        let n = self.reduction.n();
+        let mut felt = vec![false; n + self.chain.len()];
         for form in [&self.m, &self.c, &self.k] {
             for (coordinate, _) in form.terms().iter().flat_map(|term| form.row(term)) {
                 felt[coordinate.index()] = true;
             }
         }
+        for (place, row) in self.chain.iter().enumerate().rev() {
+            if felt[n + place] {
+                row.iter().for_each(|(coordinate, _)| felt[coordinate.index()] = true);
+            }
+        }
         let idle = |place: usize| self.idle(&self.kinematics.free[self.reduction.at(place) as usize]);
-        let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
+        let idle: Vec<LowerError> = (0..n).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
     }
 

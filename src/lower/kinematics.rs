@@ -63,6 +63,12 @@ pub struct Freely {
 
 /// Entries of all rows together: 800 MB of them.
 const MAX_ENTRIES: u64 = 20_000_000;
+/// Entries that chained rows are written out to, for analyses: 200 MB, a pendulum of 2,000 links.
+pub const MAX_WRITTEN_OUT: u64 = 5_000_000;
+/// Rows of masses with so many entries together are written out: a few hundred links, which dense methods take.
+const FLAT_ENTRIES: u64 = 250_000;
+/// Shorter rows than this, on average, gain nothing from being chained.
+const FLAT_ROW: u64 = 32;
 
 /// A piece in its group.
 #[derive(Clone, Copy, Debug)]
@@ -188,11 +194,23 @@ impl Kinematics {
         ends.chain(points).filter(nowhere).filter_map(|(part, span)| unknown_place(scene, part, span)).collect()
     }
 
+    /// Whether the rows of the masses are written with each other (spec.md 9.5): where written out they would be long, and
+    /// every coordinate is free and measured in its own unit.
+    pub fn hangs_deep(&self, scene: &Scene) -> bool {
+        if self.prescribed > 0 || self.has_oblique() || !self.tree.closing.is_empty() || !scene.couples.is_empty() {
+            return false;
+        }
+        let widths = self.widths();
+        let entries: u64 = self.tree.bodies.iter().map(|piece| 2 * widths[*piece as usize]).sum();
+        entries > FLAT_ENTRIES && entries > FLAT_ROW * scene.bodies.len() as u64
+    }
+
     /// Rows are as long as the way from the ground is deep: their number is limited before they are made.
     fn limit_entries(&self, scene: &Scene) -> Result<(), Vec<LowerError>> {
         let widths = self.widths();
         let width = |part| widths[self.tree.piece(part) as usize];
-        let bodies = (0..scene.bodies.len()).map(|body| 2 * width(Part::Body(BodyId(body as u32))));
+        let flat = if self.hangs_deep(scene) { 0 } else { scene.bodies.len() };
+        let bodies = (0..flat).map(|body| 2 * width(Part::Body(BodyId(body as u32))));
         let elements = scene.elements.iter().map(|element| self.apart(&element.ends, &widths));
         let entries = bodies.chain(elements).fold(0u64, u64::saturating_add);
         if entries <= MAX_ENTRIES {
@@ -506,7 +524,8 @@ pub struct Reach<S> {
     pub columns: Vec<(Index, Vector<S>)>,
     /// w_g of each group on the way, with its axis and coordinate.
     swept: Vec<Swept<S>>,
-    runs: Vec<(Index, u32, Vector<S>)>,
+    /// Coordinate, place of its group in `swept`, and direction of each slide.
+    runs: Vec<(Index, Option<usize>, Vector<S>)>,
 }
 
 #[derive(Clone, Debug)]
@@ -535,7 +554,12 @@ impl<S: Scalar> Reach<S> {
             if let Some(arm) = &arm {
                 self.displacement = self.displacement.plus(&arm.minus(&turn.arm));
             }
-            self.sweep(kinematics, turn.group, arm.unwrap_or_else(|| turn.arm.clone()));
+            self.push_swept(kinematics, turn.group, arm.unwrap_or_else(|| turn.arm.clone()));
+        }
+        // Where in `swept` the groups of runs are; empty where no run turns.
+        let mut places: BTreeMap<u32, usize> = BTreeMap::new();
+        if path.runs.iter().any(|run| run.group != NO_TURN) {
+            places.extend(self.swept.iter().enumerate().map(|(place, swept)| (swept.group, place)));
         }
         for run in &path.runs {
             let rotated = self.rotate(kinematics, state, run.group, &run.direction);
@@ -543,10 +567,8 @@ impl<S: Scalar> Reach<S> {
             let value = state.value(run.coordinate);
             let way = if value.is_zero() { Vector::zero() } else { direction.scaled(value) };
             self.displacement = self.displacement.plus(&way);
-            if run.group != NO_TURN {
-                self.sweep(kinematics, run.group, way);
-            }
-            self.runs.push((run.coordinate, run.group, direction));
+            let place = (run.group != NO_TURN).then(|| self.sweep(kinematics, run.group, way, &mut places));
+            self.runs.push((run.coordinate, place, direction));
         }
         for swept in &self.swept {
             self.columns.push((swept.coordinate, swept.axis.cross(&swept.arm)));
@@ -562,14 +584,26 @@ impl<S: Scalar> Reach<S> {
         Some(v.turned(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
     }
 
-    fn sweep(&mut self, kinematics: &Kinematics, group: u32, arm: Vector<S>) {
-        match self.swept.iter_mut().rev().find(|swept| swept.group == group) {
+    /// Adds to what a group has swept, and says where that is.
+    fn sweep(
+        &mut self,
+        kinematics: &Kinematics,
+        group: u32,
+        arm: Vector<S>,
+        places: &mut BTreeMap<u32, usize>,
+    ) -> usize {
+        let place = *places.entry(group).or_insert(self.swept.len());
+        match self.swept.get_mut(place) {
             Some(swept) => swept.arm = swept.arm.plus(&arm),
-            None => {
-                let Group { coordinate, axis } = &kinematics.groups[group as usize];
-                self.swept.push(Swept { group, coordinate: *coordinate, axis: Vector::of(axis), arm });
-            }
+            None => self.push_swept(kinematics, group, arm),
         }
+        place
+    }
+
+    /// A way is in each group once.
+    fn push_swept(&mut self, kinematics: &Kinematics, group: u32, arm: Vector<S>) {
+        let Group { coordinate, axis } = &kinematics.groups[group as usize];
+        self.swept.push(Swept { group, coordinate: *coordinate, axis: Vector::of(axis), arm });
     }
 
     /// direction . d(displacement)/dq, without zeros.
@@ -590,16 +624,12 @@ impl<S: Scalar> Reach<S> {
                 visit(swept.coordinate, swept.coordinate, entry);
             }
         }
-        for (coordinate, group, direction) in &self.runs {
-            if *group == NO_TURN {
-                continue;
-            }
+        for (coordinate, place, direction) in &self.runs {
             // A run in a turning group has swept it, if only by a zero arm.
-            for swept in self.swept.iter().filter(|swept| swept.group == *group) {
-                let entry = force.dot(&swept.axis.cross(direction));
-                if !entry.is_zero() {
-                    visit(swept.coordinate, *coordinate, entry);
-                }
+            let Some(swept) = place.map(|place| &self.swept[place]) else { continue };
+            let entry = force.dot(&swept.axis.cross(direction));
+            if !entry.is_zero() {
+                visit(swept.coordinate, *coordinate, entry);
             }
         }
     }

@@ -11,6 +11,7 @@
 pub mod account;
 pub mod assembly;
 mod at_rest;
+mod chain;
 pub mod constraints;
 mod drives;
 pub mod error;
@@ -60,6 +61,17 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
         }
     };
     Outcome { lowered, diagnostics }
+}
+
+/// The same with rows over coordinates alone, as the analyses take them; refused where they would not fit into memory.
+pub fn flattened(lowered: Lowered) -> Result<Lowered, LowerError> {
+    let Lowered { system, rest } = lowered;
+    let spans: Vec<_> =
+        if system.is_chained() { system.coordinates.iter().map(|c| c.span).collect() } else { Vec::new() };
+    let system = system.flattened(kinematics::MAX_WRITTEN_OUT);
+    let system =
+        system.map_err(|found| LowerError::TooDeep { entries: found.entries, span: spans[found.deepest.index()] })?;
+    Ok(Lowered { system, rest })
 }
 
 fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {

@@ -6,6 +6,7 @@
 //! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled
 //! matrix does not (shared by Demmel et al., LAA 299 (1999) 21-80).
 
+pub mod chain;
 pub mod ldl;
 pub mod signal;
 
@@ -58,6 +59,9 @@ pub struct LinearSystem {
     pub m: Form,
     pub c: Form,
     pub k: Form,
+    /// Motions that rows of M, C and K may hold besides coordinates, with ids from n on; empty but for scenes that hang
+    /// deep (see [`chain`]). Analyses take systems without them.
+    pub chain: Vec<chain::ChainedRow>,
     pub inputs: Vec<Input>,
     pub outputs: Vec<Output>,
     /// State at t = 0: displacement and velocity of each coordinate that does not start at zero.

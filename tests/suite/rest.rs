@@ -408,3 +408,56 @@ fn a_long_chain_of_springy_links_finds_its_rest() {
         assert!((springs + weights).abs() < 1e-10 * 3500.0, "link {i}: {springs} and {weights}");
     }
 }
+
+/// A row of links so long that its mass matrix is kept as chained rows: written out they are what a shorter road makes of
+/// them, the sum over links of m (l_1 u_1 + ... + l_i u_i)^2 with u the unit vectors across.
+#[test]
+fn deep_chains_keep_short_rows() {
+    let n = 600usize;
+    let lowered = lowered(&links(n, "0.6", "0.8", "0 kg*m^2"));
+    let system = &lowered.system;
+    assert!(system.is_chained());
+    let entries: usize = system.m.terms().iter().map(|term| system.m.row(term).len()).sum::<usize>()
+        + system.chain.iter().map(Vec::len).sum::<usize>();
+    assert!(entries < 10 * n, "{entries} numbers for {n} links");
+    assert!(lowered.rest.proven && lowered.rest.displacement.iter().all(|q| !q.is_zero()));
+    // Hanging straight down, M_ij = m l^2 (n - max(i, j)), i and j from 0.
+    let flat = system.clone().flattened(10_000_000).expect("room");
+    assert!(!flat.is_chained());
+    for (i, j) in [(0, 0), (0, 5), (7, 3), (599, 0), (599, 599), (300, 299)] {
+        let product = |term| {
+            let row = flat.m.row(term);
+            let at = |k: usize| row.iter().find(|(c, _)| c.index() == k).map_or(0.0, |(_, value)| value.to_f64());
+            term.weight.to_f64() * at(i) * at(j)
+        };
+        let entry: f64 = flat.m.terms().iter().map(product).sum();
+        let truth = (n - i.max(j)) as f64;
+        assert!((entry - truth).abs() < 1e-12 * truth, "M[{i}][{j}] = {entry}, {truth}");
+    }
+    assert!(system.clone().flattened(1000).is_err());
+}
+
+/// Links of 1 kg and 1 m one under another.
+fn links(n: usize, x: &str, y: &str, inertia: &str) -> String {
+    format!(
+        "gravity 9.81 m/s^2\nparam n = {n}
+        body b[1] {{ mass = 1 kg, inertia = {inertia}, at = ({x} m, -{y} m) }}
+        pivot p[1]: ground@(0, 0) -- b[1]
+        repeat i in 2..n {{
+          body b[i] {{ mass = 1 kg, inertia = {inertia}, at = (i * {x} m, -i * {y} m) }}
+          pivot p[i]: b[i-1]@((i-1) * {x} m, -(i-1) * {y} m) -- b[i]
+        }}"
+    )
+}
+
+/// 100,000 links neither overflow the stack nor fill the memory.
+#[test]
+fn a_hundred_thousand_links_are_lowered() {
+    let n = 100_000;
+    let lowered = lowered(&links(n, "0", "1", "0.1 kg*m^2"));
+    assert_eq!(lowered.system.n(), n);
+    assert!(lowered.rest.displacement.iter().all(Number::is_zero));
+    let weight = |place: usize| lowered.system.k.terms()[place].weight.to_f64();
+    // K of the angle i is m g l (n - i): gravity alone, in the order of the bodies.
+    assert!((weight(0) - 9.81 * n as f64).abs() < 1e-6 && (weight(n - 1) - 9.81).abs() < 1e-12);
+}

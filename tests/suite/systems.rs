@@ -99,6 +99,7 @@ impl Builder {
             m: self.m,
             c: self.c,
             k: self.k,
+            chain: Vec::new(),
             inputs: Vec::new(),
             outputs: Vec::new(),
             initial: Vec::new(),

@@ -40,20 +40,29 @@ pub fn independent_undamped(system: &LinearSystem) -> Vec<Part> {
     parts
 }
 
+/// The coordinates of the parts of a system whose rows may be chained; without their terms.
+pub fn independent_chained(system: &LinearSystem) -> Vec<Part> {
+    let n = system.n();
+    let mut joined = Joined::new(n + system.chain.len());
+    [&system.m, &system.c, &system.k].into_iter().for_each(|form| joined.join_rows(form));
+    for (place, row) in system.chain.iter().enumerate() {
+        row.iter().for_each(|(i, _)| joined.join(n + place, i.index()));
+    }
+    parts_of(joined, n)
+}
+
 /// The coordinates that the forms join.
 fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
     let mut joined = Joined::new(n);
-    for form in forms {
-        for term in form.terms() {
-            let row = form.row(term);
-            for pair in row.windows(2) {
-                joined.join(pair[0].0.index(), pair[1].0.index());
-            }
-        }
-    }
+    forms.iter().for_each(|form| joined.join_rows(form));
+    parts_of(joined, n)
+}
+
+/// The sets of the first n members: all that follow belong to one of them.
+fn parts_of(joined: Joined, n: usize) -> Vec<Part> {
     let (number, count) = joined.numbered();
     let mut parts = vec![Part::default(); count];
-    for (coordinate, &part) in number.iter().enumerate() {
+    for (coordinate, &part) in number[..n].iter().enumerate() {
         parts[part].coordinates.push(coordinate as u32);
     }
     parts
@@ -76,6 +85,7 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
         m: chosen(&system.m, &part.m, local),
         c: chosen(&system.c, &part.c, local),
         k: chosen(&system.k, &part.k, local),
+        chain: Vec::new(),
         inputs: Vec::new(),
         outputs: Vec::new(),
         initial: Vec::new(),
@@ -118,6 +128,14 @@ impl Joined {
             i = self.above[i];
         }
         i
+    }
+
+    fn join_rows(&mut self, form: &Form) {
+        for term in form.terms() {
+            for pair in form.row(term).windows(2) {
+                self.join(pair[0].0.index(), pair[1].0.index());
+            }
+        }
     }
 
     fn join(&mut self, i: usize, j: usize) {

@@ -41,6 +41,7 @@ fn told(net: &Net) -> String {
         NetForm::Chain => format!("chain of {n}"),
         NetForm::Tree => format!("tree of {n}"),
         NetForm::Band { width } => format!("band of {n}, {width} wide"),
+        NetForm::Linkage => format!("linkage of {n}, kept as chained rows"),
         NetForm::General => format!("{n} freedoms"),
     }
 }

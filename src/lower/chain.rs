@@ -1,0 +1,65 @@
+//! Chained rows: where each piece of a deep tree is held, as what its carrier's place moves and a share of its own. In: the
+//! kinematics and a state; out: one or two short rows for each piece. Clause: spec.md 9.5.
+
+use super::kinematics::{End, Kinematics, Path, Reach, State};
+use super::tree::PieceId;
+use crate::base::Number;
+use crate::elements::Vector;
+use crate::system::CoordinateId;
+use crate::system::chain::ChainedRow;
+
+/// The displacements of the points by which pieces are held.
+pub struct Chain {
+    /// The rows, each over coordinates and, from n on, rows before it.
+    pub rows: Vec<ChainedRow>,
+    /// For each piece and axis the coordinate or row that its point moves with; `None` where it stands still.
+    held: Vec<[Option<CoordinateId>; 2]>,
+}
+
+impl Chain {
+    pub fn new(kinematics: &Kinematics, state: &State<Number>) -> Chain {
+        let mut chain = Chain { rows: Vec::new(), held: vec![[None; 2]] };
+        let (mut path, mut reach) = (Path::default(), Reach::default());
+        for piece in 1..kinematics.tree.pieces.len() {
+            let carrier = kinematics.tree.pieces[piece].carrier;
+            kinematics.way(anchor(kinematics, carrier), anchor(kinematics, piece as PieceId), &mut path);
+            reach.measure(kinematics, state, &path);
+            let axes = [0, 1].map(|axis| {
+                let row = row(chain.held[carrier as usize][axis], &reach, axis);
+                match &row[..] {
+                    [] => None,
+                    [(only, factor)] if factor.is_one() => Some(*only),
+                    _ => {
+                        chain.rows.push(row);
+                        Some(CoordinateId((kinematics.n() + chain.rows.len() - 1) as u32))
+                    }
+                }
+            });
+            chain.held.push(axes);
+        }
+        chain
+    }
+
+    /// The displacement of a point of a piece along x or y, its way from the piece's own place being in `reach`; `None` where
+    /// the piece's place stands still.
+    pub fn row(&self, piece: PieceId, reach: &Reach<Number>, axis: usize) -> ChainedRow {
+        row(self.held[piece as usize][axis], reach, axis)
+    }
+
+    pub fn is_still(&self, piece: PieceId) -> bool {
+        self.held[piece as usize] == [None; 2]
+    }
+}
+
+/// The point by which a piece is held.
+pub fn anchor(kinematics: &Kinematics, piece: PieceId) -> End<'_> {
+    End { piece, at: kinematics.tree.pieces[piece as usize].anchor.as_deref() }
+}
+
+fn row(held: Option<CoordinateId>, reach: &Reach<Number>, axis: usize) -> ChainedRow {
+    let mut own = Vec::new();
+    let [x, y, _] = Vector::axes();
+    reach.row(if axis == 0 { &x } else { &y }, &mut own);
+    let own = own.into_iter().map(|(i, value)| (CoordinateId(i), value));
+    own.chain(held.map(|held| (held, Number::ONE))).collect()
+}

@@ -1,0 +1,105 @@
+//! Rows of scenes that hang deep. The motion of a link is that of the one above it and its own share, so its row is written
+//! with the other's: M of N links is N short rows, not N^2 numbers. In: a system with chained rows; out: the same with
+//! rows over coordinates alone, where there is room for them. Clause: spec.md 9.5.
+
+use super::{CoordinateId, Form, LinearSystem};
+use crate::base::Number;
+use std::collections::BTreeMap;
+
+/// A row over coordinates and, from n on, over the chained motions before it.
+pub type ChainedRow = Vec<(CoordinateId, Number)>;
+
+/// Rows over coordinates alone would hold more numbers than asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooLong {
+    pub entries: u64,
+    /// A coordinate of the longest row.
+    pub deepest: CoordinateId,
+}
+
+impl LinearSystem {
+    /// Whether rows of M, C or K hold chained motions: ids from n on.
+    pub fn is_chained(&self) -> bool {
+        !self.chain.is_empty()
+    }
+
+    /// The same system with rows over coordinates alone, of `most` entries together at most.
+    pub fn flattened(mut self, most: u64) -> Result<LinearSystem, TooLong> {
+        if !self.is_chained() {
+            return Ok(self);
+        }
+        self.room_for(most)?;
+        let chain = std::mem::take(&mut self.chain);
+        let n = self.n();
+        for form in [&mut self.m, &mut self.c, &mut self.k] {
+            *form = flat(form, &chain, n);
+        }
+        Ok(self)
+    }
+
+    /// Counts what rows over coordinates alone would hold, before any is made.
+    fn room_for(&self, most: u64) -> Result<(), TooLong> {
+        let n = self.n();
+        let mut lengths: Vec<u64> = Vec::with_capacity(self.chain.len());
+        for row in &self.chain {
+            lengths.push(length(row, &lengths, n));
+        }
+        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
+        let (mut entries, mut longest, mut deepest) = (0u64, 0, CoordinateId(0));
+        for row in terms {
+            let own = length(row, &lengths, n);
+            entries = entries.saturating_add(own);
+            if own > longest {
+                longest = own;
+                deepest = row.iter().map(|(i, _)| *i).filter(|i| i.index() < n).max().unwrap_or(deepest);
+            }
+        }
+        if entries <= most { Ok(()) } else { Err(TooLong { entries, deepest }) }
+    }
+}
+
+/// How many entries a row has at most where chained motions are written out.
+fn length(row: &[(CoordinateId, Number)], lengths: &[u64], n: usize) -> u64 {
+    let lengths = row.iter().map(|(i, _)| i.index().checked_sub(n).map_or(1, |chained| lengths[chained]));
+    lengths.fold(0, u64::saturating_add)
+}
+
+fn flat(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
+    let mut result = Form { names: form.names.clone(), ..Form::new() };
+    for term in form.terms() {
+        let row = written_out(form.row(term), chain, n);
+        result.push(term.source, term.nature, term.weight.clone(), row);
+    }
+    result
+}
+
+/// A row over coordinates alone, ascending: chained motions are replaced from the last one on.
+pub fn written_out(row: &[(CoordinateId, Number)], chain: &[ChainedRow], n: usize) -> ChainedRow {
+    let mut waiting: BTreeMap<usize, Number> = BTreeMap::new();
+    let mut own: ChainedRow = Vec::new();
+    let mut sort = |row: &[(CoordinateId, Number)], factor: &Number, waiting: &mut BTreeMap<usize, Number>| {
+        for (i, value) in row {
+            let value = value * factor;
+            match i.index().checked_sub(n) {
+                None => own.push((*i, value)),
+                Some(chained) => {
+                    let sum = waiting.entry(chained).or_insert(Number::ZERO);
+                    *sum = &*sum + &value;
+                }
+            }
+        }
+    };
+    sort(row, &Number::ONE, &mut waiting);
+    while let Some((chained, factor)) = waiting.pop_last() {
+        sort(&chain[chained], &factor, &mut waiting);
+    }
+    own.sort_by_key(|(i, _)| *i);
+    own.dedup_by(|(i, value), (last, sum)| {
+        let same = i == last;
+        if same {
+            *sum = &*sum + &*value;
+        }
+        same
+    });
+    own
+}
