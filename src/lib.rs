@@ -213,16 +213,35 @@ pub struct Inspection {
     pub diagnostics: Diagnostics,
 }
 
+/// How far a model is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// As it is declared: what takes many runs or all modes (`solve`, `require`, `damping modal`) is left out.
+    Quick,
+    Whole,
+}
+
 /// The text of a model through the stages up to the linear system, with what each of them made: for editors, which show
 /// what is known of a model that has errors too.
-pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides) -> Inspection {
+pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides, effort: Effort) -> Inspection {
     let mut diagnostics = Diagnostics::new();
-    let Some(read) = read(sources, model, overrides, None, &mut diagnostics) else {
+    let whole = effort == Effort::Whole;
+    let declared = declared(sources, model, overrides, None, &mut diagnostics);
+    let read = declared.and_then(|read| if whole { read.settled(&mut diagnostics) } else { Some(read) });
+    let Some(read) = read else {
         let (solved, settings, requirements) = Default::default();
         return Inspection { scene: None, lowered: None, solved, settings, requirements, diagnostics };
     };
-    let lowered = damped(&read.scene, &mut diagnostics);
-    let requirements = if lowered.is_some() { read.requirements(None, &mut diagnostics) } else { Vec::new() };
+    let is_modal = matches!(read.scene.scene().damping, Some(Damping::Modal { .. }));
+    let lowered = if whole || !is_modal {
+        damped(&read.scene, &mut diagnostics)
+    } else {
+        let outcome = lower::lower(&read.scene);
+        diagnostics.extend(outcome.diagnostics);
+        outcome.lowered
+    };
+    let asks = whole && lowered.is_some();
+    let requirements = if asks { read.requirements(None, &mut diagnostics) } else { Vec::new() };
     let Read { scene, settings, solved, .. } = read;
     Inspection { scene: Some(scene), lowered, solved, settings, requirements, diagnostics }
 }
@@ -379,6 +398,17 @@ fn read<'a>(
     until: Option<&'a Number>,
     diagnostics: &mut Diagnostics,
 ) -> Option<Read<'a>> {
+    declared(sources, model, overrides, until, diagnostics)?.settled(diagnostics)
+}
+
+/// The scene as it is declared.
+fn declared<'a>(
+    sources: &'a Sources,
+    model: FileId,
+    overrides: &'a Overrides,
+    until: Option<&'a Number>,
+    diagnostics: &mut Diagnostics,
+) -> Option<Read<'a>> {
     let files = [Some(model), overrides.settings, overrides.arguments];
     diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
     if diagnostics.has_errors() {
@@ -392,14 +422,18 @@ fn read<'a>(
     diagnostics.extend(checked.diagnostics);
     let scene = checked.scene.filter(|_| !broken)?;
     let (tree, until) = (parsed.tree, until.cloned());
-    let mut read = Read { sources, overrides, until, tree, scene, settings: Vec::new(), solved: Vec::new() };
-    if read.until.is_none() {
-        read.until = read.asked(|text| text.usual_time(&read.scene));
-    }
-    read.solve(diagnostics)
+    Some(Read { sources, overrides, until, tree, scene, settings: Vec::new(), solved: Vec::new() })
 }
 
 impl<'a> Read<'a> {
+    /// The same with a time to follow motions for, and with what it solves for.
+    fn settled(mut self, diagnostics: &mut Diagnostics) -> Option<Read<'a>> {
+        if self.until.is_none() {
+            self.until = self.asked(|text| text.usual_time(&self.scene));
+        }
+        self.solve(diagnostics)
+    }
+
     /// The scene with every unknown of its `solve` lines at its value; as it is where there are none.
     fn solve(self, diagnostics: &mut Diagnostics) -> Option<Read<'a>> {
         if self.scene.scene().solves.is_empty() {

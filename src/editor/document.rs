@@ -3,13 +3,14 @@
 use super::outline::Outline;
 use super::roles::{self, Role};
 use super::tokens::{self, Token, TokenKind};
-use crate::analysis::{self, Modal, Modes, Request, Which};
+use crate::analysis::{self, AnalysisError, Modal, Modes, Request, Which};
 use crate::base::{Diagnostic, FileId, LineIndex, Sources};
 use crate::lower::{Lowered, Rest};
 use crate::model::{self, CheckedScene, Defined, Overrides};
 use crate::questions::{Requirement, Solved};
 use crate::syntax::{self, tree::Tree};
 use crate::system::LinearSystem;
+use crate::{Effort, Inspection};
 use std::sync::Arc;
 
 /// A text, its tokens, and what the pipeline made of it.
@@ -33,6 +34,8 @@ pub struct Document {
     pub known: Option<Arc<Known>>,
     /// `known` is of this text.
     pub is_current: bool,
+    /// Nothing is left to be found by going further.
+    pub is_whole: bool,
 }
 
 /// What is known of a text without errors.
@@ -49,32 +52,68 @@ pub struct Motions {
     pub rest: Rest,
     /// The lowest ones.
     pub modes: Modes,
-    /// Modes with their damping; `None` where it takes longer than a key stroke and is still to come.
+    /// Modes with their damping; `None` without dampers, or where it is still to come.
     pub modal: Option<Modal>,
 }
 
 /// Modes that are looked at: more than anybody reads in a line.
 const MODES: usize = 12;
 
-/// Coordinates of a damped scene whose poles take some milliseconds.
+/// Coordinates of a scene that goes through everything between two key strokes.
 const FEW: usize = 30;
+/// Coordinates of a scene whose lowest modes do not take longer.
+const MANY: usize = 2000;
 
 /// What an editor asks of the analyses.
 fn request() -> Request {
     Request { which: Which::Lowest(MODES), ..Request::default() }
 }
 
-/// Modes and damping of a system, however long it takes; `None` where there are none to be found.
-pub fn modal(system: &LinearSystem) -> Option<Modal> {
-    analysis::modal(system, &request()).ok()
-}
-
 impl Document {
-    /// A model among its texts, through every stage. What was known of the version before stays known while this one
-    /// has errors.
+    /// A model among its texts, taken as far as there is time for between two key strokes. What was known of the version
+    /// before stays known while this one has errors.
     pub fn new(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
+        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Quick);
+        let n = inspection.lowered.as_ref().map_or(0, |lowered| lowered.system.n());
+        if n <= FEW {
+            return Document::whole(sources, file, before);
+        }
+        let mut document = Document::of(sources, file, inspection, before, |system| match system.n() <= MANY {
+            true => Ok(Some((analysis::modes_as(system, &request())?, None))),
+            false => Ok(None),
+        });
+        document.is_whole = n <= MANY && !document.asks_more();
+        document
+    }
+
+    /// A model through every stage, however long it takes.
+    pub fn whole(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
+        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Whole);
+        Document::of(sources, file, inspection, before, |system| {
+            if system.c.is_empty() {
+                return Ok(Some((analysis::modes_as(system, &request())?, None)));
+            }
+            let modal = analysis::modal(system, &request())?;
+            Ok(Some((modal.modes.clone(), Some(modal))))
+        })
+    }
+
+    /// The scene has dampers, or lines that are answered by many runs.
+    fn asks_more(&self) -> bool {
+        let Some(known) = self.known.as_ref().filter(|_| self.is_current) else { return false };
+        let scene = known.scene.scene();
+        let is_damped = known.motions.as_ref().is_some_and(|motions| !motions.system.c.is_empty());
+        is_damped || scene.damping.is_some() || !scene.solves.is_empty() || !scene.requires.is_empty()
+    }
+
+    fn of(
+        sources: Sources,
+        file: FileId,
+        mut inspection: Inspection,
+        before: Option<&Document>,
+        analyse: impl FnOnce(&LinearSystem) -> Result<Option<(Modes, Option<Modal>)>, AnalysisError>,
+    ) -> Document {
         let overrides = Overrides::default();
-        let mut inspection = crate::inspect(&sources, file, &overrides);
         let tree = syntax::parse(&sources, file).tree;
         let values = model::values(&sources, &tree, &overrides, &inspection.settings);
         let text = sources.text(file);
@@ -82,8 +121,8 @@ impl Document {
         let tokens = tokens::tokens(text);
         let outline = Outline::new(text, &tokens);
         let roles = roles::roles(text, &tokens, &outline);
-        let motions = inspection.lowered.take().and_then(|lowered| match Motions::new(lowered) {
-            Ok(motions) => Some(motions),
+        let motions = inspection.lowered.take().and_then(|Lowered { system, rest, .. }| match analyse(&system) {
+            Ok(found) => found.map(|(modes, modal)| Motions { system, rest, modes, modal }),
             Err(error) => {
                 inspection.diagnostics.push(error.to_diagnostic());
                 None
@@ -105,20 +144,8 @@ impl Document {
             values,
             known,
             is_current,
+            is_whole: true,
             sources,
-        }
-    }
-
-    /// The system whose damping is still to be found.
-    pub fn waiting(&self) -> Option<&LinearSystem> {
-        let motions = self.known.as_ref().filter(|_| self.is_current)?.motions.as_ref()?;
-        motions.modal.is_none().then_some(&motions.system)
-    }
-
-    /// Adds what took longer.
-    pub fn add_modal(&mut self, modal: Modal) {
-        if let Some(motions) = self.known.as_mut().and_then(|known| Arc::make_mut(known).motions.as_mut()) {
-            motions.modal = Some(modal);
         }
     }
 
@@ -181,17 +208,5 @@ impl Document {
         }
         lines.reverse();
         lines.join("\n")
-    }
-}
-
-impl Motions {
-    /// The lowest modes, and the damping where that is quick.
-    fn new(Lowered { system, rest, .. }: Lowered) -> Result<Motions, analysis::AnalysisError> {
-        if system.c.is_empty() || system.n() > FEW {
-            let modes = analysis::modes_as(&system, &request())?;
-            return Ok(Motions { system, rest, modes, modal: None });
-        }
-        let modal = analysis::modal(&system, &request())?;
-        Ok(Motions { system, rest, modes: modal.modes.clone(), modal: Some(modal) })
     }
 }

@@ -34,6 +34,9 @@ pub fn hints(document: &Document) -> Vec<Hint> {
 /// Behind the `model` line, or the first declaration.
 fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
     let motions = known.motions.as_ref()?;
+    if !document.is_whole && !known.scene.scene().solves.is_empty() {
+        return None;
+    }
     let statements = 0..document.outline.statements.len();
     let line = statements.clone().find(|s| document.keyword(*s) == "model").or_else(|| statements.clone().next())?;
     let at = document.range_of(line).end;

@@ -2,16 +2,15 @@
 //! answers is asked of the modules beside it.
 //!
 //! A change marks its text as new; when no message waits, or a request needs it, the text goes through every stage and its
-//! findings are published. Damping of larger scenes is computed beside that, and shown when it is there.
+//! findings are published. Larger scenes are taken as far as there is time for; a second thread goes all the way, and what
+//! it found is shown when it is there.
 
 mod answers;
 mod place;
 mod requests;
 
-use super::document::{self, Document};
-use crate::analysis::Modal;
-use crate::base::{SourceFile, SourceKind, Sources};
-use crate::system::LinearSystem;
+use super::document::Document;
+use crate::base::{FileId, SourceFile, SourceKind, Sources};
 use crossbeam_channel::{Receiver, Sender, select, unbounded};
 use gen_lsp_types::{
     DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, InitializeParams,
@@ -69,18 +68,19 @@ struct Server<'a> {
     refreshed: i32,
 }
 
-/// A system whose damping takes a while.
+/// A text that takes a while to go through everything.
 struct Job {
     uri: Uri,
     version: i32,
-    system: LinearSystem,
+    sources: Sources,
+    file: FileId,
 }
 
-/// The damping of one version of a text.
+/// One version of a text that has gone through everything.
 struct Done {
     uri: Uri,
     version: i32,
-    modal: Modal,
+    document: Document,
 }
 
 /// A thread that takes the newest job each time, and ends with the server.
@@ -92,10 +92,10 @@ fn worker() -> (Sender<Job>, Receiver<Done>) {
             while let Ok(newer) = inbox.try_recv() {
                 job = newer;
             }
-            let Job { uri, version, system } = job;
-            let found = catch_unwind(AssertUnwindSafe(|| document::modal(&system)));
-            let Ok(Some(modal)) = found else { continue };
-            if outbox.send(Done { uri, version, modal }).is_err() {
+            let Job { uri, version, sources, file } = job;
+            let found = catch_unwind(AssertUnwindSafe(|| Document::whole(sources, file, None)));
+            let Ok(document) = found else { continue };
+            if outbox.send(Done { uri, version, document }).is_err() {
                 break;
             }
         }
@@ -210,23 +210,35 @@ impl Server<'_> {
         let Ok(document) = made else {
             return self.log(format!("a defect of the program in `{}`", self.texts[index].uri.0));
         };
-        let diagnostics = answers::diagnostics(&document, self.encoding, &text.uri);
-        let (uri, version) = (text.uri.clone(), text.version);
-        if let Some(system) = document.waiting() {
-            let job = Job { uri: uri.clone(), version, system: system.clone() };
+        if !document.is_whole {
+            let (uri, sources) = (text.uri.clone(), document.sources.clone());
             // The worker lives as long as the server.
-            let _ = self.jobs.send(job);
+            let _ = self.jobs.send(Job { uri, version: text.version, sources, file: document.file });
         }
         text.document = Some(document);
-        let params = PublishDiagnosticsParams { uri, version: Some(version), diagnostics };
+        self.publish(index);
+    }
+
+    fn publish(&self, index: usize) {
+        let Text { uri, version, document: Some(document), .. } = &self.texts[index] else { return };
+        let diagnostics = answers::diagnostics(document, self.encoding, uri);
+        let params = PublishDiagnosticsParams { uri: uri.clone(), version: Some(*version), diagnostics };
         self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
     }
 
-    /// The damping that took a while; the client is told to ask for hints again.
-    fn add(&mut self, Done { uri, version, modal }: Done) {
-        let text = self.texts.iter_mut().find(|text| text.uri == uri && text.version == version && !text.is_new);
-        let Some(document) = text.and_then(|text| text.document.as_mut()) else { return };
-        document.add_modal(modal);
+    /// What took a while; the client is told to ask for hints again.
+    fn add(&mut self, Done { uri, version, mut document }: Done) {
+        let newest = |text: &Text| text.uri == uri && text.version == version && !text.is_new;
+        let Some(index) = self.texts.iter().position(newest) else { return };
+        let text = &mut self.texts[index];
+        let before = text.document.take();
+        // A `solve` without an answer leaves what was known as declared.
+        document.known = document.known.or_else(|| before.as_ref()?.known.clone());
+        let is_news = before.is_none_or(|before| before.findings != document.findings);
+        text.document = Some(document);
+        if is_news {
+            self.publish(index);
+        }
         if self.refreshes {
             self.refreshed += 1;
             let id = RequestId::from(format!("hints-{}", self.refreshed));
