@@ -98,7 +98,9 @@ fn params(method: &str, text: &str) -> Value {
     let range = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": lines, "character": 0 } });
     let mut params =
         json!({ "textDocument": { "uri": URI }, "position": { "line": 1, "character": 6 }, "range": range });
-    params["context"] = json!({ "diagnostics": [] });
+    if method.ends_with("codeAction") {
+        params["context"] = json!({ "diagnostics": [] });
+    }
     if method.ends_with("rename") {
         params["newName"] = json!("stiffness");
     }
