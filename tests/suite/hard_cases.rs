@@ -1,7 +1,8 @@
 //! The certified hard cases of tests/hardcases: each value within its tolerance, each bound holding, each fact reported.
 
+use super::ask::ask;
 use super::systems::{HardCase, error, number};
-use vibc::analysis::{self, ModeKind, Modes};
+use vibc::analysis::{self, ModeKind, Modes, Stability};
 use vibc::base::Number;
 
 /// Checks all references omega_k of a case: digits wanted, bound kept. Returns the modes for more.
@@ -123,4 +124,144 @@ fn the_load_factor_to_buckling_is_certified() {
     let margin = (found.load_factor - vibc::base::Ball::ONE).to_f64();
     // d alpha / d k1 = k2' / -(d det / d alpha): (30 - 10) / (650 + 600 - 400) at alpha = 1.
     assert!((margin / (1.0000178e-10 * 20.0 / 850.0) - 1.0).abs() < 1e-5, "{margin:e}");
+}
+
+/// The cases that are files, by name.
+fn names() -> Vec<String> {
+    let folder = format!("{}/tests/hardcases", env!("CARGO_MANIFEST_DIR"));
+    let files = std::fs::read_dir(folder).expect("the cases").map(|file| file.expect("a case").file_name());
+    let names = files.filter_map(|file| Some(file.to_str()?.strip_suffix(".json")?.to_string()));
+    let mut names: Vec<String> = names.filter(|name| name != "index").collect();
+    names.sort();
+    names
+}
+
+/// Each fact that a case expects is reported, and no growth or doubt where it expects none.
+#[test]
+fn what_a_case_expects_is_told() {
+    let mut told = 0;
+    for name in names().iter().filter(|name| !LARGE.contains(&name.as_str())) {
+        let case = HardCase::load(name);
+        let expect = case.json["expect"].as_object().expect("facts").clone();
+        let modes = match (analysis::modes(&case.system), expect.get("error")) {
+            (Ok(modes), None) => modes,
+            (Err(error), Some(_)) => {
+                assert_eq!(error.to_diagnostic().code.0, "vib::mass::singular", "{name}");
+                told += 1;
+                continue;
+            }
+            (found, expected) => panic!("{name}: {:?}, expected {expected:?}", found.err()),
+        };
+        let poles = analysis::poles(&case.system, &modes).expect("poles");
+        let number = |fact: &str| expect.get(fact).and_then(|value| value.as_u64()).unwrap_or(0) as usize;
+        let kinds = |kind: ModeKind| modes.list.iter().filter(|mode| mode.kind == kind).count();
+        assert_eq!(kinds(ModeKind::Rigid), number("zero_modes"), "{name}");
+        assert_eq!(kinds(ModeKind::Divergence), number("unstable_modes"), "{name}");
+        assert_eq!(kinds(ModeKind::Undetermined), 0, "{name}");
+        assert_eq!(modes.infinite, number("infinite_modes"), "{name}");
+        let defective = expect.get("defective").is_some_and(|value| value == true);
+        assert_eq!(poles.list.iter().any(|pole| pole.defective), defective, "{name}");
+        let wanted = expect.get("multiplicities").map(|list| list.as_array().expect("a list").clone());
+        let ones = || modes.list.iter().map(|_| 1).collect();
+        let wanted: Vec<u64> =
+            wanted.map_or_else(ones, |list| list.iter().map(|n| n.as_u64().expect("a count")).collect());
+        assert_eq!(multiplicities(&modes), wanted, "{name}");
+        let growing = number("unstable_modes") > 0;
+        let kind = match (growing, number("zero_modes")) {
+            (true, _) => Stability::Unstable,
+            (false, 0) => Stability::Stable,
+            (false, _) => Stability::Neutral,
+        };
+        assert_eq!(analysis::stability(&modes, &poles), kind, "{name}");
+        // `singular_dynamic_stiffness_at` is told by an infinite gain: `transfer`.
+        let known = ["zero_modes", "unstable_modes", "infinite_modes", "defective", "multiplicities"];
+        let known = [known.as_slice(), &["singular_dynamic_stiffness_at"]].concat();
+        for fact in expect.keys() {
+            assert!(known.contains(&fact.as_str()), "{name}: nothing is known about `{fact}`");
+            told += 1;
+        }
+    }
+    assert!(told >= 8, "{told} facts");
+}
+
+/// Sizes of the groups of modes that are certified together.
+fn multiplicities(modes: &Modes) -> Vec<u64> {
+    let mut sizes: Vec<u64> = Vec::new();
+    for (i, mode) in modes.list.iter().enumerate() {
+        match sizes.last_mut() {
+            Some(size) if i > 0 && mode.cluster.is_some() && mode.cluster == modes.list[i - 1].cluster => *size += 1,
+            _ => sizes.push(1),
+        }
+    }
+    sizes
+}
+
+/// Cases that hold a recipe, of as many coordinates as only the methods for large systems take.
+const LARGE: [&str; 2] = ["o23_uniform_chain_1e5", "o24_membrane_200x200"];
+
+/// No reference goes without a test: where a kind of reference is checked, the case is named.
+#[test]
+fn every_reference_of_every_case_is_checked_somewhere() {
+    let source = |module: &str| {
+        let path = format!("{}/tests/suite/{module}.rs", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+    };
+    let modules = ["hard_cases", "hard_cases_damped", "transfer", "response"].map(|module| (module, source(module)));
+    let names = names();
+    assert_eq!(names.len(), 33);
+    for name in names.iter().filter(|name| !LARGE.contains(&name.as_str())) {
+        let case = HardCase::load(name);
+        for reference in case.json["reference"].as_array().expect("a list") {
+            let kind = reference["kind"].as_str().expect("a kind");
+            let module = match kind {
+                "natural_frequency" | "frequency_difference" | "static_deflection" => "hard_cases",
+                "damping_ratio" | "eigenvalue_re" | "eigenvalue_im" | "eigenvalue_real" => "hard_cases_damped",
+                "frf_re" | "frf_im" => "transfer",
+                "displacement" | "velocity" => "response",
+                _ => panic!("{name}: no test knows references of kind {kind}"),
+            };
+            let (_, text) = modules.iter().find(|(at, _)| *at == module).expect("a module");
+            assert!(text.contains(&format!("\"{name}\"")), "{module} does not check {kind} of {name}");
+        }
+    }
+}
+
+/// Beats as the analysis tells them: every pair of a case, to 16 digits.
+#[test]
+fn beats_are_told_with_their_digits() {
+    for name in ["o04_tuned_tiny_absorber", "o10_two_pendulums_weak", "o11_wilkinson21"] {
+        let case = HardCase::load(name);
+        let modes = analysis::modes(&case.system).expect("modes");
+        let splits = analysis::splits(&modes);
+        for reference in case.json["reference"].as_array().expect("a list") {
+            let id = reference["id"].as_str().expect("an id");
+            let Some((_, lower)) = id.strip_prefix("split_").and_then(|pair| pair.split_once('_')) else { continue };
+            let lower: usize = lower.parse().expect("a number");
+            let split = splits.iter().find(|split| split.lower == lower).unwrap_or_else(|| panic!("{name} {id}"));
+            let truth = case.reference(id).expect("the reference");
+            let upper = modes.list[lower].omega.to_f64();
+            check(name, id, split.omega, &truth, 16.0, 1e-35 * upper / truth.to_f64());
+        }
+    }
+}
+
+/// o22 as a scene: both bodies hang in their springs, and the rest is exact.
+#[test]
+fn a_static_deflection_is_exact() {
+    let name = "o22_preload_tiny_dynamics";
+    let answer = ask("gravity 9.81 m/s^2
+         body crate { mass = 1000 kg, moves y }
+         body part { mass = 2 kg, moves y }
+         spring K: ground -- crate { k = 1e5 N/m }
+         spring k: crate -- part { k = 800 N/m }
+         damper c: ground -- crate { c = 50 N*s/m }");
+    let case = HardCase::load(name);
+    let list = case.json["reference"].as_array().expect("a list");
+    for (i, id) in ["static[x1]", "static[x2]"].iter().enumerate() {
+        let entry = list.iter().find(|entry| entry["id"] == *id).expect("the reference");
+        let truth = number(entry["value_decimal"].as_str().expect("a decimal"));
+        // The references count downwards.
+        let found = -&answer.lowered.rest.displacement[i];
+        assert_eq!((&found - &truth).to_f64(), 0.0, "{id}: {found:?}");
+    }
 }

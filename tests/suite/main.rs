@@ -42,3 +42,4 @@ mod sweeps;
 mod systems;
 mod tables;
 mod transfer;
+mod traps;
