@@ -183,6 +183,33 @@ pub enum PoleKind {
     Undetermined,
 }
 
+impl Pole {
+    /// |s|, rad/s.
+    pub fn modulus(&self) -> Ball {
+        modulus(self.re, self.im)
+    }
+}
+
+/// sqrt(re^2 + im^2), scaled by a power of two so that the squares stay within the range of binary64.
+pub(in crate::analysis) fn modulus(re: Ball, im: Ball) -> Ball {
+    if im.is_zero() {
+        return re.abs();
+    }
+    if re.is_zero() {
+        return im.abs();
+    }
+    let largest = re.magnitude().max(im.magnitude());
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    let inverse = 1.0 / power;
+    if !(power.is_normal() && inverse.is_normal()) {
+        return Ball::new(re.mid, f64::INFINITY);
+    }
+    // Powers of two change no digit, but for what falls below the range: that is less than the least number.
+    let scaled = |x: Ball, by: f64| Ball::new(x.mid.scale(by), x.rad * by).widen(f64::MIN_POSITIVE);
+    let (re, im) = (scaled(re, inverse), scaled(im, inverse));
+    scaled((re.square() + im.square()).sqrt(), power)
+}
+
 impl PoleKind {
     /// As in the JSON and in reports.
     pub fn name(self) -> &'static str {

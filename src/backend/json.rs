@@ -501,7 +501,7 @@ fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonS
 }
 
 fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
-    let omega = modulus(pole);
+    let omega = pole.modulus();
     let (frequency, damped) = (per_turn(omega), per_turn(pole.im.abs()));
     JsonPole {
         re: pole.re.to_f64() + 0.0,
@@ -520,17 +520,6 @@ fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
         im_digits: digits(&pole.im, options),
         damping_ratio_digits: pole.damping_ratio.as_ref().and_then(|zeta| digits(zeta, options)),
     }
-}
-
-/// |s|, rad/s.
-pub fn modulus(pole: &Pole) -> Ball {
-    if pole.im.is_zero() {
-        return pole.re.abs();
-    }
-    if pole.re.is_zero() {
-        return pole.im.abs();
-    }
-    (pole.re.square() + pole.im.square()).sqrt()
 }
 
 /// rad/s to Hz.
@@ -552,7 +541,7 @@ pub(super) fn error_bound(value: &Ball) -> f64 {
 
 /// The same for a pole: in the complex plane, and for its modulus and frequency too.
 pub(super) fn pole_error_bound(pole: &Pole) -> f64 {
-    let omega = modulus(pole);
+    let omega = pole.modulus();
     if omega.is_zero() {
         return pole.relative_error;
     }

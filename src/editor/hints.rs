@@ -4,7 +4,6 @@
 use super::document::{Document, Known, Motions};
 use super::shown;
 use crate::analysis::{Mode, ModeKind, Pole, PoleKind, Stability};
-use crate::backend::json::modulus;
 use crate::base::Number;
 use crate::model::Defined;
 use crate::questions::answer;
@@ -79,7 +78,7 @@ fn each(motions: &Motions) -> Vec<String> {
     };
     let pole = |pole: &Pole| match (pole.kind, &pole.damping_ratio) {
         (PoleKind::Oscillation | PoleKind::Flutter, Some(ratio)) => {
-            format!("{} ζ {}", shown::hertz(&modulus(pole)), shown::per_cent(ratio))
+            format!("{} ζ {}", shown::hertz(&pole.modulus()), shown::per_cent(ratio))
         }
         (kind, _) => kind.name().into(),
     };

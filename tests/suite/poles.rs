@@ -244,3 +244,30 @@ spring s4: b0@(3 m, 3 m) -- b1@(0, 0) { k = 40 N/m }
     let complete = outcome.answer.is_some_and(|answer| answer.poles.list.len() == 4);
     assert!(complete || outcome.diagnostics.iter().any(|found| found.is_error()));
 }
+
+/// Poles that are within the range of binary64 though their squares are not.
+#[test]
+fn poles_whose_squares_are_out_of_range_are_certified() {
+    let one = |m: &str, c: &str, k: &str| {
+        let mut b = Builder::numbered(1);
+        b.mass(0, &number(m));
+        b.spring(None, 0, &number(k));
+        b.damper(None, 0, &number(c));
+        let system = b.finish();
+        let modes = analysis::modes(&system).expect("modes");
+        analysis::poles(&system, &modes).expect("poles").list
+    };
+    // -c / m and -k / c.
+    let real = one("1e-100", "1e205", "1e20");
+    for (pole, rate) in real.iter().zip([-1e-185, -1e305]) {
+        assert!((pole.re.to_f64() / rate - 1.0).abs() < 1e-14, "{pole:?}");
+        assert!(pole.relative_error > 0.0 && pole.relative_error < 1e-27, "{pole:?}");
+    }
+    // 1e-160 / 2 +- i 1e-160
+    for pole in one("4e160", "4", "5e-160") {
+        assert!((pole.re.to_f64() / -0.5e-160 - 1.0).abs() < 1e-14, "{pole:?}");
+        assert!((pole.im.to_f64().abs() / 1e-160 - 1.0).abs() < 1e-14, "{pole:?}");
+        assert!((pole.modulus().to_f64() / 1.25f64.sqrt() / 1e-160 - 1.0).abs() < 1e-14, "{pole:?}");
+        assert!(pole.relative_error > 0.0 && pole.relative_error < 1e-27, "{pole:?}");
+    }
+}

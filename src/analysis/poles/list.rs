@@ -1,7 +1,7 @@
 //! Poles as they are found: what is known of each becomes its kind, its damping ratio and its bound, and at the end all are
 //! put in order. In: modes, roots, discs. Out: the list. Clauses: spec.md 11.1, 11.8.
 
-use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route};
+use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
@@ -174,14 +174,14 @@ impl PoleList {
         if re.is_zero() && im.is_zero() {
             return self.zeros(1);
         }
-        let size = (re.square() + im.square()).sqrt();
+        let size = modulus(re, im);
         let zeta = if im.is_zero() { Ball::from(-re.mid.hi.signum()) } else { -re / size };
         let low = size.mignitude();
         let radius = Complex::new(re, im).radius();
         self.list.push(Pole {
             re,
             im,
-            relative_error: if low > 0.0 { radius / low * (1.0 + 1e-12) } else { f64::INFINITY },
+            relative_error: if low > 0.0 && size.is_finite() { radius / low * (1.0 + 1e-12) } else { f64::INFINITY },
             damping_ratio: zeta.is_finite().then_some(zeta),
             kind: known.kind,
             cluster: known.cluster,
@@ -193,7 +193,7 @@ impl PoleList {
     /// Ascending in |s|, re, im; clusters numbered in that order. `coordinates` of the system: each has two poles, some of
     /// them infinite.
     pub fn sorted(mut self, coordinates: usize) -> Poles {
-        let size = |pole: &Pole| pole.re.mid.square() + pole.im.mid.square();
+        let size = |pole: &Pole| pole.modulus().mid;
         let order = |a: Dd, b: Dd| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
         self.list.sort_by(|a, b| {
             order(size(a), size(b)).then_with(|| order(a.re.mid, b.re.mid)).then_with(|| order(a.im.mid, b.im.mid))

@@ -1,7 +1,7 @@
 //! The damped motion: each pole, a complex pair once.
 
 use super::super::decimal::{certain, upper};
-use super::super::json::{modulus, per_turn, pole_error_bound};
+use super::super::json::{per_turn, pole_error_bound};
 use super::super::{ModalAnswer, ReportOptions};
 use super::modes::MOST;
 use super::table::{Align, Table};
@@ -105,7 +105,7 @@ fn cells(number: usize, pole: &Pole, options: &ReportOptions) -> Vec<String> {
     let digits = options.digits(DIGITS);
     // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
     let bound = if options.digits.is_some() { pole.relative_error } else { pole_error_bound(pole) };
-    let omega = modulus(pole);
+    let omega = pole.modulus();
     let complex = is_complex(pole);
     let im = if complex { format!("±{}", certain(&pole.im.abs(), digits)) } else { "0".into() };
     let frequency = if complex { certain(&per_turn(omega), digits) } else { String::new() };

@@ -13,6 +13,13 @@ impl Number {
             if let Some(root) = value.exact_sqrt() {
                 return Some(Number::Exact(root));
             }
+            // A square beyond the range of binary64 may have a root within it.
+            let half = value.floor_log2() / 2;
+            if half.unsigned_abs() > 480 {
+                let factor = Number::from(4).powi(-half)?;
+                let (root, power) = ((self * &factor).to_ball().sqrt(), 2f64.powi(half));
+                return Some(Number::Ball(Ball::new(root.mid.scale(power), root.rad * power).widen(f64::MIN_POSITIVE)));
+            }
         }
         let ball = self.to_ball();
         (ball.is_zero() || ball.is_positive()).then(|| Number::Ball(ball.sqrt()))

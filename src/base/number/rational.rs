@@ -174,6 +174,12 @@ impl Rational {
         }
     }
 
+    /// The power of two below or above which the magnitude is by less than a factor of two.
+    pub fn floor_log2(&self) -> i32 {
+        let value = self.to_big();
+        (value.numer().bits() as i64 - value.denom().bits() as i64) as i32
+    }
+
     /// Numerator and denominator, if they fit machine integers.
     pub fn small_fraction(&self) -> Option<(i64, i64)> {
         match &self.0 {
