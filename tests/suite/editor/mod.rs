@@ -2,5 +2,6 @@
 
 mod client;
 mod mends;
+mod process;
 mod requests;
 mod robust;
