@@ -43,6 +43,7 @@ fn chain(n: usize) -> LinearSystem {
             d: [Vec::new(), Vec::new(), Vec::new()],
         }],
         initial: Vec::new(),
+        chain: Vec::new(),
     }
 }
 
