@@ -40,6 +40,10 @@ pub struct Left {
 pub struct Elimination {
     pub solved: BTreeMap<Index, Solved>,
     pub left: Vec<Left>,
+    /// The row at which there was no room for more: what follows was not looked at.
+    pub full: Option<u32>,
+    /// Entries of all equations and combinations together.
+    pub entries: usize,
     /// For each coordinate that is not dependent: the dependent ones whose equations hold it.
     users: BTreeMap<Index, BTreeSet<Index>>,
 }
@@ -49,11 +53,18 @@ const NOTHING: f64 = 1e-15;
 /// A coordinate may move this much more than its unit before it is exchanged.
 const MARGIN: f64 = 1.0 + 1e-6;
 
+/// Entries of all equations together: about 400 MB of them.
+const MAX_ENTRIES: usize = 4_000_000;
+
 /// Eliminates rows in order; coordinates from `free` on are prescribed. `unit` is what a coordinate is measured in.
 pub fn eliminate(rows: Vec<Vec<(Index, Number)>>, free: usize, unit: impl Fn(Index) -> f64) -> Elimination {
     let mut elimination = Elimination::default();
     for (number, row) in rows.into_iter().enumerate() {
         elimination.take(number as u32, row, free as Index, &unit);
+        if elimination.entries > MAX_ENTRIES {
+            elimination.full = Some(number as u32);
+            return elimination;
+        }
     }
     elimination.exchange(free as Index, &unit);
     elimination
@@ -102,12 +113,14 @@ impl Elimination {
     }
 
     fn remember(&mut self, dependent: Index, equation: &Solved) {
+        self.entries += equation.row.len() + equation.combination.len();
         for coordinate in equation.row.keys() {
             self.users.entry(*coordinate).or_default().insert(dependent);
         }
     }
 
     fn forget(&mut self, dependent: Index, equation: &Solved) {
+        self.entries -= equation.row.len() + equation.combination.len();
         for coordinate in equation.row.keys() {
             if let Some(users) = self.users.get_mut(coordinate) {
                 users.remove(&dependent);

@@ -1,5 +1,5 @@
 //! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics; out: equations g(q) = 0
-//! that are independent of each other in the drawing, and what the others turned out to be. Clause: spec.md, 6.6 to 6.9.
+//! that are independent of each other in the drawing, and what the others turned out to be. Clause: spec.md, 6.6 to 6.8.
 //!
 //! # Steps
 //! 1. [`equation`]: what a joint or a coupling asks, as scalar equations
@@ -84,11 +84,24 @@ impl Constraints {
         self.list.is_empty()
     }
 
-    /// The equations solved at a state.
-    pub fn eliminate(&self, kinematics: &Kinematics, state: &State<Number>) -> Elimination {
+    /// The equations solved at a state, if there is room for the solution.
+    pub fn eliminate(
+        &self,
+        scene: &Scene,
+        kinematics: &Kinematics,
+        state: &State<Number>,
+    ) -> Result<Elimination, Vec<LowerError>> {
         let mut reach = Reach::default();
         let rows = self.list.iter().map(|c| c.equation.measure(kinematics, state, &mut reach).1).collect();
-        elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate))
+        let elimination = elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate));
+        let too_deep = |row: u32| LowerError::TooDeep {
+            entries: elimination.entries as u64,
+            span: self.list[row as usize].source.span(scene),
+        };
+        match elimination.full.map(too_deep) {
+            None => Ok(elimination),
+            Some(error) => Err(vec![error]),
+        }
     }
 
     /// What a coordinate is measured in: rad, or the length of the loops.
@@ -109,7 +122,7 @@ impl Constraints {
         if self.is_empty() {
             return Ok(Reduction::all(kinematics.n()));
         }
-        let elimination = self.eliminate(kinematics, state);
+        let elimination = self.eliminate(scene, kinematics, state)?;
         if let Some(left) = elimination.left.first() {
             return Err(vec![rank::singular(scene, kinematics, self, left)]);
         }

@@ -23,7 +23,7 @@ pub fn sorted(
     kinematics: &Kinematics,
     mut all: Constraints,
 ) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
-    let elimination = all.eliminate(kinematics, &State::drawn());
+    let elimination = all.eliminate(scene, kinematics, &State::drawn())?;
     let mut errors: BTreeMap<Source, LowerError> = BTreeMap::new();
     let mut redundant: BTreeMap<Source, Vec<Source>> = BTreeMap::new();
     for left in &elimination.left {

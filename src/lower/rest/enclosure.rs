@@ -172,19 +172,25 @@ impl Equations for Forces<'_, '_> {
     }
 }
 
-/// The largest force that is left, relative to the largest that acts in the part, as drawn or at rest: of the same kind, or
-/// of the other with the length of the part as lever.
+/// The largest force that is left, relative to the largest that acts in the part, as drawn or at rest.
 fn residual(part: &Refinement, drawn: &Energy<Number>, energy: &Energy<Number>) -> f64 {
-    let turns = |place: usize| part.kinematics.is_angle(part.coordinates[place]);
+    let sizes: Vec<f64> = drawn.forces.iter().zip(&energy.forces).map(|(drawn, now)| drawn.max(*now)).collect();
+    relative(part.kinematics, part.coordinates, part.length, &sizes, &energy.gradient)
+}
+
+/// The largest of some forces, relative to the largest of those that act: of the same kind, or of the other with a length as
+/// lever.
+pub fn relative(kinematics: &Kinematics, coordinates: &[Index], length: f64, acting: &[f64], left: &[Number]) -> f64 {
+    let turns = |place: usize| kinematics.is_angle(coordinates[place]);
     let largest = |turning: bool| {
-        let sizes = drawn.forces.iter().zip(&energy.forces).map(|(drawn, now)| drawn.max(*now));
-        sizes.enumerate().filter(|(place, _)| turns(*place) == turning).map(|(_, size)| size).fold(0.0, f64::max)
+        let sizes = acting.iter().enumerate().filter(|(place, _)| turns(*place) == turning);
+        sizes.map(|(_, size)| *size).fold(0.0, f64::max)
     };
     let (pull, torque) = (largest(false), largest(true));
-    let scale = |turning: bool| if turning { torque.max(pull * part.length) } else { pull.max(torque / part.length) };
+    let scale = |turning: bool| if turning { torque.max(pull * length) } else { pull.max(torque / length) };
     let relative = |(place, force): (usize, &Number)| match force.to_ball().magnitude() {
         0.0 => 0.0,
         left => left / scale(turns(place)),
     };
-    energy.gradient.iter().enumerate().map(relative).fold(0.0, f64::max)
+    left.iter().enumerate().map(relative).fold(0.0, f64::max)
 }

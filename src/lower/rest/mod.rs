@@ -194,13 +194,14 @@ impl Found {
         }
         let equations = || part.constraints.iter().map(|number| &constraints.list[*number as usize].equation);
         let coordinates = &part.coordinates[..];
+        let length = part.length().max(constraints.length);
         let descent = constrained::Descent {
             kinematics,
             coordinates,
             local,
             potential: part.potential.converted(),
             equations: equations().map(Equation::converted).collect(),
-            length: part.length().max(constraints.length),
+            length,
             state: &mut *steering,
         };
         let descended = match descent.run(part.unbalanced) {
@@ -213,8 +214,9 @@ impl Found {
         let values: Vec<f64> = coordinates.iter().map(|i| *steering.value(*i)).collect();
         let (potential, equations) = (&part.potential, equations().collect());
         let state = &mut self.state;
+        let multipliers = Vec::new();
         let balance =
-            reactions::Balance { kinematics, coordinates, local, potential, equations, state, multipliers: Vec::new() };
+            reactions::Balance { kinematics, coordinates, local, potential, equations, state, multipliers, length };
         let refined = balance.run(&values);
         self.rest.steps += descended.steps;
         self.rest.residual = self.rest.residual.max(refined.residual);

@@ -3,7 +3,7 @@
 //! The equations are grad V + G^T lambda = 0 and g = 0 in z = (q, lambda), with the symmetric derivative
 //! [W G^T; G 0], W = grad^2 V + lambda . grad^2 g: refined and enclosed as in [`krawczyk`].
 
-use super::enclosure::{MAX_DENSE, Refined};
+use super::enclosure::{self, MAX_DENSE, Refined};
 use super::exact::simplest;
 use super::krawczyk::{self, Equations, Inverse, NEAR};
 use super::potential::{Detail, ELSEWHERE, Potential};
@@ -21,6 +21,8 @@ pub struct Balance<'a> {
     pub equations: Vec<&'a Equation<Number>>,
     pub state: &'a mut State<Number>,
     pub multipliers: Vec<Number>,
+    /// The longest spring or arm of the part, m.
+    pub length: f64,
 }
 
 impl Balance<'_> {
@@ -118,7 +120,7 @@ impl Balance<'_> {
         self.equations.iter().map(of).collect()
     }
 
-    /// The largest force that is left, relative to those that act on its coordinate, reactions included.
+    /// The largest force that is left, relative to the largest that acts, reactions included.
     fn residual(&self) -> f64 {
         let n = self.coordinates.len();
         let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Sizes);
@@ -128,12 +130,7 @@ impl Balance<'_> {
                 sizes[*place as usize] += (entry.to_f64() * multiplier.to_f64()).abs();
             }
         }
-        let left = self.left();
-        let relative = |place: usize| match left[place].to_f64().abs() {
-            0.0 => 0.0,
-            force => force / sizes[place],
-        };
-        (0..n).map(relative).fold(0.0, f64::max)
+        enclosure::relative(self.kinematics, self.coordinates, self.length, &sizes, &self.left()[..n])
     }
 }
 
