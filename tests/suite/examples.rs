@@ -1,10 +1,11 @@
-//! Every example analyses without a finding; its report is kept as a snapshot, to be read beside the answers that the
-//! example's first lines promise.
+//! Every example analyses without a finding; its report, its transfer table and its motion are kept as snapshots, to be read
+//! beside the answers that the example's first lines promise.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use vibc::backend::{ReportOptions, report};
-use vibc::base::{SourceFile, Sources};
+use vibc::analysis::{Frequency, Roads, Sweep, grid, table};
+use vibc::backend::{ReportOptions, report, simulation, transfer};
+use vibc::base::{FileId, Number, Rational, SourceFile, Sources};
 use vibc::model::Overrides;
 
 /// The examples, sorted by name.
@@ -19,14 +20,73 @@ pub fn examples() -> Vec<PathBuf> {
 #[test]
 fn every_example_analyses_to_its_report() {
     for path in examples() {
-        let stem = path.file_stem().expect("a file").to_string_lossy().into_owned();
-        let mut sources = Sources::new();
-        let model = sources.add(SourceFile::model(format!("{stem}.vib"), fs::read_to_string(&path).unwrap()));
+        let (stem, sources, model) = loaded(&path);
         let outcome = vibc::analyze(&sources, model, &Overrides::default());
         assert!(outcome.diagnostics.is_empty(), "{stem}: {:?}", outcome.diagnostics);
         let text = report::text(&outcome.answer.unwrap(), &ReportOptions::default());
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(stem, text);
+        });
+    }
+}
+
+fn loaded(path: &Path) -> (String, Sources, FileId) {
+    let stem = path.file_stem().expect("a file").to_string_lossy().into_owned();
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::model(format!("{stem}.vib"), fs::read_to_string(path).expect("an example")));
+    (stem, sources, model)
+}
+
+/// From every input to every output, where the example has both.
+#[test]
+fn every_example_has_its_transfer_table() {
+    for path in examples() {
+        let (stem, sources, model) = loaded(&path);
+        let outcome = vibc::dynamics(&sources, model, &Overrides::default());
+        let dynamics = outcome.answer.unwrap_or_else(|| panic!("{stem}: {:?}", outcome.diagnostics));
+        let system = &dynamics.system;
+        if system.inputs.is_empty() || system.outputs.is_empty() {
+            continue;
+        }
+        let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
+        // A hundred peaks are for a user who waits, not for a reader.
+        let few = (1..=5).map(|tenths| Frequency::hertz(&Number::from(Rational::new(tenths, 10)))).collect();
+        let sweep = Sweep {
+            range: None,
+            points: None,
+            linear: false,
+            at: if system.n() > 20 { few } else { Vec::new() },
+            tolerance: None,
+            inputs: (0..system.inputs.len()).collect(),
+            outputs: (0..system.outputs.len()).collect(),
+        };
+        let table = table(&Roads::of(system, &modes), &poles, &sweep);
+        insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+            insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&transfer::text(&dynamics.model, system, &table)));
+        });
+    }
+}
+
+/// What is left at an antiresonance without damping says how near the search came: its frequency alone is kept.
+fn without_noise(text: &str) -> String {
+    let line = |line: &str| match line.trim_start().strip_prefix("antiresonance") {
+        Some(rest) => format!("  antiresonance  {}", rest.split_whitespace().next().unwrap_or_default()),
+        None => line.to_string(),
+    };
+    text.lines().map(|text| line(text) + "\n").collect()
+}
+
+/// Ten seconds of its motion, where the example has an output.
+#[test]
+fn every_example_moves_as_it_did() {
+    for path in examples() {
+        let (stem, sources, model) = loaded(&path);
+        let times = grid(&Number::from(10), &Number::from(Rational::new(1, 20)));
+        let outcome = vibc::simulate(&sources, model, &Overrides::default(), &times);
+        let motion = outcome.answer.unwrap_or_else(|| panic!("{stem}: {:?}", outcome.diagnostics));
+        let text = simulation::text(&motion.model, &motion.system, &motion.history, &motion.steady);
+        insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+            insta::assert_snapshot!(format!("motion_{stem}"), text);
         });
     }
 }
