@@ -8,6 +8,8 @@ use crate::system::{CoordinateId, LinearSystem};
 pub enum AnalysisError {
     /// More coordinates than the methods for general matrices take.
     TooManyCoordinates { count: usize, limit: usize, at: Span },
+    /// Some modes were asked for of so many coordinates, and no sparse method suits them.
+    NotSparse { count: usize, limit: usize, at: Span },
     /// Motions without inertia that nothing holds: the coordinates concerned, by name, and where the first is declared.
     SingularMass { coordinates: Vec<String>, at: Span },
     /// A mass or an inertia that is negative in some motion of this coordinate.
@@ -55,7 +57,7 @@ impl AnalysisError {
 
     pub fn code(&self) -> Code {
         Code(match self {
-            AnalysisError::TooManyCoordinates { .. } => "vib::limit::modes",
+            AnalysisError::TooManyCoordinates { .. } | AnalysisError::NotSparse { .. } => "vib::limit::modes",
             AnalysisError::SingularMass { .. } => "vib::mass::singular",
             AnalysisError::IndefiniteMass { .. } => "vib::mass::indefinite",
             AnalysisError::TooManyStates { .. } => "vib::limit::states",
@@ -73,6 +75,7 @@ impl AnalysisError {
     fn place(&self) -> Span {
         match self {
             AnalysisError::TooManyCoordinates { at, .. }
+            | AnalysisError::NotSparse { at, .. }
             | AnalysisError::SingularMass { at, .. }
             | AnalysisError::IndefiniteMass { at, .. }
             | AnalysisError::TooManyStates { at, .. }
@@ -88,6 +91,14 @@ impl AnalysisError {
             AnalysisError::TooManyCoordinates { count, limit, .. } => (
                 format!("the modes of {count} coordinates at once are too many: they are computed up to {limit}"),
                 "ask for some of them: `--modes 20` for the lowest, `--band 10Hz..50Hz` for a band; damping by modes needs all",
+            ),
+            AnalysisError::NotSparse { count, limit, .. } => (
+                format!(
+                    "no sparse method suits these {count} coordinates: too many modes are asked for, some coordinate has no \
+                     inertia of its own, or inertia joins each with most others, as in long rows of links; other methods go \
+                     up to {limit}"
+                ),
+                "ask for fewer modes; give every coordinate a mass; use fewer links, or bodies with freedom clauses",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (
                 format!(

@@ -17,7 +17,7 @@
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::numeric::dense::Real;
-use crate::analysis::numeric::lanes::{Eight, Lane};
+use crate::analysis::numeric::lanes::{Lane, TINY};
 use crate::analysis::numeric::triple::Precise;
 use crate::base::Dd;
 
@@ -190,33 +190,113 @@ pub fn taken<T: Copy>(stack: &mut Vec<T>, count: u32, zero: T, add: impl Fn(T, T
 }
 
 /// How many frequencies are below each of eight omegas.
-pub fn counts(nodes: &[Node<f64>], omega: Eight) -> [i64; 8] {
-    let mut counts = [1 - nodes.len() as i64; 8];
-    let (zero, inverse) = (Eight::splat(0.0), Eight::splat(1.0) / omega);
-    let mut stack = Vec::new();
+///
+/// D E stands in the place of E, so that b^2/E = b^2 D / (D E) is one division. Where D is zero, either sign of it gives one
+/// positive number of the two.
+pub fn counts(nodes: &[Node<f64>], omega: [f64; 8]) -> [i64; 8] {
+    let inverse = omega.map(|omega| 1.0 / omega);
+    let mut negative = [0u64; 8];
+    let mut handed = Handed::new([0.0; 8]);
     for node in nodes {
-        let load = taken(&mut stack, node.children, zero, |a, b| a + b);
-        let d = pivot(node, omega, inverse, load);
-        d.count_positive(&mut counts);
-        if !node.is_root() {
-            let e = link(node, omega, d);
-            e.count_positive(&mut counts);
-            stack.push(carried(node, e));
+        let load = handed.take(node.children);
+        let mut next = [0.0; 8];
+        let (own, parents) = (node.own * node.own, node.parents * node.parents);
+        for lane in 0..8 {
+            let d = omega[lane] * node.mass - node.ground * inverse[lane] - load[lane];
+            let product = d * (omega[lane] * node.flexibility) - own;
+            let product = if product == 0.0 { TINY * own } else { product };
+            negative[lane] += (d.to_bits() >> 63) + ((d.to_bits() ^ product.to_bits()) >> 63);
+            next[lane] = parents * d / product;
         }
+        handed.give(next);
     }
-    counts
+    // Of all D and E as many are positive as there are springs and frequencies below; the root has no E.
+    negative.map(|negative| nodes.len() as i64 - negative as i64)
 }
 
-/// The null vector at `omega`, up to a residual at the root, where it is 1: E f = b x_parent, D x = a f. Returns the residual,
-/// D of the root. `x` and `e` are room for as many numbers as there are nodes.
-pub fn shape<T: Lane>(nodes: &[Node<T::Scalar>], omega: T, x: &mut Vec<T>, e: &mut Vec<T>) -> T {
-    pivots(nodes, omega, x, e);
-    let residual = std::mem::replace(&mut x[nodes.len() - 1], T::splat(T::Scalar::ONE));
-    for (i, node) in nodes.iter().enumerate().rev().skip(1) {
-        let force = T::splat(node.parents) * x[node.parent as usize] / e[i];
-        x[i] = T::splat(node.own) * force / x[i];
+/// D of the root, which is zero at a frequency, and its derivative, at eight omegas.
+pub fn root(nodes: &[Node<f64>], omega: [f64; 8]) -> ([f64; 8], [f64; 8]) {
+    let inverse = omega.map(|omega| 1.0 / omega);
+    let (mut d, mut slope) = ([0.0; 8], [0.0; 8]);
+    let mut handed = Handed::new([0.0; 16]);
+    for node in nodes {
+        let load = handed.take(node.children);
+        let mut next = [0.0; 16];
+        let (own, parents) = (node.own * node.own, node.parents * node.parents);
+        for lane in 0..8 {
+            let held = node.ground * inverse[lane];
+            d[lane] = omega[lane] * node.mass - held - load[lane];
+            slope[lane] = node.mass + held * inverse[lane] - load[8 + lane];
+            let flexibility = omega[lane] * node.flexibility;
+            let reciprocal = 1.0 / (d[lane] * flexibility - own);
+            let steeper = slope[lane] * flexibility + d[lane] * node.flexibility;
+            next[lane] = parents * d[lane] * reciprocal;
+            next[8 + lane] = parents * (slope[lane] - d[lane] * reciprocal * steeper) * reciprocal;
+        }
+        handed.give(next);
     }
-    residual
+    (d, slope)
+}
+
+/// What nodes hand to their parents: the last one by itself, for in a chain its parent comes next, and the others on a stack.
+struct Handed<const W: usize> {
+    zero: [f64; W],
+    last: Option<[f64; W]>,
+    stack: Vec<[f64; W]>,
+}
+
+impl<const W: usize> Handed<W> {
+    fn new(zero: [f64; W]) -> Handed<W> {
+        Handed { zero, last: None, stack: Vec::new() }
+    }
+
+    /// The sum of what so many children handed on.
+    #[inline]
+    fn take(&mut self, children: u32) -> [f64; W] {
+        if children == 0 {
+            self.stack.extend(self.last.take());
+            return self.zero;
+        }
+        let mut sum = self.last.take().unwrap_or(self.zero);
+        for _ in 1..children {
+            let more = self.stack.pop().unwrap_or(self.zero);
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        sum
+    }
+
+    #[inline]
+    fn give(&mut self, next: [f64; W]) {
+        self.last = Some(next);
+    }
+}
+
+/// The null vectors at eight omegas, up to a residual at the root, where they are 1: D x = a f, E f = b x_parent, so that
+/// x = a b x_parent / (D E).
+pub fn shapes(nodes: &[Node<f64>], omega: [f64; 8], x: &mut Vec<[f64; 8]>) {
+    let inverse = omega.map(|omega| 1.0 / omega);
+    let mut handed = Handed::new([0.0; 8]);
+    x.clear();
+    x.extend(nodes.iter().map(|node| {
+        let load = handed.take(node.children);
+        let (mut next, mut ratio) = ([0.0; 8], [1.0; 8]);
+        let (own, parents) = (node.own * node.own, node.parents * node.parents);
+        for lane in 0..8 {
+            let d = omega[lane] * node.mass - node.ground * inverse[lane] - load[lane];
+            let product = d * (omega[lane] * node.flexibility) - own;
+            let product = if product == 0.0 { TINY * own } else { product };
+            ratio[lane] = node.own * node.parents / product;
+            next[lane] = parents * d / product;
+        }
+        handed.give(next);
+        ratio
+    }));
+    let root = nodes.len() - 1;
+    x[root] = [1.0; 8];
+    for (i, node) in nodes.iter().enumerate().rev().skip(1) {
+        let parent = x[node.parent as usize];
+        x[i].iter_mut().zip(parent).for_each(|(ratio, parent)| *ratio *= parent);
+    }
 }
 
 /// A null vector up to its residual at one node.

@@ -136,7 +136,11 @@ fn part_pairs(
     }
     let first = part.coordinates[0] as usize;
     if n > MAX_DENSE {
-        return Err(AnalysisError::TooManyCoordinates { count: n, limit: MAX_DENSE, at: place(system, first) });
+        let (count, limit, at) = (n, MAX_DENSE, place(system, first));
+        return Err(match request.which {
+            Which::All => AnalysisError::TooManyCoordinates { count, limit, at },
+            _ => AnalysisError::NotSparse { count, limit, at },
+        });
     }
     let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
         Ok(pairs) => pairs,

@@ -18,10 +18,9 @@
 //! Clause: spec.md 10.10.
 
 use crate::analysis::modes::eigen::Displacements;
-use crate::analysis::modes::forest::{Forest, Node, counts, shape, taken, twisted};
+use crate::analysis::modes::forest::{Forest, Node, counts, root, shapes, taken, twisted};
 use crate::analysis::modes::request::Band;
 use crate::analysis::numeric::dense::Real;
-use crate::analysis::numeric::lanes::{Eight, Lane};
 use crate::analysis::numeric::pairwise::PairwiseSum;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
@@ -53,7 +52,7 @@ struct Bracket {
 const BUDGET: usize = 24;
 const MAX_PASSES: usize = 400;
 /// How narrow a bracket has to be beside the distance of its neighbours; tried in turn.
-const NARROW: [f64; 3] = [0.01, 1e-4, 1e-8];
+const NARROW: [f64; 4] = [0.25, 0.01, 1e-4, 1e-8];
 
 /// The `wanted` lowest modes that are not rigid, ascending; `None` if the tree is not for this method: frequencies too close
 /// to be told apart in binary64, or vectors out of range.
@@ -188,7 +187,7 @@ impl<'a> Search<'a> {
         for chunk in places.chunks(8) {
             let mut lanes = [chunk[0]; 8];
             lanes[..chunk.len()].copy_from_slice(chunk);
-            let counted = counts(&self.nodes, Eight(lanes));
+            let counted = counts(&self.nodes, lanes);
             self.points.extend(chunk.iter().copied().zip(counted));
         }
         self.points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -242,12 +241,12 @@ impl<'a> Search<'a> {
     /// Vectors of the brackets: Rayleigh quotient iteration on the elimination. `None` if one leaves its bracket.
     fn vectors(&self, wanted: Range<usize>) -> Option<Vec<Vector>> {
         let mut all = Vec::with_capacity(wanted.len());
-        let mut room = (Vec::new(), Vec::new());
+        let mut room = Vec::new();
         for chunk in self.brackets[wanted].chunks(8) {
             let (omega, settled) = self.iterate(chunk, &mut room);
             for (lane, bracket) in chunk.iter().enumerate() {
                 all.push(match settled[lane] {
-                    true => Vector { omega: omega[lane], x: room.0.iter().map(|x| x.0[lane]).collect() },
+                    true => Vector { omega: omega[lane], x: room.iter().map(|x| x[lane]).collect() },
                     false => self.twisted(bracket)?,
                 });
             }
@@ -255,28 +254,28 @@ impl<'a> Search<'a> {
         Some(all)
     }
 
-    /// Leaves vectors of up to eight brackets in the first of `room`. Returns their omegas and whether each settled inside its
+    /// Leaves vectors of up to eight brackets in `room`. Returns their omegas and whether each settled inside its
     /// bracket.
-    fn iterate(&self, brackets: &[Bracket], room: &mut (Vec<Eight>, Vec<Eight>)) -> ([f64; 8], [bool; 8]) {
+    fn iterate(&self, brackets: &[Bracket], room: &mut Vec<[f64; 8]>) -> ([f64; 8], [bool; 8]) {
         let mut omega = [brackets[0].middle(); 8];
         omega.iter_mut().zip(brackets).for_each(|(omega, bracket)| *omega = bracket.middle());
         let mut settled = [false; 8];
         for _ in 0..MAX_ITERATIONS {
-            let residual = shape(&self.nodes, Eight(omega), &mut room.0, &mut room.1);
-            let inertia = inertia(&self.nodes, &room.0);
-            let next = quotients(omega, residual, inertia);
+            // Newton's step for D of the root is Rayleigh's quotient of the null vector.
+            let (d, slope) = root(&self.nodes, omega);
             for (lane, bracket) in brackets.iter().enumerate() {
-                settled[lane] = bracket.contains(next[lane]) && is_settled(omega[lane], next[lane]);
-                if bracket.contains(next[lane]) {
-                    omega[lane] = next[lane];
+                let next = omega[lane] - d[lane] / slope[lane];
+                settled[lane] = bracket.contains(next) && is_settled(omega[lane], next);
+                if bracket.contains(next) {
+                    omega[lane] = next;
                 }
             }
             if settled[..brackets.len()].iter().all(|&settled| settled) {
                 break;
             }
         }
-        // The quotient is better than the vector that it came from.
-        shape(&self.nodes, Eight(omega), &mut room.0, &mut room.1);
+        // The vectors at the frequencies found.
+        shapes(&self.nodes, omega, room);
         (omega, settled)
     }
 
@@ -388,19 +387,6 @@ impl Bracket {
     fn contains(&self, omega: f64) -> bool {
         (self.low..=self.high).contains(&omega)
     }
-}
-
-/// x^T M x of eight vectors.
-fn inertia(nodes: &[Node<f64>], x: &[Eight]) -> Eight {
-    nodes.iter().zip(x).fold(Eight::splat(0.0), |sum, (node, &x)| sum + Eight::splat(node.mass) * x * x)
-}
-
-fn quotients(omega: [f64; 8], residual: Eight, inertia: Eight) -> [f64; 8] {
-    let mut next = omega;
-    for (lane, next) in next.iter_mut().enumerate() {
-        *next = quotient(*next, residual.0[lane], inertia.0[lane]);
-    }
-    next
 }
 
 /// The root of the Rayleigh quotient of a vector that is 1 where its residual is: x^T (omega^2 M - K) x = omega r, so
