@@ -46,7 +46,7 @@ pub const DAMPED: [Kind; 8] = [
 pub struct Figures {
     pub numbers: usize,
     pub violations: Vec<String>,
-    /// Numbers whose relative bound is above 1e-12, or infinite.
+    /// Numbers whose relative bound is above 1e-12, or infinite; systems that are refused.
     pub uncertified: Vec<String>,
     /// Numbers that are certified together only.
     pub clustered: usize,
@@ -93,7 +93,7 @@ pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
     let (exact, quadratic) = (ExactPencil::of(truth), Quadratic::of(truth));
     let modes = match analysis::modes(system) {
         Ok(modes) => modes,
-        Err(error) => return figures.violations.push(format!("{what}: {error:?}")),
+        Err(error) => return figures.uncertified.push(format!("{what}: refused, {error:?}")),
     };
     for (k, mode) in modes.list.iter().enumerate() {
         let what = || format!("{what}: mode {} {:?} {:?}", k + 1, mode.kind, mode.omega);
@@ -121,7 +121,7 @@ pub fn check_poles(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
     let poles = analysis::modes(system).and_then(|modes| analysis::poles(system, &modes));
     let poles = match poles {
         Ok(poles) => poles,
-        Err(error) => return figures.violations.push(format!("{what}: {error:?}")),
+        Err(error) => return figures.uncertified.push(format!("{what}: refused, {error:?}")),
     };
     if poles.list.len() + poles.infinite != 2 * system.n() {
         figures.violations.push(format!("{what}: {} poles", poles.list.len()));

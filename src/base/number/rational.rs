@@ -176,8 +176,11 @@ impl Rational {
 
     /// The power of two below or above which the magnitude is by less than a factor of two.
     pub fn floor_log2(&self) -> i32 {
-        let value = self.to_big();
-        (value.numer().bits() as i64 - value.denom().bits() as i64) as i32
+        let bits = |x: i64| (64 - x.unsigned_abs().leading_zeros()) as i32;
+        match &self.0 {
+            Repr::Small(n, d) => bits(*n) - bits(*d),
+            Repr::Big(value) => (value.numer().bits() as i64 - value.denom().bits() as i64) as i32,
+        }
     }
 
     /// Numerator and denominator, if they fit machine integers.
