@@ -60,7 +60,7 @@ pub struct Motions {
 const MODES: usize = 12;
 
 /// Coordinates of a scene that goes through everything between two key strokes.
-const FEW: usize = 30;
+const FEW: usize = 20;
 /// Coordinates of a scene whose lowest modes do not take longer.
 const MANY: usize = 2000;
 

@@ -58,16 +58,21 @@ fn line_of(motions: &Motions) -> String {
     let verdict = match motions.modal.as_ref().map(|modal| &modal.stability) {
         Some(Stability::Unstable) => ", UNSTABLE",
         Some(Stability::Undetermined) => ", stability undetermined",
-        None if !motions.system.c.is_empty() => ", undamped",
+        _ if poles(motions).is_none() && !motions.system.c.is_empty() => ", undamped",
         _ => "",
     };
     if list.is_empty() { format!("{freedoms}{verdict}") } else { format!("{freedoms}{verdict}: {}", list.join(", ")) }
 }
 
+/// The poles of a damped scene, where they are known.
+fn poles(motions: &Motions) -> Option<&[Pole]> {
+    let modal = motions.modal.as_ref().filter(|_| !motions.system.c.is_empty())?;
+    Some(modal.poles.list.as_slice()).filter(|list| !list.is_empty())
+}
+
 /// Each motion in a few words: with damping the poles, without it the modes.
 fn each(motions: &Motions) -> Vec<String> {
-    let poles = motions.modal.as_ref().filter(|_| !motions.system.c.is_empty()).map(|modal| &modal.poles.list);
-    let Some(poles) = poles else {
+    let Some(poles) = poles(motions) else {
         let mode = |mode: &Mode| match mode.kind {
             ModeKind::Oscillation => shown::hertz(&mode.omega),
             ModeKind::Rigid => "rigid".into(),

@@ -394,6 +394,23 @@ fn what_is_not_known_is_refused_and_the_server_goes_on() {
     assert!(hover(&mut client, "k =", 0).contains("1 N/m"));
 }
 
+/// The poles of a thousand masses with dampers here and there are not computed: their frequencies are shown as undamped ones.
+#[test]
+fn what_is_not_computed_is_not_shown_as_if_it_were() {
+    let chain = "body m[1] { mass = 1 kg, moves x }
+spring k[1]: ground -- m[1] { k = 100 N/m }
+repeat i in 2..1000 {
+  body m[i] { mass = 1 kg, moves x }
+  spring k[i]: m[i-1] -- m[i] { k = 100 N/m }
+  damper d[i]: m[i-1] -- m[i] { c = 0.1 N*s/m }
+}
+";
+    let mut client = Client::open_as(chain, json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
+    client.hear("workspace/inlayHint/refresh");
+    let label = &hints(&mut client)[0].1;
+    assert!(label.starts_with("1000 freedoms, undamped: 0.002499 Hz, ") || label.contains('ζ'), "{label}");
+}
+
 /// Thirty-one damped masses: more than are waited for at a key stroke.
 #[test]
 fn damping_of_larger_scenes_comes_when_it_is_there() {
