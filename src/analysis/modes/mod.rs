@@ -131,6 +131,8 @@ fn part_pairs(
     if n > MIN_SPARSE
         && in_part
         && let Some(Found { pairs, before }) = sparse::some(forms.stiffness, forms.masses, n, request)
+        // What may be zero is decided exactly by the other methods.
+        && (n > MAX_DENSE || !pairs.iter().any(|pair| may_be_zero(&pair.value)))
     {
         return Ok(PartPairs { pairs, before, infinite: 0 });
     }
@@ -148,6 +150,10 @@ fn part_pairs(
         Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,
     };
     Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
+}
+
+fn may_be_zero(value: &Eigenvalue) -> bool {
+    matches!(value, Eigenvalue::Near { value, radius, positive: false } if value.hi().abs() <= *radius)
 }
 
 /// The same if M is singular: exactly, or not at all.

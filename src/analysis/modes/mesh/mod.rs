@@ -261,7 +261,6 @@ impl<'a> Mesh<'a> {
         let list = enclose(&k.with_slips(slips), &m);
         // D(t) was bounded for t up to the middle of the gap.
         let holds = |e: &Enclosure| e.lambda.hi() + e.radius <= top + gap;
-        let positive = self.stiffness.all_positive() && self.rigid.is_empty();
         let pair = |e: &Enclosure| {
             let scale = m.mid[(e.column, e.column)].sqrt().recip();
             let x = &basis[e.column];
@@ -273,7 +272,8 @@ impl<'a> Mesh<'a> {
                 return Pair { value: Eigenvalue::Zero, x, route: Route::Exact };
             }
             let radius = if holds(e) { e.radius } else { f64::INFINITY };
-            Pair { value: Eigenvalue::Near { value: e.lambda, radius, positive }, x, route: Route::Sparse }
+            // No exact argument says that K is positive definite: what may be zero is told as such.
+            Pair { value: Eigenvalue::Near { value: e.lambda, radius, positive: false }, x, route: Route::Sparse }
         };
         Some(list.iter().map(pair).collect())
     }
@@ -441,6 +441,28 @@ mod tests {
             let Eigenvalue::Near { value, radius, .. } = pair.value else { panic!("it is held") };
             assert!((value - truth).hi().abs() <= radius + known);
             assert!(radius <= 1e-12 * value.hi(), "{radius:e}");
+        }
+    }
+
+    /// Springs to the ground of either sign: the lowest modes run away.
+    #[test]
+    fn motions_that_run_away_are_found_first() {
+        let mut system = net(9, 2, true);
+        let label = system.coordinates[0].name;
+        let k = system.k.source(label);
+        for (i, weight) in [(40, "9.1"), (44, "0.7"), (80, "2.3")] {
+            let row = [(CoordinateId(i), Number::ONE)];
+            system.k.push(k, Nature::Geometric, -&Number::from(weight), row);
+        }
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let request = Request { which: Which::Lowest(6), ..Request::default() };
+        let found = some(&k, &m, system.n(), &request).expect("a net").pairs;
+        let truth = dense(&system);
+        assert!(truth[0].0.hi() < 0.0 && truth[5].0.hi() > 0.0);
+        for (pair, (truth, known)) in found.iter().zip(truth) {
+            let Eigenvalue::Near { value, radius, .. } = pair.value else { panic!("no motion is rigid") };
+            assert!((value - truth).hi().abs() <= radius + known);
+            assert!(radius <= 1e-12 * value.hi().abs(), "{radius:e}");
         }
     }
 
