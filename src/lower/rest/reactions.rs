@@ -125,6 +125,10 @@ impl Balance<'_> {
         let n = self.coordinates.len();
         let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Sizes);
         let mut sizes = energy.forces;
+        if sizes.iter().all(|size| *size == 0.0) {
+            // Nothing acts: the reactions are rounding of zero.
+            return 0.0;
+        }
         for ((_, row), multiplier) in self.measured().iter().zip(&self.multipliers) {
             for (place, entry) in row {
                 sizes[*place as usize] += (entry.to_f64() * multiplier.to_f64()).abs();
