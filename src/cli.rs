@@ -12,8 +12,7 @@ use vibc::base::{Angle, Dimension, Literals, Number, Rational};
 #[command(name = "vibc", version, max_term_width = 100, arg_required_else_help = true)]
 #[command(
     after_help = "Exit status: 0 done; 1 the model has errors, or a requirement fails; 2 the command line is wrong; 3 a file could not be \
-                        read or written; 4 a numerical limit, such as no rest found.\n\
-                        To come: bench."
+                        read or written; 4 a numerical limit, such as no rest found."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -44,8 +43,8 @@ pub enum Command {
     Completions(Completions),
     /// The manual page of the program, or of one of its commands
     Man(Man),
-    #[command(flatten)]
-    Coming(Coming),
+    /// Speed against error: every road to each answer, its time, its true error and its bound
+    Bench(Bench),
 }
 
 #[derive(Debug, Args)]
@@ -241,6 +240,23 @@ pub enum HoldOption {
 }
 
 #[derive(Debug, Args)]
+pub struct Bench {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = BenchFormat::Text)]
+    pub format: BenchFormat,
+    /// Write the picture to this file too
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub struct Check {
     /// The models; `-` reads standard input
     #[arg(required = true, value_name = "FILE")]
@@ -334,6 +350,14 @@ pub enum TableFormat {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BenchFormat {
+    Text,
+    Csv,
+    /// The work-precision picture
+    Svg,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
     /// On a terminal, unless NO_COLOR is set
     Auto,
@@ -387,28 +411,6 @@ impl From<NormaliseOption> for Normalise {
             NormaliseOption::Max => Normalise::Max,
             NormaliseOption::First => Normalise::First,
             NormaliseOption::Mass => Normalise::Mass,
-        }
-    }
-}
-
-/// Commands that are announced and refused by name.
-#[derive(Debug, Subcommand)]
-pub enum Coming {
-    #[command(hide = true, disable_help_flag = true)]
-    Bench(Anything),
-}
-
-/// Whatever follows a command that is to come.
-#[derive(Debug, Args)]
-pub struct Anything {
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    pub rest: Vec<std::ffi::OsString>,
-}
-
-impl Coming {
-    pub fn name(&self) -> &'static str {
-        match self {
-            Coming::Bench(_) => "bench",
         }
     }
 }

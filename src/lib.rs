@@ -13,6 +13,7 @@
 pub mod analysis;
 pub mod backend;
 pub mod base;
+pub mod bench;
 pub mod editor;
 pub mod elements;
 pub mod joints;
@@ -313,6 +314,40 @@ pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
         Some(Explained { model: scene.scene().name.clone(), system, account })
     });
     Outcome { answer: explained, diagnostics: diagnostics.sorted() }
+}
+
+/// Speed against error of a model: its name, and every road to its answers. `clock` tells the time in s.
+pub fn bench(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    clock: &mut bench::Clock,
+) -> Outcome<(String, bench::Bench)> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = checked_scene(sources, model, overrides, &mut diagnostics).and_then(|scene| {
+        let system = damped(&scene, &mut diagnostics)?.system;
+        let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        let read = Overrides { literals: base::Literals::Binary64, ..*overrides };
+        let mut unheard = Diagnostics::new();
+        let other = checked_scene(sources, model, &read, &mut unheard).and_then(|scene| damped(&scene, &mut unheard));
+        let found = bench::bench(&system, other.as_ref().map(|other| &other.system), &drives, &chain, clock);
+        let found = found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        Some((scene.scene().name.clone(), found))
+    });
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// A uniform chain of so many masses, as a model's text would give it.
+fn chain(masses: usize) -> Option<LinearSystem> {
+    let text = format!(
+        "body m[1] {{ mass = 1 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = 1 kN/m }}\nrepeat i in 2..{masses} {{\n\
+         body m[i] {{ mass = 1 kg, moves x }}\nspring k[i]: m[i-1] -- m[i] {{ k = 1 kN/m }}\n}}\n"
+    );
+    let mut sources = Sources::new();
+    let model = sources.add(base::SourceFile::model("chain.vib", text));
+    let mut unheard = Diagnostics::new();
+    let scene = checked_scene(&sources, model, &Overrides::default(), &mut unheard)?;
+    Some(damped(&scene, &mut unheard)?.system)
 }
 
 /// The text of a model in its one layout; no answer where it is not in the grammar.

@@ -5,8 +5,8 @@ mod cli;
 
 use clap::{CommandFactory, Parser};
 use cli::{
-    Analyze, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages, OverrideOptions,
-    SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
+    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages,
+    OverrideOptions, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
 };
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -45,7 +45,7 @@ fn main() -> ExitCode {
         Command::Explain(options) => explain(&options.code),
         Command::Completions(options) => completions(options.shell),
         Command::Man(options) => manual(options.command.as_deref()),
-        Command::Coming(command) => not_available(command.name()),
+        Command::Bench(options) => bench(options, &cli.messages),
     };
     ExitCode::from(status as u8)
 }
@@ -290,6 +290,33 @@ fn deliver_all(folder: &Path, files: &[backend::emit::File]) -> Status {
     files.iter().map(|file| deliver(Some(&folder.join(&file.name)), &file.text)).max().unwrap_or(Status::Done)
 }
 
+fn bench(options: &Bench, messages: &Messages) -> Status {
+    for output in options.output.iter().chain(&options.svg) {
+        if replaces_input(output, &options.file, &options.overrides) {
+            complain(&format!("`{}` would be replaced, and it is read", output.display()));
+            return Status::Usage;
+        }
+    }
+    let input = match read_all(&options.file, &options.overrides) {
+        Ok(input) => input,
+        Err(unreadable) => return unreadable.report(messages),
+    };
+    let start = std::time::Instant::now();
+    let mut clock = || start.elapsed().as_secs_f64();
+    let outcome = vibc::bench(&input.sources, input.model, &input.overrides, &mut clock);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some((model, found)) = &outcome.answer else { return status };
+    let picture = || backend::bench::svg::svg(model, found);
+    let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
+    let text = match options.format {
+        BenchFormat::Text => backend::bench::text(model, found),
+        BenchFormat::Csv => backend::bench::csv(found),
+        BenchFormat::Svg => picture(),
+    };
+    drawn.max(deliver(options.output.as_deref(), &text))
+}
+
 /// Writes a result, and tells what went wrong.
 fn deliver(output: Option<&Path>, text: &str) -> Status {
     match write_result(output, text) {
@@ -404,14 +431,6 @@ fn explain(code: &str) -> Status {
             Status::Usage
         }
     }
-}
-
-fn not_available(command: &str) -> Status {
-    let version = env!("CARGO_PKG_VERSION");
-    complain(&format!(
-        "`vibc {command}` is not available yet in version {version}; there are `analyze`, `transfer`, `simulate`, `emit`, `check`, `fmt`, `lsp` and `explain`"
-    ));
-    Status::Usage
 }
 
 fn failure(failure: Option<vibc::Failure>) -> Status {

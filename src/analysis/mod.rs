@@ -18,7 +18,7 @@ pub mod response;
 mod stability;
 pub mod steady;
 #[cfg(test)]
-mod test_systems;
+pub(crate) mod test_systems;
 pub mod transfer;
 
 pub use crate::system::Signal;

@@ -1,6 +1,7 @@
 //! Answers and systems to text and JSON; diagnostics to what people and programs read. Nothing is computed here that an
 //! analysis could have computed, and rounding happens nowhere else. Clause: spec.md, "Report" and "Diagnostics".
 
+pub mod bench;
 pub mod decimal;
 pub mod diagnostics;
 pub mod emit;

@@ -334,11 +334,31 @@ fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
     assert!(unknown.err.contains("`vib::unit::mismatch`"));
 }
 
+/// Every road to each answer, in three forms; only the times differ from run to run.
 #[test]
-fn what_is_to_come_is_refused_by_name() {
-    let refused = run(&["bench", "--from", "x", CART]);
-    assert_eq!(refused.status, 2);
-    assert!(refused.err.contains("`vibc bench` is not available yet"), "{}", refused.err);
+fn speed_is_told_against_error() {
+    let folder = folder();
+    let model = file(&folder, "o.vib", OSCILLATOR);
+    let picture = folder.path().join("o.svg").to_string_lossy().into_owned();
+    let text = run(&["bench", &model, "--svg", &picture]);
+    assert_eq!(text.status, 0, "{}", text.err);
+    for told in ["natural frequencies", "poles", "transfer", "motion", "Runge-Kutta 4", "Newmark", "→", "growth"] {
+        assert!(text.out.contains(told), "{told}: {}", text.out);
+    }
+    let drawn = fs::read_to_string(&picture).expect("a picture");
+    assert!(drawn.starts_with("<svg") && drawn.ends_with("</svg>\n"));
+    assert_eq!(drawn.matches("taken by itself").count(), 4);
+    let without_times = |run: &Run| -> Vec<String> {
+        let line = |line: &str| {
+            let fields: Vec<&str> = line.split(',').collect();
+            [fields[..2].join(","), fields[4].into(), fields[5].into()].join(",")
+        };
+        run.out.lines().filter(|line| !line.contains('"')).map(line).collect()
+    };
+    let csv = run(&["bench", &model, "--format", "csv"]);
+    assert!(csv.out.starts_with("question,road,ordinary,time_s,error,bound,pareto,chosen,note\n"));
+    assert_eq!(without_times(&csv), without_times(&run(&["bench", &model, "--format", "csv"])));
+    assert_eq!(run(&["bench", &file(&folder, "wrong.vib", WRONG)]).status, 1);
 }
 
 #[test]
