@@ -344,6 +344,21 @@ fn the_simple_pendulum_hangs_down_from_where_it_is_let_go() {
     );
 }
 
+/// The resonance library's ball in a channel: its matrices by a coupling. With y = phi - theta, M = mp l^2 phi^2 + mb r^2 y^2
+/// and K = mb g r (2 phi - y)^2 + (mp l - mb r) g phi^2.
+#[test]
+fn ball_in_a_channel() {
+    let answer =
+        ask("param mp = 0.012 kg\nparam mb = 0.0035 kg\nparam l = 0.2 m\nparam r = 0.1 m\nparam g = 9.81 m/s^2
+        body pendulum { inertia = mp * l^2, turns }
+        body ball { inertia = mb * r^2, turns }
+        body twice { inertia = 0 kg*m^2, turns }
+        couple c: twice.angle = 2 * pendulum.angle
+        spring a: ground -- pendulum { k = g * (mp * l - mb * r) * 1 /rad }
+        spring b: twice -- ball { k = g * mb * r * 1 /rad }");
+    close(&answer.omegas(), &[5.43672938835891, 11.7920035853859], 1e-13);
+}
+
 /// VM9 with drawing and load turned: the displacement turns with them.
 #[test]
 fn vm9_turned() {
