@@ -63,6 +63,7 @@ pub fn follow(
             break;
         }
         if (&time - &run.now).is_positive() {
+            run.set_sources();
             let stretch = Stretch::of(&run, output, &time);
             pieces += stretch.count as f64;
             if pieces > MOST_PIECES {
@@ -94,6 +95,8 @@ struct Stretch {
     errors: Vec<f64>,
     /// A bound of |exp(A t)| for t up to h.
     growth: f64,
+    /// Whether every source stands still, if not at zero.
+    is_steady: bool,
     /// Whether nothing but the system itself moves: then its energy bounds what is to come.
     is_free: bool,
 }
@@ -126,8 +129,11 @@ impl Stretch {
             row = next;
         }
         let growth = growth(generator.rate.max(0.0) * h.to_f64() * UP);
-        let is_free = run.space.own_rate * whole.to_f64() < 0.5 && states.len() == run.space.mechanical;
-        Stretch { h, count, states, rows, norms, errors, growth, is_free }
+        let is_steady = run.channels.iter().all(|channel| channel.states_on() <= 1);
+        let mechanical = run.space.mechanical;
+        let is_off = states.iter().all(|&i| i < mechanical || run.z[i].is_zero());
+        let is_free = is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * whole.to_f64() < 0.5;
+        Stretch { h, count, states, rows, norms, errors, growth, is_steady, is_free }
     }
 
     fn follow(&self, run: &mut Run, visit: &mut dyn FnMut(&Piece) -> Next) -> Result<(), AnalysisError> {
@@ -144,7 +150,9 @@ impl Stretch {
         // Where the rest of the stretch cannot matter the state at its end still does.
         let mut skipped = false;
         for piece in 0..self.count {
-            run.set_sources();
+            if !self.is_steady {
+                run.set_sources();
+            }
             let all: Vec<f64> = z.iter().copied().chain(run.z[mechanical..].iter().map(|x| x.to_f64())).collect();
             let on: Vec<f64> = self.states.iter().map(|&i| all[i]).collect();
             let length = size(&on);
