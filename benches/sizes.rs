@@ -45,7 +45,6 @@ fn cases() -> Vec<Case> {
         case("net 150 x 150, 12 decades", || net(150), LOWEST, 1e-14, Tighter(1e-24)),
         case("membrane 200 x 200 (o24)", || membrane(200), LOWEST, 1e-12, o24()),
         case("pendulum 1000", || pendulum(1000), LOWEST, 1e-12, None),
-        case("pendulum 5000", || pendulum(5000), LOWEST, 1e-12, None),
         case("dense 10, all", || net_of(10), Which::All, 1e-12, None),
         case("dense 30, all", || net_of(30), Which::All, 1e-12, None),
         case("dense 100, all", || net_of(100), Which::All, 1e-12, None),
