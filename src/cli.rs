@@ -184,6 +184,9 @@ pub struct Emit {
     /// What the code does: exact steps, or the right-hand side of the equations for an integrator of your own
     #[arg(long, value_enum, default_value_t = StyleOption::Steps)]
     pub style: StyleOption,
+    /// Keep this parameter changeable at run time (small models)
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["program", "tolerance", "style", "signals", "hold"])]
+    pub parameter: Option<String>,
     /// Which signals are part of the state: none, or those that the model declares
     #[arg(long, value_enum, default_value_t = SignalsOption::External)]
     pub signals: SignalsOption,

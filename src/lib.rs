@@ -23,9 +23,10 @@ pub mod questions;
 pub mod syntax;
 pub mod system;
 
+use analysis::discrete::parameter::{MULTIPLES, Parameterised};
 use analysis::{AnalysisError, DiscreteSystem, History, Modal, Modes, Poles, Request, Which};
 use backend::ModalAnswer;
-use base::{Code, Diagnostic, Diagnostics, FileId, Number, Sources, Span};
+use base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sources, Span};
 use lower::{Account, Lowered};
 use model::scene::Damping;
 use model::{CheckedScene, Overrides, Setting};
@@ -267,6 +268,21 @@ pub fn discrete(
     Outcome { answer, diagnostics: diagnostics.sorted() }
 }
 
+/// From the text of a model to its linear system as a function of one parameter; the inner error tells why there is none.
+pub fn parameterised(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    name: &str,
+) -> Outcome<(String, Result<Parameterised, String>)> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = read(sources, model, overrides, None, &mut diagnostics).map(|read| {
+        let found = read.over_parameter(name);
+        (read.scene.scene().name.clone(), found)
+    });
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
 /// From the text of a model to its linear system.
 pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<(String, LinearSystem)> {
     let mut diagnostics = Diagnostics::new();
@@ -481,6 +497,32 @@ impl<'a> Read<'a> {
                 None
             }
         }
+    }
+
+    /// The linear system over a parameter.
+    fn over_parameter(&self, name: &str) -> Result<Parameterised, String> {
+        if !self.scene.scene().solves.is_empty() {
+            return Err("the model solves for parameters, which would move with it".into());
+        }
+        let all = model::parameters(self.sources, &self.tree, self.overrides, &[]);
+        let Some(parameter) = all.iter().find(|parameter| parameter.name == name) else {
+            let names: Vec<&str> = all.iter().map(|parameter| parameter.name.as_str()).collect();
+            return Err(format!("it is no parameter of the model; there are {}", names.join(", ")));
+        };
+        let si = &parameter.value.si;
+        if si.may_be_zero() {
+            return Err("its value is zero, so there is no range to look at".into());
+        }
+        let system = |(a, b): &(i64, i64)| {
+            let value = &(si * &Number::from(*a)) / &Number::from(*b);
+            let setting = (name.to_string(), Quantity { si: value, ..parameter.value.clone() });
+            let checked = model::check_with(self.sources, &self.tree, self.overrides, &[setting]);
+            let mut diagnostics = Diagnostics::new();
+            let scene = checked.scene.ok_or("the model has errors at other values of it")?;
+            Ok(damped(&scene, &mut diagnostics).ok_or("the model has errors at other values of it")?.system)
+        };
+        let systems: Result<Vec<LinearSystem>, String> = MULTIPLES.iter().map(system).collect();
+        analysis::discrete::parameter::parameterised(name, si, &systems?)
     }
 
     /// How the requirements stand; `known` modes and poles are not computed again.

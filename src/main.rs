@@ -218,6 +218,9 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         TargetOption::C => Language::C,
         TargetOption::Rust => Language::Rust,
     };
+    if let Some(name) = &options.parameter {
+        return emit_parameter(options, name, &input, language, messages);
+    }
     if options.style == StyleOption::Equations {
         return emit_equations(options, &input, language, messages);
     }
@@ -278,6 +281,30 @@ fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &
             ));
             Status::Limit
         }
+    }
+}
+
+fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language, messages: &Messages) -> Status {
+    let outcome = vibc::parameterised(&input.sources, input.model, &input.overrides, name);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some((model, found)) = &outcome.answer else { return status };
+    let system = match found {
+        Ok(system) if system.outputs.is_empty() => {
+            complain("the model declares no output");
+            return Status::Usage;
+        }
+        Ok(system) => system,
+        Err(reason) => {
+            complain(&format!("`--parameter {}` cannot be kept changeable: {reason}", diagnostics::readable(name)));
+            return Status::Usage;
+        }
+    };
+    let step = options.step.of_literals(options.overrides.literals).to_f64();
+    let precision = options.precision.into();
+    match &options.output {
+        None => deliver(None, &backend::emit::parameter_text(model, system, step, precision, language)),
+        Some(folder) => deliver_all(folder, &backend::emit::parameter_files(model, system, step, precision, language)),
     }
 }
 

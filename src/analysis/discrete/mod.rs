@@ -17,6 +17,7 @@ pub mod hold;
 pub mod invariant;
 pub mod lift;
 pub mod modal;
+pub mod parameter;
 pub mod precision;
 pub mod reduce;
 pub mod rounding;

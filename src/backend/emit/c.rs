@@ -65,6 +65,10 @@ impl Words for C<'_> {
         format!("{} {name}[8] = {{{}}};", real(self.plan), vec![self.number(0.0); 8].join(", "))
     }
 
+    fn matrix(&self, name: &str, rows: usize, columns: usize) -> String {
+        format!("{} {name}[{rows}][{columns}] = {{{{{}}}}};", real(self.plan), self.number(0.0))
+    }
+
     fn loop_head(&self, index: &str, count: usize) -> String {
         format!("for (int {index} = 0; {index} < {count}; {index}++) {{")
     }
@@ -121,7 +125,7 @@ fn header(plan: &Plan) -> String {
     if !plan.events.is_empty() {
         text = text.replace("#ifdef __cplusplus\nextern", "#include <stdint.h>\n\n#ifdef __cplusplus\nextern");
     }
-    if matches!(plan.style, Style::Steps) {
+    if !matches!(plan.style, Style::Equations { .. }) {
         text += &state(plan);
     }
     let structure = |what: &str, fields: &[super::plan::Field]| {
@@ -204,8 +208,15 @@ fn functions(plan: &Plan) -> Vec<Function> {
         ];
     }
     let state = format!("{name}_state *state");
-    vec![
-        function(super::INIT, format!("init({state})"), start(&words) + &events_start(plan)),
+    let mut beginning = start(&words) + &events_start(plan);
+    let mut more = Vec::new();
+    if let Style::Parameter { value, statements } = &plan.style {
+        beginning += &line(1, &format!("{name}_set_parameter(state, {});", words.number(*value)));
+        let head = format!("set_parameter({state}, {} value)", real(plan));
+        more.push(function(super::SET_PARAMETER, head, written(statements)));
+    }
+    let mut all = vec![
+        function(super::INIT, format!("init({state})"), beginning),
         function(super::RESET, format!("reset({state})"), line(1, &format!("{name}_init(state);"))),
         function(super::STEP, format!("step({state}, {inputs}{name}_outputs *outputs)"), written(&plan.step)),
         function(
@@ -218,7 +229,9 @@ fn functions(plan: &Plan) -> Vec<Function> {
             format!("get_state(const {state}, {name}_motion *motion)"),
             written(&plan.get_state),
         ),
-    ]
+    ];
+    all.extend(more);
+    all
 }
 
 fn motion_start(words: &C, start: &[(f64, f64)]) -> String {

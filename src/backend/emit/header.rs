@@ -2,6 +2,7 @@
 //! "Simulation code".
 
 use crate::analysis::discrete::equations::Equations;
+use crate::analysis::discrete::parameter::Parameterised;
 use crate::analysis::discrete::{Decay, DiscreteSystem, Form, Hold, Left, Operand, Port, Precision, Why};
 use crate::backend::decimal::upper;
 
@@ -71,6 +72,29 @@ pub fn of_equations(model: &str, equations: &Equations) -> Vec<String> {
     };
     lines.push(format!("precision  {precision}"));
     lines.push(format!("cost       {} springs and dampers between coordinates", equations.stretches.len()));
+    lines
+}
+
+/// The lines of the header of code with a parameter that may be set.
+pub fn of_parameter(model: &str, system: &Parameterised, step: f64) -> Vec<String> {
+    let title = format!("{} · simulation code by vibc {}", plain(model), env!("CARGO_PKG_VERSION"));
+    let mut lines = vec![title, String::new()];
+    lines.extend(ports("input", &system.inputs));
+    lines.extend(ports("output", &system.outputs));
+    let (name, value) = (plain(&system.name), system.value);
+    lines.push(format!(
+        "parameter  {name}, {value:?} in SI until `set_parameter`; from {:?} to {:?}",
+        system.range.0, system.range.1
+    ));
+    lines.push(
+        "method     one dense step; `set_parameter` assembles it anew and takes the matrix exponential in the".into(),
+    );
+    lines.push("           code's own precision, by a number of operations that does not depend on the value".into());
+    lines.push(format!("step       {step:?} s, inputs are held from sample to sample"));
+    let (n, width) = (2 * system.coordinates.len(), 2 * system.coordinates.len() + system.inputs.len());
+    let products = (n + system.outputs.len()) * width;
+    lines.push(format!("cost       {n} states; {products} multiplications and as many additions a step"));
+    lines.push("error      no integrator's; what rounding of the exponential costs is not bounded here".into());
     lines
 }
 

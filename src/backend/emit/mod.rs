@@ -6,6 +6,7 @@ mod equations;
 mod header;
 mod motion;
 mod names;
+mod parameter;
 mod plan;
 mod planner;
 mod program;
@@ -15,7 +16,9 @@ mod text;
 pub use program::Program;
 
 use crate::analysis::DiscreteSystem;
+use crate::analysis::discrete::Precision;
 use crate::analysis::discrete::equations::Equations;
+use crate::analysis::discrete::parameter::Parameterised;
 
 /// A target language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +40,7 @@ const STEP: &str =
     "The outputs at the present sample, with the inputs of that sample; then the state moves on to the next one.";
 const SET_STATE: &str = "The motion at the coming sample. What the header lists as not emitted is left out of it.";
 const GET_STATE: &str = "The motion at the coming sample, as it is while the inputs keep their last values.";
+const SET_PARAMETER: &str = "The parameter from the next step on, SI; the motion goes on from where it is.";
 const DERIVATIVE: &str = "The derivative of the motion: velocities and accelerations.";
 const OBSERVE: &str = "The outputs.";
 /// A state without states.
@@ -68,6 +72,30 @@ pub fn equation_files(model: &str, system: &Equations, language: Language) -> Ve
 /// The same as one text.
 pub fn equation_text(model: &str, system: &Equations, language: Language) -> String {
     text(&equations::plan(model, system, header::of_equations(model, system)), language)
+}
+
+/// The files of a model with a parameter that may be set.
+pub fn parameter_files(
+    model: &str,
+    system: &Parameterised,
+    step: f64,
+    precision: Precision,
+    language: Language,
+) -> Vec<File> {
+    let header = header::of_parameter(model, system, step);
+    printed(&parameter::plan(model, system, step, precision, header), language)
+}
+
+/// The same as one text.
+pub fn parameter_text(
+    model: &str,
+    system: &Parameterised,
+    step: f64,
+    precision: Precision,
+    language: Language,
+) -> String {
+    let header = header::of_parameter(model, system, step);
+    text(&parameter::plan(model, system, step, precision, header), language)
 }
 
 fn printed(plan: &plan::Plan, language: Language) -> Vec<File> {

@@ -36,6 +36,8 @@ pub enum Style {
     Steps,
     /// The right-hand side of a first-order system; displacements and velocities at t = 0.
     Equations { start: Vec<(f64, f64)> },
+    /// Steps with a parameter that may be set; its value at the start.
+    Parameter { value: f64, statements: Vec<Statement> },
 }
 
 /// An input, an output or a coordinate.
@@ -81,6 +83,8 @@ pub enum Statement {
     Assign(Target, Expression),
     /// Sums in eight lanes, all zero.
     Lanes(String),
+    /// A local matrix of zeros.
+    Matrix(String, usize, usize),
     /// For i in 0, 8, ... below the count, for l in 0..8: the body, at i + l.
     Blocks(usize, Vec<Statement>),
     /// If the next of so many events is due: the body.
@@ -96,6 +100,8 @@ pub enum Target {
     Output(usize),
     /// Sum of a lane.
     Lane(String),
+    /// Of a local matrix.
+    Entry(String, Index, Index),
     /// Of what `get_state` returns.
     Displacement(Index),
     Velocity(Index),
@@ -115,6 +121,8 @@ pub enum Index {
     Lane,
     /// The event that is due.
     Event,
+    /// As written: sums and products of indices are the same in all languages.
+    Text(String),
 }
 
 #[derive(Clone, Debug)]
@@ -134,6 +142,7 @@ pub enum Expression {
     Difference(Box<Expression>, Box<Expression>),
     Product(Box<Expression>, Box<Expression>),
     Negative(Box<Expression>),
+    Quotient(Box<Expression>, Box<Expression>),
     /// The eight lanes, in pairs, pairs of pairs.
     LaneSum(String),
 }
@@ -237,7 +246,7 @@ impl Statement {
             Statement::Blocks(_, body) | Statement::Loop(_, _, body) | Statement::WhenDue(_, body) => {
                 body.iter().for_each(|statement| statement.locals(read));
             }
-            Statement::Note(_) | Statement::Lanes(_) => {}
+            Statement::Note(_) | Statement::Lanes(_) | Statement::Matrix(..) => {}
         }
     }
 }
@@ -246,7 +255,10 @@ impl Expression {
     fn locals(&self, read: &mut Vec<String>) {
         match self {
             Expression::Local(name) if !read.contains(name) => read.push(name.clone()),
-            Expression::Sum(a, b) | Expression::Difference(a, b) | Expression::Product(a, b) => {
+            Expression::Sum(a, b)
+            | Expression::Difference(a, b)
+            | Expression::Product(a, b)
+            | Expression::Quotient(a, b) => {
                 a.locals(read);
                 b.locals(read);
             }

@@ -56,6 +56,10 @@ impl Words for Rust<'_> {
         format!("let mut {name}: [{}; 8] = [0.0; 8];", real(self.plan))
     }
 
+    fn matrix(&self, name: &str, rows: usize, columns: usize) -> String {
+        format!("let mut {name} = [[0.0; {columns}]; {rows}];")
+    }
+
     fn loop_head(&self, index: &str, count: usize) -> String {
         format!("for {index} in 0..{count} {{")
     }
@@ -95,7 +99,7 @@ pub fn whole(plan: &Plan) -> String {
     let (words, real) = (Rust { plan }, real(plan));
     let mut text: String = plan.header.iter().map(|text| format!("//! {text}").trim_end().to_string() + "\n").collect();
     text += "\n#![allow(dead_code, non_snake_case, unused_mut, unused_variables, clippy::all)]\n";
-    if matches!(plan.style, Style::Steps) {
+    if !matches!(plan.style, Style::Equations { .. }) {
         text += &state(plan);
     }
     if !plan.inputs.is_empty() {
@@ -120,7 +124,7 @@ pub fn whole(plan: &Plan) -> String {
         text += &format!("\n/// steps before which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
     }
     text += &match &plan.style {
-        Style::Steps => steps(plan),
+        Style::Steps | Style::Parameter { .. } => steps(plan),
         Style::Equations { start } => equations(plan, start),
     };
     text
@@ -154,14 +158,34 @@ fn steps(plan: &Plan) -> String {
     let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
     let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
     let mut text = String::from("\nimpl State {\n");
-    text += &format!("    /// {}\n    pub const fn init() -> State {{\n        State {{\n", super::INIT);
+    let parameter = match &plan.style {
+        Style::Parameter { value, statements } => Some((*value, statements)),
+        Style::Steps | Style::Equations { .. } => None,
+    };
+    let constant = if parameter.is_some() { "" } else { "const " };
+    text += &format!("    /// {}\n    pub {constant}fn init() -> State {{\n", super::INIT);
+    text += &line(2, if parameter.is_some() { "let mut state = State {" } else { "State {" });
     for array in &plan.state {
         text += &line(3, &format!("{}: {},", array.name, start(&words, &array.start)));
     }
     if !plan.events.is_empty() {
         text += &(line(3, "tick: 0,") + &line(3, "next: 0,"));
     }
-    text += "        }\n    }\n\n";
+    match parameter {
+        None => text += "        }\n    }\n\n",
+        Some((value, statements)) => {
+            text += "        };\n";
+            text += &line(2, &format!("state.set_parameter({});", words.number(value)));
+            text += "        state\n    }\n\n";
+            text += &format!(
+                "    /// {}\n    pub fn set_parameter(&mut self, value: {}) {{\n",
+                super::SET_PARAMETER,
+                real(plan)
+            );
+            text += &super::text::statements(&words, statements, 2);
+            text += "    }\n\n";
+        }
+    }
     text += &format!(
         "    /// {}\n    pub fn reset(&mut self) {{\n        *self = State::init();\n    }}\n\n",
         super::RESET

@@ -20,6 +20,8 @@ pub trait Words {
     fn variable(&self, name: &str, value: &str) -> String;
     /// Eight sums, all zero.
     fn lanes(&self, name: &str) -> String;
+    /// A matrix of zeros.
+    fn matrix(&self, name: &str, rows: usize, columns: usize) -> String;
     fn loop_head(&self, index: &str, count: usize) -> String;
     /// The heads of the loops over `count / 8` blocks and over the eight lanes of one.
     fn block_heads(&self, count: usize) -> [String; 2];
@@ -42,6 +44,7 @@ fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
         Statement::Variable(name, e) => line(depth, &words.variable(name, &value(e))),
         Statement::Assign(target, e) => line(depth, &format!("{} = {};", place(words, target), value(e))),
         Statement::Lanes(name) => line(depth, &words.lanes(name)),
+        Statement::Matrix(name, rows, columns) => line(depth, &words.matrix(name, *rows, *columns)),
         Statement::Loop(index, count, body) => {
             line(depth, &words.loop_head(index, *count)) + &statements(words, body, depth + 1) + &line(depth, "}")
         }
@@ -72,6 +75,10 @@ fn place(words: &impl Words, target: &Target) -> String {
         Target::State(array, at) => words.state(array, index(words, at)),
         Target::Output(output) => words.output(*output),
         Target::Lane(name) => format!("{name}[lane]"),
+        Target::Entry(name, i, j) => {
+            let at = |i: &Index| index(words, i).unwrap_or_default();
+            format!("{name}[{}][{}]", at(i), at(j))
+        }
         Target::Displacement(at) => words.motion("displacement", index(words, at).unwrap_or_default()),
         Target::Velocity(at) => words.motion("velocity", index(words, at).unwrap_or_default()),
         Target::DisplacementRate(at) => words.derivative("displacement", index(words, at).unwrap_or_default()),
@@ -86,6 +93,7 @@ fn index(words: &impl Words, index: &Index) -> Option<String> {
         Index::Of(name) => Some((*name).to_string()),
         Index::Lane => Some(words.lane()),
         Index::Event => Some("event".to_string()),
+        Index::Text(text) => Some(text.clone()),
     }
 }
 
@@ -114,6 +122,9 @@ fn expression(words: &impl Words, e: &Expression, allowed: Level) -> String {
         Expression::Difference(a, b) => (format!("{} - {}", side(a, Level::Sum), side(b, Level::Product)), Level::Sum),
         Expression::Product(a, b) => {
             (format!("{} * {}", side(a, Level::Product), side(b, Level::Single)), Level::Product)
+        }
+        Expression::Quotient(a, b) => {
+            (format!("{} / {}", side(a, Level::Product), side(b, Level::Single)), Level::Product)
         }
         Expression::Negative(a) => (format!("-{}", side(a, Level::Single)), Level::Product),
         Expression::LaneSum(name) => {
