@@ -207,3 +207,52 @@ fn main() {
         assert!((c - exact.to_f64()).abs() < 1e-8, "{c} {}", exact.to_f64());
     }
 }
+
+/// A parameter set at run time gives the motion of the model with that value, in C and Rust alike; what cannot be kept
+/// changeable is refused with the reason.
+#[test]
+fn a_parameter_stays_changeable() {
+    let text = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 3 kg, moves x }\n\
+                spring s: ground -- a { k = 2*k }\ndamper d: ground -- a { c = 4 N*s/m }\n\
+                spring t: a -- b { k = 200 N/m + k }\ndamper e: a -- b { c = 1 N*s/m }\n\
+                force F: a along x\ninitial b { x = 0.1 m }\noutput xa = a.x\noutput acc = b.ax\noutput f = s.force\n";
+    let read = |text: &str, name: &str| {
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
+        vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1
+    };
+    let system = read(text, "k").expect("a polynomial");
+    let folder = tempfile::tempdir().expect("a folder");
+    for language in [Language::C, Language::Rust] {
+        write(&folder, &emit::parameter_files("par", &system, 0.001, Precision::Double, language));
+    }
+    let c = "#include \"par.h\"\n#include <stdio.h>\nint main(void) { par_state s; par_inputs u; par_outputs y; int k; u.F = 3.0; \
+             par_init(&s); par_set_parameter(&s, 450.0); for (k = 0; k <= 2000; k++) par_step(&s, &u, &y); \
+             printf(\"%.17g %.17g %.17g\\n\", y.xa, y.acc, y.f); return 0; }\n";
+    let rust = "mod par;\nfn main() { let mut s = par::State::init(); s.set_parameter(450.0); let u = par::Inputs { F: 3.0 }; \
+                let mut y = s.step(&u); for _ in 0..2000 { y = s.step(&u); } println!(\"{} {} {}\", y.xa, y.acc, y.f); }\n";
+    fs::write(folder.path().join("main.c"), c).expect("a file");
+    fs::write(folder.path().join("main.rs"), rust).expect("a file");
+    silently(&folder, "gcc", &[&STRICT[..], &["-c", "-O1", "par.c", "-o", "par.o"]].concat());
+    silently(&folder, "gcc", &["-std=c99", "-O1", "main.c", "par.o", "-o", "c"]);
+    silently(&folder, "rustc", &["-C", "opt-level=1", "main.rs", "-o", "r"]);
+    let numbers = |program: &str| -> Vec<f64> {
+        let output = run(&folder, &folder.path().join(program).to_string_lossy(), &[]);
+        let text = String::from_utf8(output.stdout).expect("text");
+        text.split_whitespace().map(|x| x.parse().expect("a number")).collect()
+    };
+    let (c, r) = (numbers("c"), numbers("r"));
+    let mut sources = Sources::new();
+    let other = text.replace("300", "450");
+    let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", other.into_bytes()));
+    let (_, exact) = vibc::linear(&sources, model, &Overrides::default()).answer.expect("a system");
+    let step = Signal::Step { value: Number::from(3), at: Number::ZERO };
+    let exact = vibc::analysis::respond(&exact, &[vec![step]], &[Number::from(2)]).expect("a motion");
+    for ((c, r), exact) in c.iter().zip(&r).zip(&exact.values[0]) {
+        assert_eq!(c, r);
+        assert!((c - exact.to_f64()).abs() < 1e-12 * exact.to_f64().abs().max(1.0), "{c} {}", exact.to_f64());
+    }
+    assert!(read(text, "zz").is_err_and(|reason| reason.contains("there are k")));
+    let root = text.replace("2*k", "sqrt(k*400 N/m)");
+    assert!(read(&root, "k").is_err_and(|reason| reason.contains("polynomial")));
+}
