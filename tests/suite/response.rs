@@ -391,3 +391,66 @@ fn long_and_short_steps_agree_within_their_bounds() {
         }
     }
 }
+
+/// Random damped chains, two integrals by Simpson's rule on a fine grid. Energy: what a harmonic force puts in is stored or
+/// dissipated. Parseval: the square of the impulse response over time is |H|^2 over frequency (trapezoids, which are exact
+/// for what has decayed after one turn of the grid's spacing; the tail of |H|^2 is 1 / (m w^2)^2).
+#[test]
+fn energy_is_kept_and_parseval_holds() {
+    let mut state = 77u64;
+    let mut random = |most: u64| {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        1 + (state >> 33) % most
+    };
+    let simpson = |values: &[f64], h: f64| -> f64 {
+        let weight = |i: usize| if i == 0 || i + 1 == values.len() { 1.0 } else { [2.0, 4.0][i % 2] };
+        values.iter().enumerate().map(|(i, y)| weight(i) * y).sum::<f64>() * h / 3.0
+    };
+    for _ in 0..4 {
+        let size = 2 + random(2) as usize;
+        let mut b = Builder::numbered(size);
+        let (mut m, mut k, mut c) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..size {
+            let (mass, spring, damper) = (random(3) as i64, 20 + random(60) as i64, 1 + random(2) as i64);
+            b.mass(i, &Number::from(mass));
+            b.spring(i.checked_sub(1), i, &Number::from(spring));
+            b.damper(i.checked_sub(1), i, &Number::from(damper));
+            m.push(mass as f64);
+            k.push(spring as f64);
+            c.push(damper as f64);
+        }
+        let system = observed(b.finish());
+        let force = Signal::Harmonic { value: n("3"), frequency: n("0.7"), phase: Number::ZERO };
+        let (h, times) = (1.0 / 256.0, vibc::analysis::grid(&n("4"), &n("0.00390625")));
+        let rows = respond(&system, &[vec![force]], &times).expect("a motion").values;
+        let value = |row: &Vec<Ball>, i: usize| row[i].to_f64();
+        let between = |row: &Vec<Ball>, offset: usize, i: usize| {
+            value(row, offset + i) - i.checked_sub(1).map_or(0.0, |j| value(row, offset + j))
+        };
+        let power =
+            |(i, row): (usize, &Vec<Ball>)| 3.0 * (1.4 * std::f64::consts::PI * h * i as f64).sin() * value(row, size);
+        let work = simpson(&rows.iter().enumerate().map(power).collect::<Vec<_>>(), h);
+        let heat = |row: &Vec<Ball>| (0..size).map(|i| c[i] * between(row, size, i).powi(2)).sum::<f64>();
+        let dissipated = simpson(&rows.iter().map(heat).collect::<Vec<_>>(), h);
+        let last = rows.last().expect("samples");
+        let stored: f64 =
+            (0..size).map(|i| 0.5 * (m[i] * value(last, size + i).powi(2) + k[i] * between(last, 0, i).powi(2))).sum();
+        assert!((work - dissipated - stored).abs() < 1e-7 * work.abs(), "{work} {dissipated} {stored}");
+
+        let blow = vec![Signal::Impulse { value: Number::ONE, at: Number::ZERO }];
+        let times = vibc::analysis::grid(&n("128"), &n("0.0078125"));
+        let rows = respond(&system, &[blow], &times).expect("a motion").values;
+        let over_time = simpson(&rows.iter().map(|row| value(row, 0).powi(2)).collect::<Vec<_>>(), 1.0 / 128.0);
+        let (step, count) = (1.0 / 64.0, 20_000);
+        let frequencies: Vec<vibc::analysis::Frequency> =
+            (0..=count).map(|i| vibc::analysis::Frequency::radians(&(&Number::from(i) / &n("64")))).collect();
+        let transfer = vibc::analysis::Transfer::of(&system);
+        let gains = transfer.many(&frequencies, &[0], &[0], 1e-12);
+        let square = |i: usize| gains[i].disc().expect("damped").gain().to_f64().powi(2);
+        let ends = 0.5 * (square(0) + square(count as usize));
+        let sum = ends + (1..count as usize).map(square).sum::<f64>();
+        let edge = f64::from(count as i32) * step;
+        let over_frequency = (sum * step + 1.0 / (3.0 * m[0] * m[0] * edge.powi(3))) / std::f64::consts::PI;
+        assert!((over_time / over_frequency - 1.0).abs() < 1e-6, "{over_time} {over_frequency}");
+    }
+}
