@@ -175,7 +175,8 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 static double force(int k) { return (k & 64) ? 1.0 : 0.0; }
-#define SAMPLES (1000 + 100000 / N)
+/* Long enough for a wave to cross 200 masses. */
+#define SAMPLES 12000
 static double exact[SAMPLES], found[SAMPLES];
 static double run(int method, int parts)
 {
@@ -229,7 +230,7 @@ int main(void)
                 if (fabs(exact[k] - found[k]) > worst) worst = fabs(exact[k] - found[k]);
             }
             worst /= size;
-            if (worst < 1e-6 || parts > 4096) break;
+            if (worst < 1e-6 || parts > 128) break;
             parts *= 2;
         }
         printf("  %s: error %.0e with %d steps a sample, %.0f times the time of emitted code\n",
