@@ -113,7 +113,7 @@ pub struct Mode {
     /// Shares of the kinetic energy by coordinate, largest first, summing to 1.
     pub kinetic: Vec<Share<CoordinateId>>,
     /// Shares of the strain energy by what holds it (a spring's name, gravity), largest first, summing to 1
-    /// (shares of geometric terms may be negative). Empty for rigid motions.
+    /// (shares of geometric terms may be negative). Empty for rigid motions, and where the parts cancel to nothing.
     pub strain: Vec<Share<Label>>,
     pub route: Route,
 }

@@ -59,8 +59,10 @@ fn slip(text: &mut Vec<char>, random: &mut Random) {
 }
 
 /// Bytes that fuzzing once failed on, as it wrote them down.
-const FOUND: [(&str, &str); 1] =
-    [("modes after several rigid ones out of order", "826f770b4507585007faabaaaaaa18000000000000000aaaaaaa4507")];
+const FOUND: [(&str, &str); 2] = [
+    ("modes after several rigid ones out of order", "826f770b4507585007faabaaaaaa18000000000000000aaaaaaa4507"),
+    ("shares of a strain energy that is nothing", "826f775087fa583f07fa07581c000000000000000058faaaaafaaa82"),
+];
 
 #[test]
 fn what_fuzzing_once_found_stays_mended() {

@@ -98,7 +98,8 @@ pub(in crate::analysis) fn strain_shares(form: &Form, energies: &[f64]) -> Vec<S
     largest_first(&by_source, holding, |i| form.source_name(i as u32))
 }
 
-/// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order.
+/// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order. None where parts of
+/// both signs cancel to nothing that their rounding could be told from: there is no whole to have a share of.
 fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
     // Negative where the motion has negative stiffness: then the most negative part is the largest share.
     // Scaled by the largest part's power of two, so that the sum stays within range.
@@ -106,6 +107,10 @@ fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
     let scale = if power.is_normal() { 1.0 / power } else { 1.0 };
     let whole: f64 = parts.iter().map(|part| part * scale).sum();
+    let sizes: f64 = parts.iter().map(|part| (part * scale).abs()).sum();
+    if whole.abs() <= parts.len() as f64 * f64::EPSILON * sizes {
+        return Vec::new();
+    }
     let share = |i: u32| parts[i as usize] * scale / whole;
     let order = |a: &u32, b: &u32| share(*b).total_cmp(&share(*a)).then(a.cmp(b));
     if chosen.len() > COMPLETE {
