@@ -51,15 +51,9 @@ fn main() -> ExitCode {
 }
 
 fn analyze(options: &Analyze, messages: &Messages) -> Status {
-    if let Some(output) = &options.output
-        && replaces_input(output, &options.file, &options.overrides)
-    {
-        complain(&format!("`-o {}` would replace a file that is read", output.display()));
-        return Status::Usage;
-    }
-    let input = match read_all(&options.file, &options.overrides) {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
         Ok(input) => input,
-        Err(unreadable) => return unreadable.report(messages),
+        Err(status) => return status,
     };
     let study = vibc::Study { until: options.measured.until.as_ref(), sensitivity: options.sensitivity };
     let mut analysis = vibc::analyze_with(&input.sources, input.model, &input.overrides, &options.request(), &study);
@@ -87,15 +81,9 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
 }
 
 fn transfer(options: &Transfer, messages: &Messages) -> Status {
-    if let Some(output) = &options.output
-        && replaces_input(output, &options.file, &options.overrides)
-    {
-        complain(&format!("`-o {}` would replace a file that is read", output.display()));
-        return Status::Usage;
-    }
-    let input = match read_all(&options.file, &options.overrides) {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
         Ok(input) => input,
-        Err(unreadable) => return unreadable.report(messages),
+        Err(status) => return status,
     };
     let outcome = vibc::dynamics(&input.sources, input.model, &input.overrides);
     let status = failure(outcome.failure());
@@ -166,12 +154,6 @@ fn listed(names: &[String]) -> String {
 }
 
 fn simulate(options: &Simulate, messages: &Messages) -> Status {
-    if let Some(output) = &options.output
-        && replaces_input(output, &options.file, &options.overrides)
-    {
-        complain(&format!("`-o {}` would replace a file that is read", output.display()));
-        return Status::Usage;
-    }
     let literals = options.overrides.literals;
     let (until, step) = (options.until.of_literals(literals), options.step.of_literals(literals));
     let samples = (until / step).to_f64();
@@ -179,9 +161,9 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
-    let input = match read_all(&options.file, &options.overrides) {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
         Ok(input) => input,
-        Err(unreadable) => return unreadable.report(messages),
+        Err(status) => return status,
     };
     let times = analysis::grid(until, step);
     let outcome = vibc::simulate(&input.sources, input.model, &input.overrides, &times);
@@ -318,15 +300,10 @@ fn deliver_all(folder: &Path, files: &[backend::emit::File]) -> Status {
 }
 
 fn bench(options: &Bench, messages: &Messages) -> Status {
-    for output in options.output.iter().chain(&options.svg) {
-        if replaces_input(output, &options.file, &options.overrides) {
-            complain(&format!("`{}` would be replaced, and it is read", output.display()));
-            return Status::Usage;
-        }
-    }
-    let input = match read_all(&options.file, &options.overrides) {
+    let outputs = options.output.iter().chain(&options.svg);
+    let input = match open(&options.file, &options.overrides, outputs, messages) {
         Ok(input) => input,
-        Err(unreadable) => return unreadable.report(messages),
+        Err(status) => return status,
     };
     let start = std::time::Instant::now();
     let mut clock = || start.elapsed().as_secs_f64();
@@ -484,6 +461,27 @@ struct Unreadable {
     error: io::Error,
 }
 
+/// Everything that a run reads, unless a file that it writes is among it.
+fn open<'a>(
+    model: &Path,
+    overrides: &OverrideOptions,
+    outputs: impl IntoIterator<Item = &'a PathBuf>,
+    messages: &Messages,
+) -> Result<Input, Status> {
+    let input = read_all(model, overrides).map_err(|unreadable| unreadable.report(messages))?;
+    for output in outputs {
+        let Ok(target) = fs::canonicalize(output) else { continue };
+        // A name that is no text stands in the sources as it can be shown; tables stand there alone.
+        let named = input.sources.files().map(|file| Path::new(&file.name));
+        let mut inputs = std::iter::once(model).chain(overrides.settings_file.as_deref()).chain(named);
+        if target.is_file() && inputs.any(|input| fs::canonicalize(input).is_ok_and(|input| input == target)) {
+            complain(&format!("`{}` would be replaced, and it is read", output.display()));
+            return Err(Status::Usage);
+        }
+    }
+    Ok(input)
+}
+
 fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {
     let mut sources = Sources::new();
     let model = sources.add(read(model, SourceKind::Model)?);
@@ -633,13 +631,6 @@ fn write_new(path: &Path, text: &str, replaced: Option<fs::Metadata>) -> io::Res
     }
     file.write_all(text.as_bytes())?;
     file.sync_all()
-}
-
-/// Whether the output would take the place of a model or of settings.
-fn replaces_input(output: &Path, model: &PathBuf, overrides: &OverrideOptions) -> bool {
-    let Ok(output) = fs::canonicalize(output) else { return false };
-    let inputs = std::iter::once(model).chain(&overrides.settings_file);
-    output.is_file() && inputs.flat_map(fs::canonicalize).any(|input| input == output)
 }
 
 fn complain(text: &str) {

@@ -178,6 +178,11 @@ impl Sources {
         self.files.is_empty()
     }
 
+    /// All of them, as they were added.
+    pub fn files(&self) -> impl Iterator<Item = &SourceFile> {
+        self.files.iter()
+    }
+
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }

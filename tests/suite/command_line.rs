@@ -229,6 +229,19 @@ fn a_model_is_never_overwritten_by_its_report() {
     assert_eq!(fs::read_to_string(&model).unwrap(), OSCILLATOR);
 }
 
+#[test]
+fn a_table_is_never_overwritten_by_what_is_made_of_it() {
+    let folder = folder();
+    let table = file(&folder, "road.csv", "0,0\n1,2\n");
+    let driven = format!("{OSCILLATOR}\nforce R: b along x = table(\"road.csv\")\noutput there = b.x\n");
+    let model = file(&folder, "driven.vib", driven);
+    let done = run(&["simulate", &model, "--until", "1s", "--step", "1s"]);
+    assert_eq!(done.status, 0, "{}", done.err);
+    let refused = run(&["simulate", &model, "--until", "1s", "--step", "1s", "-o", &table]);
+    assert_eq!(refused.status, 2, "{}", refused.err);
+    assert_eq!(fs::read_to_string(&table).unwrap(), "0,0\n1,2\n");
+}
+
 #[cfg(unix)]
 #[test]
 fn links_devices_and_permissions_survive() {
