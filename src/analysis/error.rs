@@ -108,8 +108,8 @@ impl AnalysisError {
                 "give what moves a mass (an inertia where it turns), or hold it by springs to what has one or to the ground",
             ),
             AnalysisError::IndefiniteMass { coordinate, .. } => (
-                format!("the kinetic energy is negative for some motions of {coordinate}"),
-                "make each mass and each inertia greater than zero",
+                format!("some motion of {coordinate} has no kinetic energy that is certainly positive"),
+                "give what moves there a mass, or leave its freedom out; links without mass in slanting loops are the usual cause",
             ),
             AnalysisError::TooManyStates { count, limit, .. } => (
                 format!("the motion in time has {count} states; it is computed up to {limit}"),
