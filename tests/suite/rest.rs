@@ -284,6 +284,7 @@ fn pendulum(n: usize) -> String {
 fn chains_of_pendulums_drawn_turned_hang_down() {
     frequencies(&pendulum(2), &[2.3971993978641, 5.7873512980361]);
     frequencies(&pendulum(3), &[2.0195911472489, 4.7441427396672, 7.8552123627319]);
+    frequencies(&pendulum(5), &[1.6079573179767, 3.7236385444663, 5.9397758218564, 8.3373734567593, 11.135809637487]);
     let ten = [
         1.1626495370499,
         2.6750605844777,
