@@ -59,8 +59,9 @@ fn slip(text: &mut Vec<char>, random: &mut Random) {
 }
 
 /// Bytes that fuzzing once failed on, as it wrote them down.
-const FOUND: [(&str, &str); 2] = [
+const FOUND: [(&str, &str); 3] = [
     ("modes after several rigid ones out of order", "826f770b4507585007faabaaaaaa18000000000000000aaaaaaa4507"),
+    ("a real pole beyond binary64", "826f770bfaab5850070b1c1c1c4507585007fa5807fa58500a"),
     ("shares of a strain energy that is nothing", "826f775087fa583f07fa07581c000000000000000058faaaaafaaa82"),
 ];
 

@@ -18,7 +18,7 @@ pub(in crate::analysis) mod quadratic;
 pub(in crate::analysis) mod refinement;
 pub(in crate::analysis) mod rigid;
 
-use crate::analysis::answer::{ModeKind, Modes, Poles};
+use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
@@ -62,7 +62,10 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
             part.solve(&crate::analysis::modes(&as_system(system, coordinates, &local))?, &mut found)?;
         }
     }
-    Ok(found.sorted(system.n()))
+    let poles = found.sorted(system.n());
+    let in_range = |pole: &Pole| pole.re.mid.is_finite() && pole.im.mid.is_finite();
+    // Of a pole beyond binary64 nothing could be printed.
+    if poles.list.iter().all(in_range) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
 }
 
 /// The poles of some of the modes, those listed: none where the modes do not decide them by themselves. `whole` is the system
