@@ -15,6 +15,9 @@ use vibc::syntax::words::KEYWORDS;
 
 const GRAMMAR: &str = include_str!("../../editors/vscode/syntaxes/vib.tmLanguage.json");
 const VIM: &str = include_str!("../../editors/neovim/syntax/vib.vim");
+const TREE_SITTER: &str = include_str!("../../editors/tree-sitter-vib/grammar.js");
+const TREE_SITTER_COLOURS: &str = include_str!("../../editors/tree-sitter-vib/queries/highlights.scm");
+const TREE_SITTER_PARSER: &str = include_str!("../../editors/tree-sitter-vib/src/parser.c");
 
 /// A rule: its expression, its scope, and those of its groups.
 struct Rule {
@@ -173,11 +176,31 @@ fn alternatives(text: &str) -> Vec<&str> {
 
 #[test]
 fn every_grammar_knows_every_keyword_and_function() {
-    for (name, text) in [("TextMate", GRAMMAR), ("Vim", VIM)] {
+    for (name, text) in [("TextMate", GRAMMAR), ("Vim", VIM), ("tree-sitter's colours", TREE_SITTER_COLOURS)] {
         let words = alternatives(text);
         let functions = vibc::model::functions();
         for word in KEYWORDS.into_iter().chain(functions).chain(["ground", "pi", "moves", "turns", "free", "about"]) {
             assert!(words.contains(&word), "{name} does not know `{word}`");
         }
+    }
+}
+
+/// The words in quotes, without those of comments.
+fn quoted<'a>(text: &'a str, comment: &str, quote: char) -> Vec<&'a str> {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with(comment));
+    let quoted = lines.flat_map(|line| line.split(quote).skip(1).step_by(2));
+    quoted.filter(|text| text.chars().all(|c| c.is_ascii_lowercase())).collect()
+}
+
+#[test]
+fn the_tree_sitter_grammar_its_parser_and_its_colours_have_the_same_keywords() {
+    let grammar = quoted(TREE_SITTER, "//", '\'');
+    let colours = quoted(TREE_SITTER_COLOURS, ";", '"');
+    for word in KEYWORDS.into_iter().chain(["as", "drawn", "in", "along", "about", "moves", "modal", "rayleigh"]) {
+        assert!(grammar.contains(&word), "grammar.js does not know `{word}`");
+        assert!(colours.contains(&word), "highlights.scm does not know `{word}`");
+        // The parser is made from the grammar by `tree-sitter generate`.
+        let symbol = format!("[anon_sym_{word}] = \"{word}\"");
+        assert!(TREE_SITTER_PARSER.contains(&symbol), "parser.c does not know `{word}`");
     }
 }

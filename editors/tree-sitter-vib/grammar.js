@@ -1,0 +1,94 @@
+// The tree-sitter grammar of the .vib language, for editors: spec.md section 1, after grammar/vib.pest.
+//
+// It reads every model that the compiler reads, and some more: line ends are blanks here. Nothing is lost by that in a
+// model without mistakes, since each declaration begins with a keyword and nothing goes on with a word after a line end.
+// The unit of a number is the exception (`10` and `force` in the next line); src/scanner.c reads it.
+
+const LETTER = 'a-zA-Z_\\u0391-\\u03C9\\u03D0-\\u03D6\\u03F0-\\u03F5\\u00B5';
+
+/** @param {RuleOrLiteral} rule */
+const list = (rule) => seq(rule, repeat(seq(',', rule)));
+
+module.exports = grammar({
+  name: 'vib',
+  word: ($) => $.word,
+  extras: ($) => [/\s/, $.comment, $.documentation],
+  // The second one is nowhere in the grammar: it is expected only while tree-sitter recovers from an error.
+  externals: ($) => [$.unit, $._recovery],
+  supertypes: ($) => [$.declaration, $.expression],
+
+  rules: {
+    file: ($) => repeat($.declaration),
+
+    declaration: ($) => choice(
+      $.model, $.parameter, $.gravity, $.point, $.body, $.base, $.element, $.joint, $.slide, $.couple,
+      $.force, $.torque, $.initial, $.output, $.damping, $.rest, $.solve, $.require, $.repeat,
+    ),
+
+    model: ($) => seq('model', field('name', $.word)),
+    parameter: ($) => seq(choice('param', 'let'), field('name', $.name), '=', $.expression),
+    gravity: ($) => seq('gravity', $.expression),
+    point: ($) => seq('point', field('name', $.name), '=', $.expression),
+    body: ($) => seq('body', field('name', $.name), $.fields),
+    base: ($) => seq('base', field('name', $.name), $.fields, optional($._signal)),
+    element: ($) => seq(choice('spring', 'damper'), field('name', $.name), ':', $.end, '--', $.end, $.fields),
+    joint: ($) => seq(choice('pivot', 'weld'), field('name', $.name), ':', $.end, '--', $.end),
+    slide: ($) => seq('slide', field('name', $.name), ':', $.end, '--', $.end, optional($._along)),
+    couple: ($) => seq('couple', field('name', $.name), ':', $.expression, '=', $.expression),
+    force: ($) => seq(
+      'force', field('name', $.name), ':', $.end, optional(seq('--', $.end)), optional($._along), optional($._signal),
+    ),
+    torque: ($) => seq(
+      'torque', field('name', $.name), ':', $.end, optional(seq('--', $.end)), optional($._signal),
+    ),
+    initial: ($) => seq('initial', $.name, $.fields),
+    output: ($) => seq('output', field('name', $.name), '=', $.expression),
+    damping: ($) => seq('damping', choice(seq('modal', $.expression), seq('rayleigh', $.group))),
+    rest: (_) => seq('rest', 'as', 'drawn'),
+    solve: ($) => seq('solve', $.name, 'in', $._range, ':', $.expression, '=', $.expression),
+    require: ($) => seq('require', $.expression),
+    repeat: ($) => seq('repeat', field('index', $.word), 'in', $._range, '{', repeat($.declaration), '}'),
+
+    // ---- Parts of declarations
+
+    // `m[i-1]`, `net[i][j]`, `net[i, j]`
+    name: ($) => seq($.word, repeat($._index)),
+    _index: ($) => seq(token.immediate('['), list($.expression), ']'),
+    // `block`, `block@A`, `ground@(0, 1 m)`
+    end: ($) => seq($.name, optional(seq('@', choice($.name, $.group)))),
+    _along: ($) => seq('along', $.expression),
+    _signal: ($) => seq('=', $.expression),
+    _range: ($) => seq($.expression, '..', $.expression),
+    fields: ($) => seq('{', repeat(seq(choice($.assignment, $.moves, $.flag), optional(','))), '}'),
+    assignment: ($) => seq(field('name', $.word), '=', $.expression, optional(seq('about', $.expression))),
+    moves: ($) => seq('moves', choice($._along, repeat1(alias(choice('x', 'y'), $.axis)))),
+    flag: ($) => $.word,
+
+    // ---- Expressions, from loose to tight (spec.md 1.6)
+
+    expression: ($) => choice(
+      $.comparison, $.path, $.sum, $.product, $.minus, $.power,
+      $.literal, $.text, $.group, $.name, $.call, $.place, $.member,
+    ),
+    comparison: ($) => prec.left(1, seq($.expression, choice('<', '<=', '>', '>=', '=='), $.expression)),
+    path: ($) => prec.left(2, seq($.expression, '->', $.expression)),
+    sum: ($) => prec.left(3, seq($.expression, choice('+', '-'), $.expression)),
+    product: ($) => prec.left(4, seq($.expression, choice('*', '/'), $.expression)),
+    minus: ($) => prec(5, seq('-', $.expression)),
+    power: ($) => prec.right(6, seq($.expression, '^', $.expression)),
+
+    call: ($) => seq(field('function', $.word), token.immediate('('), optional(list($.expression)), ')'),
+    group: ($) => seq('(', list($.expression), ')'),
+    // Of a part: `rod@A`, `rod.angle`, `rod@(0, 1 m).x`
+    place: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), '@', choice($.name, $.group))),
+    member: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), token.immediate('.'), field('member', $.word))),
+
+    literal: ($) => seq($.number, optional($.unit)),
+    number: (_) => /(\d+(\.\d+)?|\.\d+)([eE][+-]?\d+)?/,
+    text: (_) => /"[^"\n]*"/,
+    word: (_) => new RegExp(`[${LETTER}][${LETTER}0-9]*`),
+
+    comment: (_) => token(choice(/\/\/([^\/\r\n][^\r\n]*)?/, /\/\/\/\/[^\r\n]*/)),
+    documentation: (_) => /\/\/\/([^\/\r\n][^\r\n]*)?/,
+  },
+});

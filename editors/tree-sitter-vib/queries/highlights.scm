@@ -1,0 +1,35 @@
+; Colours of model files, with the names that Helix and Neovim both know or fall back from.
+
+(comment) @comment
+(documentation) @comment.documentation
+(text) @string
+(number) @constant.numeric
+(unit) @type
+
+[
+  "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "base" "force"
+  "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require"
+] @keyword
+["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh"] @keyword
+(axis) @constant.builtin
+((flag) @keyword (#any-of? @keyword "turns" "free"))
+
+(assignment name: (word) @variable.parameter)
+(member member: (word) @variable.other.member)
+(call function: (word) @function)
+((call function: (word) @function.builtin)
+  (#any-of? @function.builtin
+    "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin" "acos" "atan" "atan2" "exp" "ln" "rod" "disk" "ring" "box"
+    "constant" "step" "impulse" "ramp" "pulse" "harmonic" "chirp" "table" "frequency" "damping" "gain" "phase"
+    "amplitude" "static" "peak" "rms"))
+
+((name (word) @constant.builtin) (#any-of? @constant.builtin "ground" "pi" "stable"))
+(parameter name: (name (word) @variable))
+(model name: (word) @type)
+(body name: (name (word) @type))
+(base name: (name (word) @type))
+(repeat index: (word) @variable)
+
+["--" "->" ".." "=" "==" "<" "<=" ">" ">=" "+" "-" "*" "/" "^" "@"] @operator
+["(" ")" "[" "]" "{" "}"] @punctuation.bracket
+["," ":" "."] @punctuation.delimiter
