@@ -8,6 +8,7 @@
 
 pub mod chain;
 pub mod ldl;
+pub mod order;
 pub mod signal;
 
 pub use signal::Signal;

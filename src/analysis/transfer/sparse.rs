@@ -11,6 +11,7 @@ use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
 use crate::base::{Ball, Dd};
+use crate::system::order::least_fill;
 
 /// The order and the pattern of L.
 #[derive(Clone, Debug)]
@@ -242,23 +243,9 @@ impl Disc {
 
 /// The place of each coordinate; as they are where the ordering fails.
 fn order(n: usize, entries: &[(u32, u32)]) -> Vec<usize> {
-    let natural = || (0..n).collect();
-    let mut starts = vec![0usize; n + 1];
-    for (_, j) in entries {
-        starts[*j as usize + 1] += 1;
-    }
-    for j in 0..n {
-        starts[j + 1] += starts[j];
-    }
-    let mut next = starts.clone();
-    let mut rows = vec![0usize; entries.len()];
-    for &(i, j) in entries {
-        rows[next[j as usize]] = i as usize;
-        next[j as usize] += 1;
-    }
-    match amd::order(n, &starts, &rows, &amd::Control::default()) {
-        Ok((_, place, _)) if place.len() == n => place,
-        _ => natural(),
+    match least_fill(n, entries.iter().copied()) {
+        Some(place) => place.into_iter().map(|place| place as usize).collect(),
+        None => (0..n).collect(),
     }
 }
 
@@ -306,6 +293,15 @@ mod tests {
                 assert!(x.radius < 1e-20, "{x:?}");
             }
         }
+    }
+
+    /// Fewer entries than rows.
+    #[test]
+    fn a_pattern_of_few_entries_is_factored_or_refused() {
+        let one = Complex::new(Ball::from(1.0), Ball::ZERO);
+        let entries = [(3, 3), (3, 7), (7, 3)].map(|(i, j)| Entry { i, j, value: one });
+        let pattern = Pattern::of(12, &entries.map(|e| (e.i, e.j))).expect("small");
+        assert!(pattern.factor(&entries).is_none(), "most rows are zero");
     }
 
     #[test]

@@ -12,10 +12,11 @@
 //! t of a few roundings, give exactly the pivot used. No bound of any growth is needed: where roundings matter, the count
 //! comes out too high (too low), and proves nothing.
 //!
-//! The order is that of approximate minimum degree (crate `amd`). Clause: spec.md 10.12.
+//! The order is that of approximate minimum degree. Clause: spec.md 10.12.
 
 use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
 use crate::analysis::modes::mesh::postponed::{Postponed, pivot};
+use crate::system::order::least_fill;
 
 /// The order of elimination and the pattern of what it fills.
 #[derive(Clone, Debug)]
@@ -63,7 +64,7 @@ impl Pattern {
     /// `None` where elimination fills too much.
     pub fn of(k: &Network, m: &Network) -> Option<Pattern> {
         let n = k.n();
-        let place = order(n, &k.pairs, &m.pairs)?;
+        let place = least_fill(n, k.pairs.iter().chain(&m.pairs).copied())?;
         let given = [k, m].map(|network| Given::of(network, &place));
         let mut starts = vec![0];
         let mut rows: Vec<u32> = Vec::new();
@@ -395,22 +396,4 @@ impl Factors<'_> {
             }
         }
     }
-}
-
-/// The place of each node in the order of elimination.
-fn order(n: usize, k: &[(u32, u32)], m: &[(u32, u32)]) -> Option<Vec<u32>> {
-    // With the diagonal: the crate takes it for granted that there are as many entries as rows.
-    let diagonal = (0..n as u32).map(|i| (i, i));
-    let pairs = k.iter().chain(m).copied().chain(diagonal);
-    let mut pairs: Vec<(i32, i32)> = pairs.map(|(i, j)| (i as i32, j as i32)).collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    let mut starts = vec![0i32; n + 1];
-    pairs.iter().for_each(|pair| starts[pair.0 as usize + 1] += 1);
-    for column in 0..n {
-        starts[column + 1] += starts[column];
-    }
-    let rows: Vec<i32> = pairs.iter().map(|pair| pair.1).collect();
-    let (_, places, _) = amd::order(i32::try_from(n).ok()?, &starts, &rows, &amd::Control::default()).ok()?;
-    Some(places.into_iter().map(|place| place as u32).collect())
 }
