@@ -5,6 +5,7 @@
 
 use crate::analysis::modes::parts::Part;
 use crate::analysis::numeric::complex::{Complex, Real};
+use crate::analysis::numeric::fused::fused;
 use crate::analysis::numeric::triple::Precise;
 use crate::base::Dd;
 use crate::system::{Form, LinearSystem};
@@ -109,7 +110,7 @@ impl<T: Real> Squares<T> {
     }
 
     /// a . x of term t.
-    #[inline]
+    #[inline(always)]
     pub fn stretch(&self, t: usize, x: &[T]) -> T {
         let (indices, values) = self.row(t);
         indices.iter().zip(values).fold(T::ZERO, |sum, (&i, &a)| sum + by_factor(x[i as usize], a))
@@ -124,9 +125,35 @@ impl<T: Real> Squares<T> {
     }
 }
 
-impl<T: Real> Pencil<T> {
+impl Pencil<Dd> {
     /// Q(s) x.
-    pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<T> {
+    pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<Dd> {
+        in_double_double(self, s, x)
+    }
+}
+
+impl Pencil<Precise> {
+    /// Q(s) x.
+    pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<Precise> {
+        in_triple_words(self, s, x)
+    }
+}
+
+fused! {
+    fn in_double_double(pencil: &Pencil<Dd>, s: Complex<Dd>, x: &Vector) -> Application<Dd> {
+        pencil.applied(s, x)
+    }
+}
+
+fused! {
+    fn in_triple_words(pencil: &Pencil<Precise>, s: Complex<Dd>, x: &Vector) -> Application<Precise> {
+        pencil.applied(s, x)
+    }
+}
+
+impl<T: Real> Pencil<T> {
+    #[inline(always)]
+    fn applied(&self, s: Complex<Dd>, x: &Vector) -> Application<T> {
         let s = Complex::new(T::of_dd(s.re), T::of_dd(s.im));
         let words = |list: &[Dd]| -> Vec<T> { list.iter().map(|&x| T::of_dd(x)).collect() };
         let (re, im) = (words(&x.re), words(&x.im));
@@ -149,12 +176,14 @@ impl<T: Real> Pencil<T> {
     }
 }
 
+#[inline(always)]
 fn stretches<T: Real>(squares: &Squares<T>, re: &[T], im: &[T]) -> Vec<Complex<T>> {
     let part = |t: usize, x: &[T]| if x.is_empty() { T::ZERO } else { squares.stretch(t, x) };
     (0..squares.len()).map(|t| Complex::new(part(t, re), part(t, im))).collect()
 }
 
 /// Adds z (sum w a a^T) x to the force and z sum w (a . x)^2 to the energy.
+#[inline(always)]
 fn push<T: Real>(
     squares: &Squares<T>,
     z: Complex<T>,
@@ -174,7 +203,7 @@ fn push<T: Real>(
 }
 
 /// Most factors are 1 or -1: those round nothing.
-#[inline]
+#[inline(always)]
 fn by_factor<T: Real>(x: T, a: T) -> T {
     if a == T::ONE {
         x
