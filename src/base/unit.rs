@@ -135,6 +135,7 @@ pub fn parse(text: &str) -> Result<Unit, UnitError> {
     }
     let mut product = Product { factor: Number::ONE, dimension: Dimension::NONE, cycles: 0, radians: 0 };
     let mut divided = false;
+    let mut ambiguous = None;
     let mut at = 0;
     let mut divide = leading_slash(text, &mut at);
     loop {
@@ -142,11 +143,12 @@ pub fn parse(text: &str) -> Result<Unit, UnitError> {
         let end = text[at..].find(OPERATORS).map_or(text.len(), |offset| at + offset);
         product.times(text, at..end, divide)?;
         if end == text.len() {
-            return Ok(product.unit());
+            // Told last: in `2 N/m*L` it is the `L` that is wrong.
+            return ambiguous.map_or_else(|| Ok(product.unit()), Err);
         }
         divide = text[end..].starts_with('/');
         if divided && !divide {
-            return Err(UnitError::Ambiguous { tail: end..text.len() });
+            ambiguous.get_or_insert(UnitError::Ambiguous { tail: end..text.len() });
         }
         at = end + text[end..].chars().next().map_or(1, char::len_utf8);
     }
@@ -216,7 +218,7 @@ impl Factor {
     fn number(&self) -> Number {
         match *self {
             Factor::Exact(numerator, denominator) => Rational::new(numerator, denominator).into(),
-            Factor::Pi(numerator, denominator) => &Number::pi() * &Number::from(Rational::new(numerator, denominator)),
+            Factor::Pi(numerator, denominator) => Number::of_pi(Rational::new(numerator, denominator)),
         }
     }
 }
@@ -314,11 +316,14 @@ pub fn suggestion(word: &str) -> Option<String> {
 
 /// `Nm` as `N*m`, `kgm` as `kg*m`: forces and masses are the units that are written so.
 fn as_product(word: &str) -> Option<String> {
-    let starts_a_product = |symbol: &str| {
-        find(symbol).is_some_and(|(entry, _)| [Dimension::FORCE, Dimension::MASS].contains(&entry.dimension))
+    let dimension = |symbol: &str| find(symbol).map(|(entry, _)| entry.dimension);
+    let are_a_product = |first: &str, second: &str| {
+        let (first, second) = (dimension(first), dimension(second));
+        // A mass times a mass is a slip of the finger: `kgg`.
+        [Some(Dimension::FORCE), Some(Dimension::MASS)].contains(&first) && second.is_some() && first != second
     };
     let mut splits = word.char_indices().skip(1).map(|(at, _)| word.split_at(at));
-    let (first, second) = splits.find(|(first, second)| starts_a_product(first) && is_known(second))?;
+    let (first, second) = splits.find(|(first, second)| are_a_product(first, second))?;
     Some(format!("{first}*{second}"))
 }
 
@@ -410,6 +415,8 @@ mod tests {
             ("lbs", "lb"),
             ("Kg", "kg"),
             ("degs", "deg"),
+            ("kgg", "kg"),
+            ("kgm", "kg*m"),
             ("Mpa", "MPa"),
         ] {
             assert_eq!(suggestion(word).as_deref(), Some(meant), "{word}");

@@ -136,6 +136,10 @@ pub enum Remark {
     Plus,
     Power,
     UnitApart,
+    /// `2 m*cos(x)`: the word before the bracket is glued to a unit.
+    UnitGlued,
+    /// `L N/m`: a unit after something that is no number.
+    UnitOfNoNumber,
     FunctionApart,
     IndexApart,
     OperatorMissing,
@@ -308,6 +312,8 @@ impl Remark {
             (Remark::Plus | Remark::Semicolon, _) => write(""),
             (Remark::Hash, _) => write("//"),
             (Remark::FieldColon, _) => write(" ="),
+            (Remark::UnitGlued, _) => None,
+            (Remark::UnitOfNoNumber, _) => Some(Change::Replace(format!("* 1 {found}"))),
             (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
             (_, Expected::Separator) => Some(Change::Replace(format!(", {found}"))),
             (_, Expected::Sign(sign @ (":" | "=" | "--"), _)) => Some(Change::Replace(format!("{sign} {found}"))),
@@ -322,6 +328,12 @@ impl Remark {
             Remark::Plus => "leave out the `+` before a value",
             Remark::Power => "write `^` for powers: `x^2`",
             Remark::UnitApart => "write one blank, or none, between a number and its unit: `10 N/m`",
+            Remark::UnitGlued => {
+                "what is glued to a number is its unit; to multiply, write ` * ` with spaces: `2 m * cos(x)`"
+            }
+            Remark::UnitOfNoNumber => {
+                "a unit stands after a number only; with anything else, multiply by one of it: `L * 1 N/m`"
+            }
             Remark::FunctionApart => "write a function and its bracket without a blank between them: `sqrt(x)`",
             Remark::IndexApart => "write a name and its index without a blank between them: `m[1]`",
             Remark::OperatorMissing => "write an operator between two values, such as `*`",

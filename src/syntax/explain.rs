@@ -7,6 +7,7 @@
 
 use super::error::{Expected, Remark};
 use super::words;
+use crate::base::unit;
 use std::ops::Range;
 
 /// Where a declaration leaves the grammar; places are bytes of its text.
@@ -194,8 +195,10 @@ impl Reader<'_> {
         let after_word = self.last_visible().is_some_and(in_word);
         match next {
             '(' if apart && after_word && !after_digit => Remark::FunctionApart,
+            '(' if after_word && !after_digit => Remark::UnitGlued,
             '[' if apart && after_word => Remark::IndexApart,
             _ if after_digit && apart && (words::is_letter(next) || matches!(next, '%' | '°')) => Remark::UnitApart,
+            _ if apart && self.starts_unit() => Remark::UnitOfNoNumber,
             '=' if self.keyword == "require" => Remark::Comparison,
             _ if expected == Expected::LineEnd && self.starts_keyword() => Remark::LineOfItsOwn,
             ',' if expected == Expected::LineEnd && !self.form.contains("= (") => Remark::LineOfItsOwn,
@@ -204,6 +207,12 @@ impl Reader<'_> {
             _ if expected != Expected::Separator && (next == '(' || in_word(next)) => Remark::OperatorMissing,
             _ => Remark::Form(self.form),
         }
+    }
+
+    /// A unit and nothing else up to the next blank, bracket or comma.
+    fn starts_unit(&self) -> bool {
+        let end = self.rest().find([' ', '\t', '\n', ',', ')', '}', '=']).unwrap_or(self.rest().len());
+        unit::parse(&self.rest()[..end]).is_ok()
     }
 
     fn ends_with_value(&self) -> bool {

@@ -1,6 +1,7 @@
 //! Where scenes rest: drawings declared to be the rest, rests far from the drawing, published cases drawn turned.
 
 use super::ask::{Answer, ask, try_ask};
+use vibc::analysis::ModeKind;
 use vibc::base::{Diagnostic, Number, Rational};
 use vibc::system::Form;
 
@@ -150,6 +151,40 @@ fn a_drawing_with_irrational_numbers_is_held_within_bounds() {
     let tension = rest.tensions[0].tension.to_ball();
     let truth = 9.81 / 2.0 * 20f64.to_radians().cos();
     assert!((tension.to_f64().abs() - truth).abs() < 1e-15 * truth && tension.rad < 1e-28);
+}
+
+/// A rod that stands upright on a torsional spring: K = k - m g l, however its direction is written.
+#[test]
+fn quarter_turns_are_drawn_exactly() {
+    for angle in ["90 deg", "pi/2", "2*atan(1)", "acos(0)", "asin(1)", "atan2(3, 0)", "-3*pi/2", "0.25 rev", "450 deg"]
+    {
+        let answer = ask(&format!(
+            "gravity 9.81 m/s^2
+            body rod {{ mass = 1 kg, shape = rod((0, 0), (2 m * cos({angle}), 2 m * sin({angle}))) }}
+            pivot p: ground@(0, 0) -- rod
+            spring t: ground -- rod {{ k = 100 N*m/rad }}"
+        ));
+        let rest = &answer.lowered.rest;
+        assert!(rest.residual == 0.0 && rest.displacement.iter().all(Number::is_zero), "{angle}");
+        assert_eq!(entries(&answer.lowered.system.k, 1), [["9019/100"]], "{angle}");
+    }
+}
+
+/// sqrt(2) sqrt(3) - sqrt(6) is zero, which balls cannot tell: as a place it is as good as zero, as a stiffness it leaves
+/// open whether the body stays, as a mass it is refused.
+#[test]
+fn what_cannot_be_told_from_zero_is_not_called_too_small() {
+    let scene = |mass: &str, k: &str, at: &str| {
+        format!(
+            "param zero = sqrt(2) * sqrt(3) - sqrt(6)
+            body b {{ mass = {mass}, at = ({at}, 0), moves x }}
+            spring s: ground -- b {{ k = {k}, along = x }}"
+        )
+    };
+    assert_eq!(ask(&scene("1 kg", "4 N/m", "zero * 1 m")).omegas(), [2.0]);
+    assert_eq!(ask(&scene("1 kg", "zero * 1 N/m", "0")).modes.list[0].kind, ModeKind::Undetermined);
+    let weightless = lowered(&scene("zero * 1 kg", "4 N/m", "0"));
+    assert!(vibc::analysis::modes(&weightless.system).is_err());
 }
 
 #[test]

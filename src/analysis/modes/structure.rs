@@ -289,14 +289,17 @@ impl Unknowns {
         }
         match number {
             Number::Exact(value) => self.exact = &self.exact + &(value * factor),
-            Number::Ball(ball) => {
-                let (key, negative) = identity(ball);
-                let factor = if negative { -factor } else { factor.clone() };
-                match self.others.iter_mut().find(|(other, _)| *other == key) {
-                    Some((_, sum)) => *sum = &*sum + &factor,
-                    None => self.others.push((key, factor)),
-                }
-            }
+            Number::OfPi(fraction) => self.add_unknown(&Ball::PI, fraction * factor),
+            Number::Ball(ball) => self.add_unknown(ball, factor.clone()),
+        }
+    }
+
+    fn add_unknown(&mut self, unknown: &Ball, factor: Rational) {
+        let (key, negative) = identity(unknown);
+        let factor = if negative { -&factor } else { factor };
+        match self.others.iter_mut().find(|(other, _)| *other == key) {
+            Some((_, sum)) => *sum = &*sum + &factor,
+            None => self.others.push((key, factor)),
         }
     }
 
@@ -317,17 +320,26 @@ fn identity(ball: &Ball) -> ([u64; 3], bool) {
 
 fn residue(number: &Number, field: Field) -> Option<u64> {
     match number {
-        Number::Exact(value) => match value.residues(field.prime()) {
-            (_, 0) => None,
-            (numerator, 1) => Some(numerator),
-            (numerator, denominator) => Some(field.multiply(numerator, field.inverse(denominator))),
-        },
-        Number::Ball(ball) => {
-            let (key, negative) = identity(ball);
-            let x = field.random(key.iter().fold(0, |hash, &bits| scramble(hash ^ bits)));
-            Some(if negative { field.negate(x) } else { x })
+        Number::Exact(value) => rational_residue(value, field),
+        Number::OfPi(fraction) => {
+            Some(field.multiply(rational_residue(fraction, field)?, unknown_residue(&Ball::PI, field)))
         }
+        Number::Ball(ball) => Some(unknown_residue(ball, field)),
     }
+}
+
+fn rational_residue(value: &Rational, field: Field) -> Option<u64> {
+    match value.residues(field.prime()) {
+        (_, 0) => None,
+        (numerator, 1) => Some(numerator),
+        (numerator, denominator) => Some(field.multiply(numerator, field.inverse(denominator))),
+    }
+}
+
+fn unknown_residue(unknown: &Ball, field: Field) -> u64 {
+    let (key, negative) = identity(unknown);
+    let x = field.random(key.iter().fold(0, |hash, &bits| scramble(hash ^ bits)));
+    if negative { field.negate(x) } else { x }
 }
 
 #[cfg(test)]

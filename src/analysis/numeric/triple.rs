@@ -153,7 +153,7 @@ impl Precise {
         if ball.is_exact() {
             return Precise::from(ball);
         }
-        let value = match rational.small_fraction() {
+        let value = match rational.to_fraction() {
             Some((n, d)) => Triple::quotient(exact(n), exact(d)),
             None => {
                 let rest = number - &Number::Exact(rational_sum(ball.mid));

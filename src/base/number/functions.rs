@@ -30,6 +30,9 @@ impl Number {
         if power < 0 && self.may_be_zero() {
             return None;
         }
+        if power == 1 {
+            return Some(self.clone());
+        }
         if let Number::Exact(value) = self
             && let Some(raised) = value.pow(power, MAX_EXACT_BITS)
         {
@@ -87,6 +90,9 @@ impl Number {
         if self.is_zero() {
             return Some((Number::ZERO, Number::ONE));
         }
+        if let Number::OfPi(fraction) = self {
+            return Some(sin_cos_of_pi(fraction));
+        }
         let ball = self.to_ball();
         if ball.magnitude() > MAX_ANGLE {
             return None;
@@ -106,9 +112,59 @@ impl Number {
                 None
             };
         }
+        if let Some(eighths) = eighths_of_a_turn(y, x) {
+            return Some(Number::of_pi(Rational::new(eighths, 4)));
+        }
         let (y, x) = (y.to_ball(), x.to_ball());
         (!(y.contains_zero() && x.contains_zero()) && y.is_finite() && x.is_finite()).then(|| Number::Ball(atan2(y, x)))
     }
+}
+
+/// Sine and cosine of a fraction of pi, reduced exactly to at most pi/4: rational where they are (at multiples of pi/2,
+/// a half at pi/6 and pi/3; Niven, *Irrational Numbers*, corollary 3.12: there is no other), the same root at odd multiples of pi/4.
+fn sin_cos_of_pi(fraction: &Rational) -> (Number, Number) {
+    let (turn, half) = (Rational::from(2), Rational::new(1, 2));
+    let angle = fraction - &(&turn * &(fraction / &turn).floor());
+    let quarters = (&(&turn * &angle) + &half).floor();
+    let (sine, cosine) = in_the_first_eighth(&(&angle - &(&quarters * &half)));
+    match quarters.to_i64() {
+        Some(0 | 4) => (sine, cosine),
+        Some(1) => (cosine, -&sine),
+        Some(2) => (-&sine, -&cosine),
+        _ => (-&cosine, sine),
+    }
+}
+
+/// Sine and cosine of a fraction of pi of at most 1/4 in size.
+fn in_the_first_eighth(fraction: &Rational) -> (Number, Number) {
+    let half = Number::Exact(Rational::new(1, 2));
+    let (sine, cosine) = sin_cos(fraction.to_ball() * Ball::PI);
+    let signed = |size: Number| if fraction.signum() < 0 { -&size } else { size };
+    match fraction.to_fraction() {
+        Some((0, _)) => (Number::ZERO, Number::ONE),
+        Some((1 | -1, 6)) => (signed(half), Number::Ball(cosine)),
+        Some((1 | -1, 4)) => {
+            let root = Number::Ball(half.to_ball().sqrt());
+            (signed(root.clone()), root)
+        }
+        _ => (Number::Ball(sine), Number::Ball(cosine)),
+    }
+}
+
+/// The direction (x, y) as a multiple of pi/4 in (-pi, pi], where that is certain.
+fn eighths_of_a_turn(y: &Number, x: &Number) -> Option<i64> {
+    let upwards = if y.is_positive() {
+        1
+    } else if y.is_negative() {
+        -1
+    } else {
+        return None;
+    };
+    if x.is_zero() {
+        return Some(2 * upwards);
+    }
+    let diagonal = x.abs().compare(&y.abs()) == Some(std::cmp::Ordering::Equal);
+    diagonal.then(|| upwards * if x.is_positive() { 1 } else { 3 })
 }
 
 /// Beyond this the reduction by pi would leave fewer digits than a bound is worth.
@@ -208,12 +264,19 @@ pub(super) fn one_minus_square(x: &Number) -> Option<Number> {
 impl Number {
     /// Arcsine in radians; `None` outside [-1, 1].
     pub fn asin(&self) -> Option<Number> {
-        Number::atan2(self, &one_minus_square(self)?)
+        match self.exact().and_then(Rational::to_fraction) {
+            Some((sign @ (1 | -1), 2)) => Some(Number::of_pi(Rational::new(sign, 6))),
+            _ => Number::atan2(self, &one_minus_square(self)?),
+        }
     }
 
     /// Arccosine in radians; `None` outside [-1, 1].
     pub fn acos(&self) -> Option<Number> {
-        Number::atan2(&one_minus_square(self)?, self)
+        match self.exact().and_then(Rational::to_fraction) {
+            Some((1, 2)) => Some(Number::of_pi(Rational::new(1, 3))),
+            Some((-1, 2)) => Some(Number::of_pi(Rational::new(2, 3))),
+            _ => Number::atan2(&one_minus_square(self)?, self),
+        }
     }
 
     /// 10^(self/20): the amplitude ratio of a level in decibels.
@@ -269,6 +332,43 @@ mod tests {
         assert_eq!(Number::from(2).powi(-3), Some(Number::from("0.125")));
         assert_eq!((-&Number::from(40)).from_decibel(), Some(Number::from("0.01")));
         assert_eq!(Number::from(4).pow(&Number::from("1.5")), Some(Number::from(8)));
+    }
+
+    #[test]
+    fn fractions_of_pi_stay_exact_and_so_do_the_rational_values_of_their_functions() {
+        let degrees = |n: i64| Number::of_pi(Rational::new(n, 180));
+        let half = Number::from("0.5");
+        let sin_cos = |n: i64| degrees(n).sin_cos().expect("an angle");
+        for (n, sine, cosine) in [(90, 1, 0), (180, 0, -1), (270, -1, 0), (-90, -1, 0), (360, 0, 1), (-180, 0, -1)] {
+            assert_eq!(sin_cos(n), (Number::from(sine), Number::from(cosine)), "{n}");
+        }
+        for (n, sign) in [(30, 1), (150, 1), (-30, -1), (210, -1), (750, 1)] {
+            assert_eq!(sin_cos(n).0, &half * &Number::from(sign), "{n}");
+        }
+        for (n, sign) in [(60, 1), (-60, 1), (120, -1), (240, -1), (360_000_000_060, 1)] {
+            assert_eq!(sin_cos(n).1, &half * &Number::from(sign), "{n}");
+        }
+        assert_eq!(sin_cos(45).0, sin_cos(-45).1);
+        assert_eq!(sin_cos(135).1, sin_cos(225).0);
+        assert_eq!(&(&Number::pi() / &Number::from(3)) / &Number::pi(), Number::Exact(Rational::new(1, 3)));
+        assert_eq!(&Number::pi() - &Number::pi(), Number::ZERO);
+        assert_eq!((&Number::from(2) * &Number::pi()).compare(&degrees(360)), Some(std::cmp::Ordering::Equal));
+        let (one, minus) = (Number::ONE, -&Number::ONE);
+        assert_eq!(Number::atan2(&one, &Number::ZERO), Some(degrees(90)));
+        assert_eq!(Number::atan2(&minus, &minus), Some(degrees(-135)));
+        assert_eq!((half.asin(), one.asin(), minus.acos()), (Some(degrees(30)), Some(degrees(90)), Some(degrees(180))));
+        assert_eq!((half.acos(), (-&half).acos()), (Some(degrees(60)), Some(degrees(120))));
+    }
+
+    #[test]
+    fn other_fractions_of_pi_agree_with_the_series_at_their_enclosure() {
+        for n in [-1000, -271, -7, 1, 29, 31, 44, 46, 59, 89, 91, 136, 200, 314, 359, 100_001] {
+            let angle = Number::of_pi(Rational::new(n, 180));
+            let (exactly, enclosed) = (angle.sin_cos(), Number::Ball(angle.to_ball()).sin_cos());
+            let ((s, c), (t, d)) = (exactly.expect("an angle"), enclosed.expect("an angle"));
+            assert!((&s - &t).may_be_zero() && (&c - &d).may_be_zero(), "{n}");
+            assert!(s.to_ball().rad < 1e-27 && c.to_ball().rad < 1e-27, "{n}");
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Numbers as a model means them: exact while they are rational, enclosed in a ball from then on.
 //!
-//! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact;
-//! a root, a sine or the circle constant makes a [`Ball`], a double-double with a rigorous radius.
+//! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
+//! so do fractions of pi: an angle of `90 deg` is pi/2, and its cosine is 0. A root or the sine of another angle makes a
+//! [`Ball`], a double-double with a rigorous radius.
 //! Clause: spec.md, "Numbers".
 
 pub mod ball;
@@ -23,6 +24,8 @@ const MAX_EXACT_BITS: u64 = 8192;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
     Exact(Rational),
+    /// This fraction of pi; never zero.
+    OfPi(Rational),
     Ball(Ball),
 }
 
@@ -31,7 +34,18 @@ impl Number {
     pub const ONE: Number = Number::Exact(Rational::ONE);
 
     pub fn pi() -> Number {
-        Number::Ball(Ball::PI)
+        Number::OfPi(Rational::ONE)
+    }
+
+    /// A fraction of pi.
+    pub fn of_pi(fraction: Rational) -> Number {
+        if fraction.is_zero() {
+            Number::ZERO
+        } else if fraction.bits() <= MAX_EXACT_BITS {
+            Number::OfPi(fraction)
+        } else {
+            Number::Ball(fraction.to_ball() * Ball::PI)
+        }
     }
 
     /// The number in floating point with its error bound.
@@ -39,6 +53,7 @@ impl Number {
     pub fn to_ball(&self) -> Ball {
         match self {
             Number::Exact(value) => value.to_ball(),
+            Number::OfPi(fraction) => fraction.to_ball() * Ball::PI,
             Number::Ball(ball) => *ball,
         }
     }
@@ -46,15 +61,16 @@ impl Number {
     pub fn to_f64(&self) -> f64 {
         match self {
             Number::Exact(value) => value.to_f64(),
+            Number::OfPi(_) => self.to_ball().to_f64(),
             Number::Ball(ball) => ball.to_f64(),
         }
     }
 
-    /// The exact value, where it is known.
+    /// The exact value, where it is rational and known.
     pub fn exact(&self) -> Option<&Rational> {
         match self {
             Number::Exact(value) => Some(value),
-            Number::Ball(_) => None,
+            Number::OfPi(_) | Number::Ball(_) => None,
         }
     }
 
@@ -63,6 +79,7 @@ impl Number {
     pub fn is_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
+            Number::OfPi(_) => false,
             Number::Ball(ball) => ball.is_zero(),
         }
     }
@@ -76,6 +93,7 @@ impl Number {
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
+            Number::OfPi(_) => false,
             Number::Ball(ball) => ball.contains_zero(),
         }
     }
@@ -83,7 +101,7 @@ impl Number {
     /// Certainly greater than zero.
     pub fn is_positive(&self) -> bool {
         match self {
-            Number::Exact(value) => value.signum() > 0,
+            Number::Exact(value) | Number::OfPi(value) => value.signum() > 0,
             Number::Ball(ball) => ball.is_positive(),
         }
     }
@@ -91,7 +109,7 @@ impl Number {
     /// Certainly less than zero.
     pub fn is_negative(&self) -> bool {
         match self {
-            Number::Exact(value) => value.signum() < 0,
+            Number::Exact(value) | Number::OfPi(value) => value.signum() < 0,
             Number::Ball(ball) => ball.is_negative(),
         }
     }
@@ -106,7 +124,7 @@ impl Number {
         if let (Number::Exact(a), Number::Exact(b)) = (self, other) {
             return Some(a.cmp(b));
         }
-        let difference = (self - other).to_ball();
+        let difference = self - other;
         if difference.is_zero() {
             Some(Ordering::Equal)
         } else if difference.is_positive() {
@@ -165,6 +183,7 @@ impl Neg for &Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact(value) => Number::Exact(-value),
+            Number::OfPi(fraction) => Number::OfPi(-fraction),
             Number::Ball(ball) => Number::Ball(-*ball),
         }
     }
@@ -177,6 +196,7 @@ impl Add for &Number {
             (Number::Exact(a), _) if a.is_zero() => other.clone(),
             (_, Number::Exact(b)) if b.is_zero() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a + b),
+            (Number::OfPi(a), Number::OfPi(b)) => Number::of_pi(a + b),
             _ => Number::Ball(self.to_ball() + other.to_ball()),
         }
     }
@@ -196,6 +216,7 @@ impl Mul for &Number {
             (Number::Exact(a), _) if a.is_one() => other.clone(),
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a * b),
+            (Number::Exact(a), Number::OfPi(b)) | (Number::OfPi(a), Number::Exact(b)) => Number::of_pi(a * b),
             // An exact zero stays exact whatever it is multiplied with.
             _ if self.is_zero() || other.is_zero() => Number::ZERO,
             _ => Number::Ball(self.to_ball() * other.to_ball()),
@@ -210,6 +231,8 @@ impl Div for &Number {
         match (self, other) {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) if !b.is_zero() => Number::from_rational(a / b),
+            (Number::OfPi(a), Number::Exact(b)) if !b.is_zero() => Number::of_pi(a / b),
+            (Number::OfPi(a), Number::OfPi(b)) => Number::from_rational(a / b),
             _ => Number::Ball(self.to_ball() / other.to_ball()),
         }
     }

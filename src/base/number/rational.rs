@@ -150,6 +150,14 @@ impl Rational {
         }
     }
 
+    /// The largest whole number that is not above it.
+    pub fn floor(&self) -> Rational {
+        match &self.0 {
+            Repr::Small(n, d) => Rational::from(n.div_euclid(*d)),
+            Repr::Big(value) => Rational::from_big(value.floor()),
+        }
+    }
+
     /// The value as a machine integer, if it is one that fits.
     pub fn to_i64(&self) -> Option<i64> {
         match &self.0 {
@@ -180,14 +188,6 @@ impl Rational {
         match &self.0 {
             Repr::Small(n, d) => bits(*n) - bits(*d),
             Repr::Big(value) => (value.numer().bits() as i64 - value.denom().bits() as i64) as i32,
-        }
-    }
-
-    /// Numerator and denominator, if they fit machine integers.
-    pub fn small_fraction(&self) -> Option<(i64, i64)> {
-        match &self.0 {
-            Repr::Small(n, d) => Some((*n, *d)),
-            Repr::Big(_) => None,
         }
     }
 
