@@ -4,14 +4,14 @@
 use super::Check;
 use super::ends::are_apart;
 use super::error::{NameError, PartError, ValueError};
-use super::evaluate::Evaluated;
+use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::fields::Given;
 use super::freedoms::{Line, are_parallel};
 use super::scene::{Attachment, Element, Geometry, Law, SpringRest};
 use super::scope::{Environment, Instance};
 use super::value::Value;
-use crate::base::{Dimension, Number, Vec3};
+use crate::base::{Dimension, Number, Span, Vec3};
 use crate::syntax::tree::{DeclKind, ElementKeyword, EndId, Fields, Ident};
 use std::sync::Arc;
 
@@ -36,7 +36,8 @@ type Acting = ([Attachment; 2], Law, Geometry);
 #[derive(Clone, Debug)]
 pub struct Coefficient {
     value: Number,
-    torsional: bool,
+    /// The value whose unit says that the element acts on the rotation.
+    torsional: Option<Span>,
 }
 
 impl<'a> Check<'a> {
@@ -65,9 +66,14 @@ impl<'a> Check<'a> {
         let given = self.fields(fields, &SPRING_FIELDS, environment);
         let pair = self.element_ends(ends, environment);
         let coefficient = self.coefficient(&given, ident, Dimension::TORSIONAL_STIFFNESS, &STIFFNESS, environment)?;
-        let rest = self.spring_rest(&given, coefficient.torsional, environment)?;
-        let pair = pair?;
-        let geometry = self.geometry(given.get(ALONG), &pair, coefficient.torsional, environment)?;
+        let geometry = pair
+            .and_then(|pair| Ok((self.geometry(given.get(ALONG), &pair, coefficient.torsional, environment)?, pair)));
+        // Where the unit of `k` is the slip, lengths are right: that no part turns is said alone.
+        if let (Some(_), Err(stop)) = (coefficient.torsional, &geometry) {
+            return Err(*stop);
+        }
+        let rest = self.spring_rest(&given, coefficient.torsional.is_some(), environment)?;
+        let (geometry, pair) = geometry?;
         if rest != SpringRest::AsDrawn {
             self.drawn_length_is_known(&rest, &geometry, &pair, environment)?;
         }
@@ -115,7 +121,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Coefficient> {
         let Some(field) = given.get(COEFFICIENT) else {
             if given.broken {
-                return Err(super::Stop::Reported);
+                return Err(Stop::Reported);
             }
             return self.fail(environment, NameError::FieldMissing { span: ident.span, expected: *expected });
         };
@@ -130,7 +136,7 @@ impl<'a> Check<'a> {
                 let is_torsional = matches!(&value, Value::Scalar(scalar) if scalar.dimension() == Some(torsional));
                 let expected = if is_torsional { &turns } else { expected };
                 let value = check.as_number(&value, expr, environment, expected)?;
-                Ok(Coefficient { value, torsional: is_torsional })
+                Ok(Coefficient { value, torsional: is_torsional.then(|| check.tree.expr(expr).span) })
             },
         )
     }
@@ -161,7 +167,7 @@ impl<'a> Check<'a> {
         &mut self,
         along: Option<&crate::syntax::tree::Field>,
         pair: &[Attachment; 2],
-        torsional: bool,
+        torsional: Option<Span>,
         environment: Environment,
     ) -> Evaluated<Geometry> {
         let direction = match along {
@@ -172,18 +178,18 @@ impl<'a> Check<'a> {
             }
         };
         match (torsional, direction) {
-            (true, Some(_)) => {
+            (Some(_), Some(_)) => {
                 let span = along.map_or(pair[0].span, |field| field.key);
                 self.fail(environment, PartError::DirectionOfTorsion { span })
             }
-            (true, None) if pair.iter().any(|end| self.can_turn(end.part)) => Ok(Geometry::Torsion),
-            (true, None) if self.broken_joints => Err(super::Stop::Reported),
-            (true, None) => {
+            (Some(_), None) if pair.iter().any(|end| self.can_turn(end.part)) => Ok(Geometry::Torsion),
+            (Some(_), None) if self.broken_joints => Err(Stop::Reported),
+            (Some(unit), None) => {
                 let span = pair[0].span.to(pair[1].span);
-                self.fail(environment, PartError::NoEndTurns { span })
+                self.fail(environment, PartError::NoEndTurns { span, torsional: Some(unit) })
             }
-            (false, Some(direction)) => Ok(Geometry::Along(direction)),
-            (false, None) => self.line_or_direction(pair, environment),
+            (None, Some(direction)) => Ok(Geometry::Along(direction)),
+            (None, None) => self.line_or_direction(pair, environment),
         }
     }
 
@@ -199,7 +205,7 @@ impl<'a> Check<'a> {
             return Ok(Geometry::Along(line));
         }
         if self.broken_joints {
-            return Err(super::Stop::Reported);
+            return Err(Stop::Reported);
         }
         let span = pair[0].span.to(pair[1].span);
         let error = match places {

@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
                 return Err(Stop::Reported);
             }
             let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ident.span);
-            return self.fail(environment, PartError::NoEndTurns { span });
+            return self.fail(environment, PartError::NoEndTurns { span, torsional: None });
         }
         let signal = self.signal(signal, &TORQUE_SIGNAL, environment)?;
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)

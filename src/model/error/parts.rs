@@ -26,7 +26,7 @@ pub enum PartError {
     ZeroLength { span: Span },
     DirectionUnknown { span: Span, part: String },
     DirectionOfTorsion { span: Span },
-    NoEndTurns { span: Span },
+    NoEndTurns { span: Span, torsional: Option<Span> },
     FreeLengthAndPreload { span: Span, free: Span },
     NoDrawnLength { span: Span },
     NegativeStiffness { span: Span },
@@ -144,8 +144,7 @@ impl PartError {
                     .help("leave `along` out, or write a stiffness in N/m or a damping coefficient in N*s/m")
                     .mend(span, Change::DropField)
             }
-            NoEndTurns { span } => error("vib::element::no_end_turns", span, "none of these parts can turn")
-                .help("give a body the freedom to turn: `turns`, `free` or a pivot"),
+            NoEndTurns { span, torsional } => no_end_turns(span, torsional),
             FreeLengthAndPreload { span, free } => {
                 error("vib::spring::free_length_and_preload", span, "a spring has a free length or a preload, not both")
                     .related(free, "the free length")
@@ -224,6 +223,18 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
         .label(label)
         .related(named, "the table is named here")
         .help("write a time in s and a value in SI units, such as `0.5, 12`")
+}
+
+/// `torsional` is the value of a spring or damper whose unit asks for a rotation.
+fn no_end_turns(span: Span, torsional: Option<Span>) -> Diagnostic {
+    let told = error("vib::element::no_end_turns", span, "none of these parts can turn");
+    let turns = "give a body the freedom to turn: `turns`, `free` or a pivot";
+    match torsional {
+        Some(unit) => told
+            .related(unit, "by the unit of this it acts on the rotation")
+            .help(format!("{turns}; a stiffness along a line is in N/m, a damping coefficient in N*s/m")),
+        None => told.help(turns),
+    }
 }
 
 fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagnostic {
