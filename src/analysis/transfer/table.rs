@@ -297,11 +297,16 @@ impl Pair<'_> {
 
     /// Every bracketed extremum of |H|.
     fn features(&self, rows: &[Row], poles: &Poles) -> Vec<Feature> {
-        let sizes: Vec<f64> = rows.iter().map(|row| size(row.gains[self.input][self.output])).collect();
+        let gains: Vec<Gain> = rows.iter().map(|row| row.gains[self.input][self.output]).collect();
+        let sizes: Vec<f64> = gains.iter().map(|gain| size(*gain)).collect();
         let mut features = Vec::new();
         for i in 1..rows.len().saturating_sub(1) {
             let bracket = [i - 1, i, i + 1].map(|at| rows[at].frequency.to_f64());
             let (left, here, right) = (sizes[i - 1], sizes[i], sizes[i + 1]);
+            // Between two values without a digit there is nothing but rounding.
+            if !(is_told(gains[i - 1]) && is_told(gains[i + 1])) {
+                continue;
+            }
             if here > left && here >= right {
                 features.extend(self.peak(bracket, poles));
             } else if here < left && here <= right {
@@ -413,6 +418,11 @@ impl Pair<'_> {
         }
         Some(0.5 * (inside + outside))
     }
+}
+
+/// Whether a value has a digit, or is infinite.
+fn is_told(gain: Gain) -> bool {
+    gain.disc().is_none_or(|disc| disc.relative_error() <= 0.1)
 }
 
 /// |H| to compare by.
