@@ -288,6 +288,48 @@ fn a_large_net_is_held_within_a_residual() {
     assert!((last - 400.0 * 9.81).abs() < 1e-9, "{last}");
 }
 
+/// A net of springs of different lengths, held at its rim: whatever tensions are found, they balance each knot's weight.
+#[test]
+fn the_tensions_of_a_large_slack_net_balance_its_weights() {
+    let n = 16;
+    let place = |i: usize, j: usize| (0.5 * i as f64 + 0.125 * j as f64, 0.25 * j as f64 + 0.03125 * (i * i) as f64);
+    let mut text = String::from("gravity 10 m/s^2\nrest as drawn\n");
+    let mut springs = Vec::new();
+    let rim = |i: usize, j: usize| i == 0 || j == 0 || i == n || j == n;
+    let end = |i: usize, j: usize| {
+        let (x, y) = place(i, j);
+        if rim(i, j) { format!("ground@({x} m, {y} m)") } else { format!("m[{i},{j}]") }
+    };
+    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let (x, y) = place(i, j);
+        if !rim(i, j) {
+            text += &format!("body m[{i},{j}] {{ mass = 2 kg, at = ({x} m, {y} m), moves x y }}\n");
+        }
+        for (k, l) in [(i + 1, j), (i, j + 1)] {
+            if k <= n && l <= n && !(rim(i, j) && rim(k, l)) {
+                text += &format!("spring s[{}]: {} -- {} {{ k = 1 kN/m }}\n", springs.len(), end(i, j), end(k, l));
+                springs.push([(i, j), (k, l)]);
+            }
+        }
+    }
+    let rest = lowered(&text).rest;
+    assert!(rest.proven && rest.residual < 1e-20, "{} {:e}", rest.proven, rest.residual);
+    let mut forces = vec![vec![(0.0, -20.0); n + 1]; n + 1];
+    for ([a, b], found) in springs.iter().zip(&rest.tensions) {
+        let ((xa, ya), (xb, yb)) = (place(a.0, a.1), place(b.0, b.1));
+        let share = found.tension.to_f64() / (xb - xa).hypot(yb - ya);
+        for (at, sign) in [(a, share), (b, -share)] {
+            let force = &mut forces[at.0][at.1];
+            *force = (force.0 + sign * (xb - xa), force.1 + sign * (yb - ya));
+        }
+    }
+    for (i, j) in (1..n).flat_map(|i| (1..n).map(move |j| (i, j))) {
+        let (x, y) = forces[i][j];
+        // Four tensions of some hundred newtons, each rounded to binary64 and again with its direction.
+        assert!(x.abs() < 1e-10 && y.abs() < 1e-10, "{i} {j}: {x:e} {y:e}");
+    }
+}
+
 // Published cases, drawn turned by 30 degrees about their support: the rest is found, and is the same.
 
 /// A turn by 30 degrees of what is written as (x, y).

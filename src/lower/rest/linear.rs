@@ -1,10 +1,12 @@
 //! The rest of large parts with a quadratic energy: K q = f by sparse factors, refined with exact residuals.
 //! Clause: spec.md, "Rest".
 //!
-//! The enclosure is proven for chains and nets of springs, whose K has no positive entry off its diagonal: with a vector
-//! w > 0 for which v = K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for
-//! Systems of Equations*, 1990, section 3.6: K is an M-matrix, so its inverse has no negative entry).
+//! For chains and nets of springs, whose K has no positive entry off its diagonal: with a vector w > 0 for which
+//! v = K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for Systems of
+//! Equations*, 1990, section 3.6: K is an M-matrix, so its inverse has no negative entry). For others, scaled to ones on the
+//! diagonal by S: |S^-1 (q - q~)| is at most |S (f - K q~)| over a lower bound of the least eigenvalue of S K S.
 
+use super::definite::{Scaled, estimate};
 use super::survey::{Part, Survey};
 use crate::base::{Ball, Dd, Number};
 use crate::elements::Scalar;
@@ -110,7 +112,7 @@ pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
         }
         left = stiffness.left(forces, &middle);
     }
-    let bounds = stiffness.error_bounds(&factors, &left);
+    let bounds = stiffness.bounds_of_springs(&factors, &left).or_else(|| stiffness.bounds_by_the_least(&left));
     // Without a proof: what another step of refinement would change is far below what the last one did.
     let radius = |i: usize| bounds.as_ref().map_or(last, |bounds| bounds[i]);
     let values = middle.iter().enumerate().map(|(i, middle)| Ball::new(*middle, radius(i))).collect();
@@ -165,7 +167,7 @@ impl Squares {
     }
 
     /// Bounds of |q - q~|, where K is an M-matrix.
-    fn error_bounds(&self, factors: &Factors, left: &[Ball]) -> Option<Vec<f64>> {
+    fn bounds_of_springs(&self, factors: &Factors, left: &[Ball]) -> Option<Vec<f64>> {
         let springs = |(weight, row): (Ball, &[(u32, Ball)])| match row {
             [_] => true,
             [(_, a), (_, b)] => weight.is_positive() && (*a * *b).is_negative(),
@@ -187,6 +189,23 @@ impl Squares {
         }
         let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, f64::max);
         Some(w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect())
+    }
+}
+
+impl Squares {
+    /// Bounds of |q - q~| where the least eigenvalue of S K S is certainly positive.
+    fn bounds_by_the_least(&self, left: &[Ball]) -> Option<Vec<f64>> {
+        let entries = self.squares().flat_map(|(weight, row)| {
+            let ordered = move |a: usize| row[..=a].iter().map(move |b| (row[a].0, b.0, weight * row[a].1 * b.1));
+            (0..row.len()).flat_map(ordered)
+        });
+        let scaled = Scaled::to_ones(self.n, entries.collect())?;
+        let sigma = 0.5 * estimate(&scaled.factor(0.0, 0.0)?, self.n);
+        let least = scaled.least_eigenvalue(sigma)?;
+        let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).powi(2));
+        // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
+        let norm = squares.sum::<f64>().sqrt() * (1.0 + 1e-7);
+        Some(scaled.scale.iter().map(|scale| norm / least * scale * (1.0 + 1e-15)).collect())
     }
 }
 

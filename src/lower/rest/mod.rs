@@ -9,6 +9,7 @@
 
 mod constrained;
 pub mod convex;
+pub mod definite;
 pub mod drawn;
 pub mod enclosure;
 pub mod exact;

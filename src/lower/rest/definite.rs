@@ -1,0 +1,122 @@
+//! Large sparse symmetric matrices in balls, and a lower bound of their least eigenvalue. Clause: spec.md 7.5.
+//!
+//! Where L D L^T of S H S - sigma, S scaling the diagonal to ones, comes to its end in binary64 with positive D, the least
+//! eigenvalue of S H S is above sigma - e, e = 2^-52 n (longest row + 4) (S. M. Rump, *Verification of positive
+//! definiteness*, BIT 46 (2006) 433: every entry rounds by gamma of its row times the roots of two diagonal entries, here
+//! ones). What the true matrix differs by from the one eliminated is bounded by its largest row of radii.
+
+use crate::base::Ball;
+use crate::system::ldl::{Factors, Symmetric};
+
+/// A symmetric matrix S H S: one entry for each place, with what it may be wrong by.
+pub struct Scaled {
+    places: Vec<(u32, u32)>,
+    middles: Vec<f64>,
+    spreads: Vec<f64>,
+    /// The diagonal of S.
+    pub scale: Vec<f64>,
+}
+
+/// Steps of inverse iteration: each makes the share of all other motions smaller by the ratio of their eigenvalues.
+const INVERSE_STEPS: usize = 12;
+
+impl Scaled {
+    /// H as the sum of its entries (i, j, value), each place from one side only, scaled to ones on its diagonal; `None`
+    /// where that is not positive.
+    pub fn to_ones(n: usize, entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
+        let mut diagonal = vec![0.0; n];
+        for (i, _, value) in entries.iter().filter(|(i, j, _)| i == j) {
+            diagonal[*i as usize] += value.to_f64();
+        }
+        let usable = diagonal.iter().all(|entry| *entry > 0.0 && entry.is_finite());
+        usable.then(|| Scaled::by(diagonal.iter().map(|entry| entry.sqrt().recip()).collect(), entries))?
+    }
+
+    /// The same with a scale of its own; `None` where an entry is not finite.
+    pub fn by(scale: Vec<f64>, mut entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
+        let place = |(i, j, _): &(u32, u32, Ball)| (*i.max(j), *i.min(j));
+        entries.sort_by_key(place);
+        let mut result = Scaled { places: Vec::new(), middles: Vec::new(), spreads: Vec::new(), scale };
+        for same in entries.chunk_by(|a, b| place(a) == place(b)) {
+            let ball = same.iter().fold(Ball::ZERO, |sum, (_, _, value)| sum + *value);
+            if !ball.is_finite() {
+                return None;
+            }
+            let here = place(&same[0]);
+            let factor = result.scale[here.0 as usize] * result.scale[here.1 as usize];
+            let middle = ball.mid.hi * factor;
+            result.places.push(here);
+            result.middles.push(middle);
+            // The low part, the radius, and the roundings of two products.
+            let spread = (ball.mid.lo.abs() + ball.rad) * factor * (1.0 + 1e-14) + 2.0 * f64::EPSILON * middle.abs();
+            result.spreads.push(spread);
+        }
+        Some(result)
+    }
+
+    /// The factors of S H S - sigma; `None` where a pivot is below `least` of what it was made from.
+    pub fn factor(&self, sigma: f64, least: f64) -> Option<Factors> {
+        let mut matrix = Symmetric::pattern(self.scale.len(), &self.places);
+        matrix.fill(self.middles.iter().copied());
+        matrix.factor(|_| -sigma, least).ok()
+    }
+
+    /// A positive lower bound of the least eigenvalue of S H S, a little below sigma; `None` where that cannot be shown.
+    pub fn least_eigenvalue(&self, sigma: f64) -> Option<f64> {
+        let shifted = self.factor(sigma, 0.0)?;
+        let rounding = f64::EPSILON * self.scale.len() as f64 * (shifted.longest_row() as f64 + 4.0);
+        Some(sigma - rounding - self.largest_spread()).filter(|least| *least > 0.0)
+    }
+
+    /// H^-1 g, with the factors of S H S.
+    pub fn solve(&self, factors: &Factors, g: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut step: Vec<f64> = g.zip(&self.scale).map(|(g, scale)| g * scale).collect();
+        factors.solve(&mut step);
+        step.iter().zip(&self.scale).map(|(z, scale)| z * scale).collect()
+    }
+
+    /// The largest row of spreads: a bound of the norm of what the matrix may be wrong by.
+    fn largest_spread(&self) -> f64 {
+        let mut rows = vec![0.0; self.scale.len()];
+        for ((i, j), spread) in self.places.iter().zip(&self.spreads) {
+            rows[*i as usize] += spread;
+            if i != j {
+                rows[*j as usize] += spread;
+            }
+        }
+        rows.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)
+    }
+}
+
+/// An estimate of the least eigenvalue of the matrix of these factors, by inverse iteration.
+pub fn estimate(factors: &Factors, n: usize) -> f64 {
+    let mut x = vec![1.0 / (n as f64).sqrt(); n];
+    let mut size = 1.0;
+    for _ in 0..INVERSE_STEPS {
+        factors.solve(&mut x);
+        size = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        x.iter_mut().for_each(|x| *x /= size);
+    }
+    1.0 / size
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of n equal springs between two walls: the eigenvalues of K are 4 k sin^2(j pi / (2 n + 2)), its diagonal 2 k.
+    #[test]
+    fn the_least_eigenvalue_of_a_chain_is_bounded_from_below() {
+        let n = 500;
+        let k = Ball::from(3e7);
+        let springs = (0..n).map(|i| (i, i, k + k)).chain((1..n).map(|i| (i, i - 1, -k)));
+        let matrix = Scaled::to_ones(n as usize, springs.collect()).expect("a positive diagonal");
+        let truth = 2.0 * (std::f64::consts::PI / f64::from(2 * n + 2)).sin().powi(2);
+        let factors = matrix.factor(0.0, 0.0).expect("positive definite");
+        let guess = estimate(&factors, n as usize);
+        assert!((guess / truth - 1.0).abs() < 1e-2, "{guess:e} {truth:e}");
+        let least = matrix.least_eigenvalue(0.9 * truth).expect("below the least");
+        assert!(least < truth && least > 0.8 * truth, "{least:e} {truth:e}");
+        assert_eq!(matrix.least_eigenvalue(1.1 * truth), None);
+    }
+}
