@@ -104,7 +104,15 @@ pub fn analyze_with(
 }
 
 fn answered(read: &Read, request: &Request, diagnostics: &mut Diagnostics) -> Option<ModalAnswer> {
-    let lowered = damped(&read.scene, diagnostics)?;
+    let lowered = hanging(&read.scene, diagnostics)?;
+    if lowered.system.is_chained() && analysis::takes_chained(&lowered.system, request) {
+        match answer(read, lowered.clone(), request) {
+            // Written out there may be a way, or else more to say of why there is none.
+            Err(AnalysisError::NotSparse { .. }) => {}
+            found => return found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok(),
+        }
+    }
+    let lowered = flattened(lowered, diagnostics)?;
     answer(read, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
@@ -409,22 +417,35 @@ fn checked_scene(
     read(sources, model, overrides, None, diagnostics).map(|read| read.scene)
 }
 
-/// The lowered scene with the damping that is declared for all of it.
+/// The lowered scene with the damping that is declared for all of it, its rows written out.
 fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+    let lowered = hanging(scene, diagnostics)?;
+    flattened(lowered, diagnostics)
+}
+
+fn flattened(lowered: Lowered, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+    lower::flattened(lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
+/// The same with rows chained where the scene hangs deep.
+fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
     let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
-    let lowered = lower::flattened(outcome.lowered?);
-    let mut lowered = lowered.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    let mut lowered = outcome.lowered?;
     match &scene.scene().damping {
         None => {}
         Some(Damping::Rayleigh { alpha, beta, .. }) => analysis::damping::rayleigh(&mut lowered.system, alpha, beta),
-        Some(Damping::Modal { ratio, .. }) => match analysis::modes(&lowered.system) {
-            Ok(modes) => analysis::damping::modal(&mut lowered.system, ratio, &modes),
-            Err(error) => {
-                diagnostics.push(error.to_diagnostic());
-                return None;
+        Some(Damping::Modal { ratio, .. }) => {
+            // Damping that joins all coordinates has no short rows.
+            lowered = flattened(lowered, diagnostics)?;
+            match analysis::modes(&lowered.system) {
+                Ok(modes) => analysis::damping::modal(&mut lowered.system, ratio, &modes),
+                Err(error) => {
+                    diagnostics.push(error.to_diagnostic());
+                    return None;
+                }
             }
-        },
+        }
     }
     Some(lowered)
 }

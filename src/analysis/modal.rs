@@ -5,7 +5,7 @@
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stability};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::modes::parts::{Part, independent};
+use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::{MAX_ALL, MAX_DENSE, MIN_SPARSE, modes_as};
 use crate::analysis::poles::{poles, poles_of};
@@ -21,12 +21,23 @@ pub struct Modal {
     pub stability: Stability,
 }
 
+/// Whether what is asked for is found with rows of M as they are chained (spec.md 9.5): some modes, and poles of these at most.
+pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
+    let few = match request.which {
+        Which::All => false,
+        Which::Usual => system.n() > MAX_DENSE,
+        Which::Lowest(count) => count < system.n() / 4,
+        Which::Within(_) => true,
+    };
+    few && !needs_all(system, &whole(system))
+}
+
 /// The modes asked for, and what goes with them.
 pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
     let whole = whole(system);
     if !needs_all(system, &whole) {
         let modes = modes_as(system, request)?;
-        if !modes.is_complete() {
+        if !modes.is_complete() || system.is_chained() {
             let poles = poles_of(system, &whole, &modes);
             let stability = match stability(&modes, &poles) {
                 // Whether a motion grows is in poles that were not computed.
@@ -48,7 +59,8 @@ fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
     if n <= MIN_SPARSE {
         return true;
     }
-    let largest = || independent(system).iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
+    let parts = || if system.is_chained() { independent_chained(system) } else { independent(system) };
+    let largest = || parts().iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
     n <= MAX_ALL && !crate::analysis::poles::are_of_modes(system, whole) && largest() <= MAX_DENSE
 }
 

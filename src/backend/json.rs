@@ -430,6 +430,7 @@ fn distance(answer: &ModalAnswer) -> Distance {
 }
 
 fn matrices(system: &LinearSystem) -> Matrices {
+    let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
     let rows = |form: &Form| {
         form.assemble(system.n()).iter().map(|row| row.iter().map(|entry| entry.to_f64() + 0.0).collect()).collect()
     };

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use vibc::analysis::{Band, Request, Which};
 use vibc::backend::{ReportOptions, json, report};
-use vibc::base::{SourceFile, Sources};
+use vibc::base::{Dd, SourceFile, Sources};
 use vibc::model::Overrides;
 
 fn asked(model: &str, which: Which) -> (Value, String) {
@@ -150,4 +150,72 @@ fn a_membrane_has_its_repeated_frequencies_as_groups() {
     let (band, _) = asked(&model, Which::Within(Band { from: known[3] * 0.99, to: known[7] * 1.001 }));
     assert_eq!(numbers(&band, "modes", "mode"), [4.0, 5.0, 6.0, 7.0, 8.0]);
     assert_eq!(band["not_computed"]["modes_below"], 3);
+}
+
+/// Points of 1 kg on links of 1 m without mass, one under another, turning in rows too long to be written out.
+fn hanging(n: usize, more: &str) -> String {
+    format!(
+        "gravity 9.81 m/s^2\nbody m[1] {{ mass = 1 kg, at = (0, -1 m), inertia = 0 kg*m^2 }}\n\
+         pivot p[1]: ground@(0, 0) -- m[1]\nrepeat i in 2..{n} {{\n\
+         body m[i] {{ mass = 1 kg, at = (0, -i * 1 m), inertia = 0 kg*m^2 }}\n\
+         pivot p[i]: m[i-1]@(0, -(i - 1) * 1 m) -- m[i]\n}}\n{more}\n"
+    )
+}
+
+/// The k-th root of Laguerre's polynomial of degree n, by Newton's method on its recurrence in double-double from the zeros
+/// of J0 that it tends to.
+fn laguerre_root(n: u32, k: usize) -> f64 {
+    let b = (k as f64 - 0.25) * std::f64::consts::PI;
+    let mut x = Dd::from((b + 1.0 / (8.0 * b)).powi(2) / (4.0 * f64::from(n) + 2.0));
+    for _ in 0..8 {
+        let (mut before, mut now) = (Dd::ONE, Dd::ONE - x);
+        for i in 1..n {
+            let i = Dd::from(f64::from(i));
+            let next = ((i + i + Dd::ONE - x) * now - i * before) / (i + Dd::ONE);
+            (before, now) = (now, next);
+        }
+        // x L_n' = n (L_n - L_(n-1))
+        x = x - now * x / (Dd::from(f64::from(n)) * (now - before));
+    }
+    x.to_f64()
+}
+
+/// omega^2 = x g / l with the roots x of Laguerre's polynomial, in the angles of the links.
+#[test]
+fn a_pendulum_of_many_links_has_its_lowest_modes() {
+    let n = 600;
+    let (some, text) = asked(&hanging(n, ""), Which::Lowest(20));
+    let found = numbers(&some, "modes", "omega");
+    assert_eq!(found.len(), 20);
+    assert_eq!(some["modes"][0]["route"], "tree");
+    for (k, (found, bound)) in found.iter().zip(numbers(&some, "modes", "omega_error_bound")).enumerate() {
+        let known = (laguerre_root(n as u32, k + 1) * 9.81).sqrt();
+        assert!((found - known).abs() <= (bound + 4e-16) * known, "{found} {known} {bound:e}");
+        assert!(bound < 1e-12);
+    }
+    assert_eq!(some["not_computed"]["modes_above"], n - 20);
+    assert_eq!(some["rest"]["stable"], true);
+    assert!(text.contains("m[600].angle 1.0000"), "{text}");
+    let band = Band { from: 0.5 * (found[4] + found[5]), to: 0.5 * (found[9] + found[10]) };
+    let (banded, _) = asked(&hanging(n, ""), Which::Within(band));
+    let inside = numbers(&banded, "modes", "omega");
+    assert_eq!(inside.len(), 5);
+    assert!(inside.iter().zip(&found[5..10]).all(|(a, b)| (a - b).abs() < 1e-13 * b));
+    assert_eq!(banded["not_computed"]["modes_below"], 5);
+    let (usual, _) = asked(&hanging(n, ""), Which::Usual);
+    assert_eq!(numbers(&usual, "modes", "omega"), found);
+}
+
+#[test]
+fn damping_of_a_pendulum_of_many_links_is_told() {
+    let (some, text) = asked(&hanging(600, "damper d: m[1] -- m[2] { c = 3 N*m*s/rad }"), Which::Lowest(3));
+    assert_eq!(some["not_computed"]["poles"], 1200);
+    assert!(text.contains("not computed: 1200 poles; this damping joins the modes"), "{text}");
+    let (proportional, _) = asked(&hanging(600, "damping rayleigh(0.1 /s, 1e-4 s)"), Which::Lowest(3));
+    let (ratios, omega) = (numbers(&proportional, "poles", "damping_ratio"), numbers(&proportional, "modes", "omega"));
+    assert_eq!(ratios.len(), 6);
+    for (i, zeta) in ratios.iter().enumerate() {
+        let expected = 0.5 * (0.1 / omega[i / 2] + 1e-4 * omega[i / 2]);
+        assert!((zeta - expected).abs() <= 1e-14 * expected);
+    }
 }

@@ -30,7 +30,7 @@ pub struct Buckling {
 /// stiffness), or where it could not be certified.
 pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
     let softened = |term: &Term| term.nature == Nature::Geometric && term.weight.is_negative();
-    if !system.k.terms().iter().any(softened) {
+    if !system.k.terms().iter().any(softened) || system.is_chained() {
         return None;
     }
     let mut local = vec![0u32; system.n()];

@@ -10,8 +10,8 @@ pub(in crate::analysis) mod certificate;
 pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
 pub(in crate::analysis) mod eigen;
-pub(in crate::analysis) mod forest;
 pub(in crate::analysis) mod gram;
+pub(in crate::analysis) mod linkage;
 pub(in crate::analysis) mod mass;
 pub(in crate::analysis) mod mesh;
 pub(in crate::analysis) mod parts;
@@ -51,8 +51,11 @@ pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     modes_as(system, &Request::default())
 }
 
-/// The undamped modes asked for, ascending in omega^2.
+/// The undamped modes asked for, ascending in omega^2. Rows may be chained.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    if system.is_chained() {
+        return linkage::modes(system, request);
+    }
     let parts = if request.together { vec![Part::whole(system)] } else { independent_undamped(system) };
     let request = &Request { which: settled(request.which, system.n(), &parts), ..*request };
     if system.n() > MAX_ALL && request.which == Which::All {

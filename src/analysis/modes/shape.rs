@@ -84,8 +84,12 @@ pub(in crate::analysis) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<
             energy[i as usize] += root * shape[i as usize] * factor.to_f64() * momentum;
         }
     }
-    let every = (0..shape.len() as u32).collect();
-    largest_first(&energy, every, |i| CoordinateId(i as u32))
+    shares_of(&energy)
+}
+
+/// Shares of all coordinates, largest first, from what each has.
+pub(in crate::analysis) fn shares_of(energies: &[f64]) -> Vec<Share<CoordinateId>> {
+    largest_first(energies, (0..energies.len() as u32).collect(), |i| CoordinateId(i as u32))
 }
 
 /// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from the energies of the terms.

@@ -3,11 +3,10 @@
 
 use crate::analysis::answer::{Before, Route};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
-use crate::analysis::modes::forest::Forest;
 use crate::analysis::modes::mesh;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::modes::tree;
+use crate::analysis::modes::tree::{self, forest::Forest};
 use crate::analysis::numeric::triple::Triple;
 
 /// Modes in a row: those computed, ascending, and how many come before them.

@@ -7,7 +7,6 @@ pub mod dense;
 pub(in crate::analysis) mod enclosure;
 pub(in crate::analysis) mod fused;
 pub(in crate::analysis) mod jacobi;
-pub(in crate::analysis) mod lanes;
 pub(in crate::analysis) mod pairwise;
 pub(in crate::analysis) mod pivoted_qr;
 pub(in crate::analysis) mod polynomial;

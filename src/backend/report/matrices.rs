@@ -16,6 +16,7 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let system = &answer.system;
     let mut text = coordinates(system) + &dependent(answer);
     if system.n() > 0 && (options.matrices || system.n() <= MOST) {
+        let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
         text += &line("M q″ + C q′ + K q = 0, in kg, m, s, rad");
         text += &side_by_side(&[("M", &system.m), ("C", &system.c), ("K", &system.k)], system.n());
     }

@@ -1,0 +1,450 @@
+//! The modes of linkages: scenes that hang deep, whose M is kept as chained rows (spec.md 9.5).
+//!
+//! In the angles q of the links every link meets every one above it. In the displacements of the points by which they are
+//! held it meets its neighbours alone: where a chained motion is that of the carrier and one link's own share, z = z' + a q,
+//! z may stand for q = (z - z') / a. What hangs on a link by a second point, or in a second direction, keeps a row over these
+//! coordinates; of several chained motions of one link the one that most others hang on is taken, so that rows stay short (as
+//! heavy paths of a tree do: Sleator and Tarjan, J. Comput. Syst. Sci. 26 (1983) 362). The last link of a row stands for the
+//! motion of its centre. The change of coordinates is exact, and so are the terms: it moves no eigenvalue.
+//!
+//! In: a system with chained rows. Out: M and K over the new coordinates, where their rows are short; modes in the angles.
+//! Clause: spec.md 10.12a.
+
+use crate::analysis::answer::{Modes, Share};
+use crate::analysis::error::{AnalysisError, place};
+use crate::analysis::modes::request::Request;
+use crate::analysis::modes::{MAX_DENSE, modes_as, shape};
+use crate::base::Number;
+use crate::system::chain::ChainedRow;
+use crate::system::{CoordinateId, Form, LinearSystem};
+
+/// More entries for each coordinate are no short rows: links that do not hang in one line.
+const MOST_ENTRIES: usize = 24;
+/// Entries of M, C and K together that are written out where nothing else helps.
+const MOST_WRITTEN_OUT: u64 = 5_000_000;
+
+/// The modes asked for. Where no coordinates are found in which the rows are short, they are written out.
+pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    let short = Places::of(system).and_then(|places| Some((places.system(system)?, places)));
+    if let Some((inner, places)) = short {
+        return modes_as(&inner, request).map(|modes| places.in_angles(system, modes));
+    }
+    let (count, limit, at) = (system.n(), MAX_DENSE, place(system, 0));
+    match system.clone().flattened(MOST_WRITTEN_OUT) {
+        Ok(flat) => modes_as(&flat, request),
+        Err(_) => Err(AnalysisError::NotSparse { count, limit, at }),
+    }
+}
+
+/// Coordinates q and chained motions z over new coordinates p.
+struct Places {
+    q: Vec<ChainedRow>,
+    z: Vec<ChainedRow>,
+}
+
+impl Places {
+    fn of(system: &LinearSystem) -> Option<Places> {
+        let n = system.n();
+        let stands_for = stands_for(system);
+        let mut places = Places { q: vec![ChainedRow::new(); n], z: Vec::with_capacity(system.chain.len()) };
+        // p_j is q_j where no motion stands for it.
+        for (j, row) in places.q.iter_mut().enumerate() {
+            if stands_for.of_coordinate[j] == Motion::Itself {
+                row.push((CoordinateId(j as u32), Number::ONE));
+            }
+        }
+        let mut entries = 0;
+        for (place, row) in system.chain.iter().enumerate() {
+            let own = stands_for.by_row[place];
+            places.follow(row, own, system, &stands_for)?;
+            let z = match own {
+                Some(j) => vec![(CoordinateId(j), Number::ONE)],
+                None => places.written(row, n)?,
+            };
+            entries += z.len();
+            places.z.push(z);
+            if let Some(j) = own {
+                places.solve(j as usize, row, n)?;
+            }
+            if entries > MOST_ENTRIES * n {
+                return None;
+            }
+        }
+        for j in 0..n {
+            if let Motion::OfTerm(t) = stands_for.of_coordinate[j] {
+                places.solve(j, system.m.row(&system.m.terms()[t as usize]), n)?;
+            }
+        }
+        let entries: usize = places.q.iter().map(Vec::len).sum();
+        let known = places.q.iter().all(|row| !row.is_empty());
+        (known && entries <= MOST_ENTRIES * n).then_some(places)
+    }
+
+    /// Coordinates of a row, but its own, whose motion comes later are solved for first.
+    fn follow(
+        &mut self,
+        row: &[(CoordinateId, Number)],
+        own: Option<u32>,
+        system: &LinearSystem,
+        stands_for: &StandsFor,
+    ) -> Option<()> {
+        let n = system.n();
+        for (j, _) in row.iter().filter(|(i, _)| i.index() < n) {
+            if Some(j.0) != own && self.q[j.index()].is_empty() {
+                let row = match stands_for.of_coordinate[j.index()] {
+                    Motion::OfRow(place) => &system.chain[place as usize][..],
+                    Motion::OfTerm(t) => system.m.row(&system.m.terms()[t as usize]),
+                    Motion::Itself => continue,
+                };
+                self.solve(j.index(), row, n)?;
+            }
+        }
+        Some(())
+    }
+
+    /// q_j = (p_j - the rest) / a of a row rest + a q_j that p_j stands for.
+    fn solve(&mut self, j: usize, row: &[(CoordinateId, Number)], n: usize) -> Option<()> {
+        let (_, a) = row.iter().find(|(i, _)| i.index() == j)?;
+        let factor = a.recip()?;
+        let rest: ChainedRow = row.iter().filter(|(i, _)| i.index() != j).cloned().collect();
+        let mut solved: ChainedRow = self.written(&rest, n)?.into_iter().map(|(i, x)| (i, -&(&x * &factor))).collect();
+        solved.push((CoordinateId(j as u32), factor));
+        self.q[j] = summed(solved);
+        Some(())
+    }
+
+    /// A row over q and z as one over p; `None` if it holds what is not known yet, or is long.
+    fn written(&self, row: &[(CoordinateId, Number)], n: usize) -> Option<ChainedRow> {
+        let mut own = ChainedRow::new();
+        for (i, value) in row {
+            let part = match i.index().checked_sub(n) {
+                None => &self.q[i.index()],
+                Some(place) => self.z.get(place)?,
+            };
+            if part.is_empty() {
+                return None;
+            }
+            own.extend(part.iter().map(|(k, factor)| (*k, factor * value)));
+        }
+        Some(summed(own))
+    }
+
+    /// The same system over p, without dampers, inputs and outputs.
+    fn system(&self, system: &LinearSystem) -> Option<LinearSystem> {
+        Some(LinearSystem {
+            words: system.words.clone(),
+            coordinates: system.coordinates.clone(),
+            m: self.form(&system.m, system.n())?,
+            c: Form::new(),
+            k: self.form(&system.k, system.n())?,
+            chain: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            initial: Vec::new(),
+        })
+    }
+
+    fn form(&self, form: &Form, n: usize) -> Option<Form> {
+        let mut result = Form::new();
+        for source in 0..form.source_count() {
+            result.source(form.source_name(source as u32));
+        }
+        let mut entries = 0;
+        for term in form.terms() {
+            let row = self.written(form.row(term), n)?;
+            entries += row.len();
+            if entries > MOST_ENTRIES * n.max(form.terms().len()) {
+                return None;
+            }
+            let (weight, row) = with_signs(&term.weight, row);
+            result.push(term.source, term.nature, weight, row);
+        }
+        Some(result)
+    }
+
+    /// Modes with shapes over p, as modes of the system.
+    fn in_angles(&self, system: &LinearSystem, mut modes: Modes) -> Modes {
+        let [q, z] = [&self.q, &self.z].map(|rows| Rows::of(rows));
+        let momenta = Momenta::of(system);
+        for mode in &mut modes.list {
+            let places = std::mem::take(&mut mode.shape);
+            let mut shape = q.times(&places);
+            mode.kinetic = momenta.shares(&shape, &z.times(&places));
+            if shape::is_reversed(&shape, &mode.kinetic, system) {
+                shape.iter_mut().for_each(|x| *x = -*x);
+            }
+            mode.shape = shape;
+        }
+        modes
+    }
+}
+
+/// What a new coordinate stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    Itself,
+    /// A chained row.
+    OfRow(u32),
+    /// The row of a term of M.
+    OfTerm(u32),
+}
+
+/// For each coordinate what stands for it, and for each chained row the coordinate for which it stands.
+struct StandsFor {
+    of_coordinate: Vec<Motion>,
+    by_row: Vec<Option<u32>>,
+}
+
+fn stands_for(system: &LinearSystem) -> StandsFor {
+    let n = system.n();
+    let followers = followers(system);
+    let mut found = StandsFor { of_coordinate: vec![Motion::Itself; n], by_row: vec![None; system.chain.len()] };
+    for (place, row) in system.chain.iter().enumerate() {
+        let Some(j) = own(row, n) else { continue };
+        let better = match found.of_coordinate[j as usize] {
+            Motion::OfRow(other) => followers[place] > followers[other as usize],
+            _ => true,
+        };
+        if better {
+            if let Motion::OfRow(other) = found.of_coordinate[j as usize] {
+                found.by_row[other as usize] = None;
+            }
+            found.of_coordinate[j as usize] = Motion::OfRow(place as u32);
+            found.by_row[place] = Some(j);
+        }
+    }
+    for (t, term) in system.m.terms().iter().enumerate() {
+        let row = system.m.row(term);
+        if let Some(j) = own(row, n).filter(|_| row.len() > 1)
+            && found.of_coordinate[j as usize] == Motion::Itself
+        {
+            found.of_coordinate[j as usize] = Motion::OfTerm(t as u32);
+        }
+    }
+    found
+}
+
+/// The coordinate of a row whose own share of the motion it is: the last, for a carrier comes before.
+fn own(row: &[(CoordinateId, Number)], n: usize) -> Option<u32> {
+    let (j, a) = row.iter().filter(|(i, _)| i.index() < n).max_by_key(|(i, _)| *i)?;
+    a.exact().is_some().then_some(j.0)
+}
+
+/// How many chained motions hang on each.
+fn followers(system: &LinearSystem) -> Vec<u32> {
+    let n = system.n();
+    let mut followers = vec![0u32; system.chain.len()];
+    for (place, row) in system.chain.iter().enumerate().rev() {
+        for carrier in row.iter().filter_map(|(i, _)| i.index().checked_sub(n)) {
+            followers[carrier] = followers[carrier].saturating_add(followers[place] + 1);
+        }
+    }
+    followers
+}
+
+/// Ascending, each coordinate once, without zeros.
+fn summed(mut row: ChainedRow) -> ChainedRow {
+    row.sort_by_key(|(i, _)| *i);
+    row.dedup_by(|(i, value), (last, sum)| {
+        let same = i == last;
+        if same {
+            *sum = &*sum + &*value;
+        }
+        same
+    });
+    row.retain(|(_, value)| !value.is_zero());
+    row
+}
+
+/// The same square with a row of signs, where all entries are equally large.
+fn with_signs(weight: &Number, row: ChainedRow) -> (Number, ChainedRow) {
+    let Some((_, first)) = row.first().cloned() else { return (weight.clone(), row) };
+    let opposite = -&first;
+    let sign = |x: &Number| match x.exact()? {
+        x if Some(x) == first.exact() => Some(Number::ONE),
+        x if Some(x) == opposite.exact() => Some(-&Number::ONE),
+        _ => None,
+    };
+    match row.iter().map(|(i, x)| Some((*i, sign(x)?))).collect() {
+        Some(signs) => (weight * &first.square(), signs),
+        None => (weight.clone(), row),
+    }
+}
+
+/// Rows in binary64.
+struct Rows {
+    starts: Vec<u32>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Rows {
+    fn of(rows: &[ChainedRow]) -> Rows {
+        let mut result = Rows { starts: vec![0], entries: Vec::with_capacity(2 * rows.len()) };
+        for row in rows {
+            result.entries.extend(row.iter().map(|(i, value)| (i.0, value.to_f64())));
+            result.starts.push(result.entries.len() as u32);
+        }
+        result
+    }
+
+    fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.entries[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    fn times(&self, x: &[f64]) -> Vec<f64> {
+        let dot = |i: usize| self.row(i).iter().map(|(j, a)| a * x[*j as usize]).sum();
+        (0..self.starts.len() - 1).map(dot).collect()
+    }
+}
+
+/// M q through the chained rows.
+struct Momenta {
+    weights: Vec<f64>,
+    terms: Rows,
+    chain: Rows,
+}
+
+impl Momenta {
+    fn of(system: &LinearSystem) -> Momenta {
+        let rows: Vec<ChainedRow> = system.m.terms().iter().map(|term| system.m.row(term).to_vec()).collect();
+        let weights = system.m.terms().iter().map(|term| term.weight.to_f64()).collect();
+        Momenta { weights, terms: Rows::of(&rows), chain: Rows::of(&system.chain) }
+    }
+
+    /// Shares q_i (M q)_i / q^T M q of the kinetic energy, z being the chained motions.
+    fn shares(&self, q: &[f64], z: &[f64]) -> Vec<Share<CoordinateId>> {
+        let n = q.len();
+        let motion = |i: u32| q.get(i as usize).or_else(|| z.get(i as usize - n)).copied().unwrap_or(0.0);
+        let mut momenta = vec![0.0; n + z.len()];
+        for (t, weight) in self.weights.iter().enumerate() {
+            let row = self.terms.row(t);
+            let momentum = weight * row.iter().map(|(i, a)| a * motion(*i)).sum::<f64>();
+            row.iter().for_each(|(i, a)| momenta[*i as usize] += a * momentum);
+        }
+        for place in (0..z.len()).rev() {
+            let momentum = momenta[n + place];
+            self.chain.row(place).iter().for_each(|(i, a)| momenta[*i as usize] += a * momentum);
+        }
+        let energies: Vec<f64> = q.iter().zip(&momenta).map(|(q, p)| q * p).collect();
+        shape::shares_of(&energies)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::answer::Route;
+    use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
+    use crate::analysis::modes::request::Which;
+    use crate::analysis::modes::terms::Terms;
+    use crate::analysis::modes::tree::{forest::Forest, lowest};
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::Nature;
+
+    fn number(i: usize, salt: usize) -> Number {
+        Number::from(format!("0.{}", 1000 + (i * 7919 + salt * 104_729) % 9000).as_str())
+    }
+
+    /// Uneven rods, each hanging on the one that `carrier` names (its own number: the ground), at a part of that one's length.
+    fn hanging(carriers: &[(usize, &str)]) -> LinearSystem {
+        let n = carriers.len();
+        let mut system = blank(n);
+        let source = system.m.source(system.coordinates[0].name);
+        let q = |i: usize| CoordinateId(i as u32);
+        let place = |row: usize| CoordinateId((n + row) as u32);
+        // The row of the point by which each rod is held.
+        let mut held: Vec<Option<usize>> = Vec::new();
+        for (i, &(carrier, part)) in carriers.iter().enumerate() {
+            let own = held.get(carrier).copied().map(|above| {
+                let arm = &number(carrier, 1) * &Number::from(part);
+                let row = above.map(|above: usize| (place(above), Number::ONE));
+                system.chain.push([(q(carrier), arm)].into_iter().chain(row).collect());
+                system.chain.len() - 1
+            });
+            held.push(own);
+            let (length, mass) = (number(i, 1), number(i, 2));
+            let centre = [(q(i), &length / &Number::from(2))];
+            let row = own.map(|own| (place(own), Number::ONE));
+            system.m.push(source, Nature::Property, mass.clone(), centre.into_iter().chain(row));
+            let inertia = &(&mass * &length.square()) / &Number::from(12);
+            system.m.push(source, Nature::Property, inertia, [(q(i), Number::ONE)]);
+            push(&mut system.k, &format!("{}.7", 3 * (n - i)), i, None);
+        }
+        system
+    }
+
+    fn row(n: usize) -> Vec<(usize, &'static str)> {
+        (0..n).map(|i| (if i == 0 { usize::MAX } else { i - 1 }, "1")).collect()
+    }
+
+    fn inner(system: &LinearSystem) -> LinearSystem {
+        Places::of(system).and_then(|places| places.system(system)).expect("short rows")
+    }
+
+    fn dense(system: &LinearSystem) -> Vec<(crate::analysis::numeric::triple::Triple, f64)> {
+        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let pairs = eigenpairs(&flat.k, &flat.m, flat.n(), 1e-20).expect("a regular system");
+        let value = |eigenvalue: Eigenvalue| match eigenvalue {
+            Eigenvalue::Near { value, radius, .. } => (value, radius),
+            Eigenvalue::Zero => panic!("it is held"),
+        };
+        pairs.into_iter().map(|pair| value(pair.value)).collect()
+    }
+
+    #[test]
+    fn a_row_of_rods_is_a_tree_of_springs_and_coupled_inertia() {
+        let system = hanging(&row(14));
+        let inner = inner(&system);
+        let (m, k) = (Terms::of(&inner.m), Terms::of(&inner.k));
+        let forest = Forest::of(&m, &k, inner.n()).expect("a tree");
+        assert!(forest.coupled > 1.0 && forest.coupled < 10.0);
+        for tolerance in [1e-12, 1e-27] {
+            let found = lowest(&forest, 6, tolerance).expect("modes apart");
+            assert_eq!(found.len(), 6);
+            for (mode, (value, radius)) in found.iter().zip(dense(&system)) {
+                let error = (mode.lambda - value).hi().abs();
+                assert!(error <= mode.radius + radius, "{error:e} {:e} {radius:e}", mode.radius);
+                assert!(mode.radius <= tolerance * value.hi(), "{:e}", mode.radius / value.hi());
+            }
+        }
+    }
+
+    /// Shapes and shares in the angles of the links, as with rows written out.
+    #[test]
+    fn modes_are_told_in_the_coordinates_of_the_links() {
+        let system = hanging(&row(9));
+        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let request = Request::default();
+        let (found, known) = (modes_as(&system, &request).expect("modes"), modes_as(&flat, &request).expect("modes"));
+        for (a, b) in found.list.iter().zip(&known.list) {
+            assert!((a.omega.mid - b.omega.mid).abs().hi <= a.omega.rad + b.omega.rad);
+            assert!(a.shape.iter().zip(&b.shape).all(|(x, y)| (x - y).abs() < 1e-12), "{:?} {:?}", a.shape, b.shape);
+            assert_eq!(a.kinetic[0].of, b.kinetic[0].of);
+            assert!((a.kinetic[0].part - b.kinetic[0].part).abs() < 1e-12);
+            assert!((a.strain[0].part - b.strain[0].part).abs() < 1e-12);
+        }
+    }
+
+    /// Rods that carry others at several points, and springs between neighbours: rows stay short.
+    #[test]
+    fn branches_and_springs_between_links_have_short_rows_too() {
+        let n = 130;
+        let carriers: Vec<(usize, &str)> =
+            (0..n).map(|i| if i == 0 { (usize::MAX, "1") } else { ((i - 1) / 2, ["1", "0.4"][i % 2]) }).collect();
+        let mut system = hanging(&carriers);
+        for i in (5..n).step_by(3) {
+            push(&mut system.k, "2.3", i, Some((i - 1) / 2));
+        }
+        let short = inner(&system);
+        let longest = short.m.terms().iter().map(|term| short.m.row(term).len()).max();
+        assert!(longest <= Some(10), "{longest:?}");
+        let request = Request { which: Which::Lowest(5), ..Request::default() };
+        let found = modes_as(&system, &request).expect("modes");
+        for (mode, (value, radius)) in found.list.iter().zip(dense(&system)) {
+            assert_eq!(mode.route, Route::Sparse);
+            let error = (mode.omega_squared.mid - value.dd()).hi.abs();
+            assert!(error <= mode.omega_squared.rad + radius, "{error:e}");
+            assert!(mode.omega_squared.rad <= 1e-12 * value.hi());
+        }
+    }
+}

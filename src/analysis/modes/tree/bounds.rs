@@ -1,0 +1,154 @@
+//! An eigenvalue of a tree from an approximate vector, with a bound that holds.
+//!
+//! Kato and Temple's bounds for the inverse problem M x = mu K x: with rho = x^T M x / x^T K x between its neighbours' bounds
+//! mu_above > mu_below (in mu),
+//!
+//!   rho - e^2 / (mu_above - rho) <= mu <= rho + e^2 / (rho - mu_below),   e = |K^-1 M x - rho x|_K / |x|_K,
+//!
+//! and e is bounded by the energy of any forces f that balance the inertia forces M x (Prager and Synge's hypercircle;
+//! Thomson's principle): |K^-1 M x - rho x|_K^2 <= sum (f - rho k b)^2 / k, b the stretches. In a tree such forces are found
+//! from the leaves; what rounding leaves unbalanced, r, adds |r|_(M^-1) / sqrt(lambda_1). In this norm errors of soft and stiff
+//! directions weigh alike, so vectors of working precision suffice. What M couples along a spring, c, is a force -c b in it.
+//!
+//! A tree without ground is held by springs tau M to the ground, which add tau to every eigenvalue.
+//! Clause: spec.md 10.10.
+
+use crate::analysis::modes::tree::forest::{Forest, Node};
+use crate::analysis::modes::tree::impedance::taken;
+use crate::analysis::numeric::dense::Real;
+use crate::analysis::numeric::pairwise::PairwiseSum;
+use crate::analysis::numeric::triple::Triple;
+use crate::base::Dd;
+
+/// What bounds need to know of a tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Tree {
+    /// The most children of a node.
+    pub breadth: f64,
+    /// kappa: see [`Forest`].
+    pub coupled: f64,
+    /// Relative error of an eigenvalue for that of the tree's numbers in this precision.
+    data: [f64; 2],
+}
+
+impl Tree {
+    pub fn of(forest: &Forest) -> Tree {
+        let (_, breadth) = forest.depth_and_breadth();
+        let data = [f64::ERROR, Dd::ERROR].map(|error| forest.moved_by(forest.uncertainty + 4.0 * error));
+        Tree { breadth: breadth as f64, coupled: forest.coupled, data }
+    }
+
+    fn data<T: Real>(&self) -> f64 {
+        self.data[usize::from(T::ERROR < f64::ERROR)]
+    }
+}
+
+/// Bounds of the eigenvalues next to one, without tau; tau; and a bound below of the least eigenvalue, with tau.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub previous: Option<f64>,
+    pub next: Option<f64>,
+    pub holding: f64,
+    pub least: f64,
+}
+
+/// An eigenvalue with its radius, and 1 / sqrt(x^T M x).
+pub struct Enclosed {
+    pub lambda: Triple,
+    pub radius: f64,
+    pub scale: Dd,
+}
+
+impl Enclosed {
+    pub fn relative(&self) -> f64 {
+        let relative = self.radius / self.lambda.hi().abs();
+        if relative.is_nan() { f64::INFINITY } else { relative }
+    }
+}
+
+/// Covers the few roundings of a radius computed in binary64, sums in pairs.
+const UP: f64 = 1.0 + 1e-12;
+
+/// The eigenvalue near the Rayleigh quotient of x; see the module.
+pub fn enclosed<T: Real>(nodes: &[Node<T>], x: &[T], tree: &Tree, frame: &Frame) -> Enclosed {
+    let energies = Energies::of(nodes, x);
+    let (held, inertia) = (energies.strain.total(), energies.inertia.total());
+    let strain = held + T::of(Dd::from(frame.holding)) * inertia;
+    let shifted = strain / inertia;
+    // Parts of M of both signs err by parts of kappa x^T M x.
+    let rounding =
+        tree.coupled * (energies.strain.relative_error() + energies.inertia.relative_error() + 12.0 * T::ERROR);
+    // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
+    let residual = residual(nodes, x, inertia / strain, T::of(Dd::from(frame.holding)), tree);
+    let error = residual.elastic + residual.unbalanced / frame.least.sqrt();
+    let square = (error * shifted.hi()).powi(2) / strain.hi() * UP;
+    let value = shifted.hi() * (1.0 - 2.0 * rounding);
+    let top = shifted.hi() * (1.0 + 2.0 * rounding);
+    let below = frame.next.map_or(0.0, |next| square / (1.0 - top / (next + frame.holding)));
+    let above = frame.previous.map_or(0.0, |previous| square / (value / (previous + frame.holding) - 1.0));
+    let temple = if below >= 0.0 && above >= 0.0 { below.max(above) } else { f64::INFINITY };
+    let lambda = shifted - T::of(Dd::from(frame.holding));
+    let relative = if temple < 0.5 { temple / (1.0 - temple) + 2.0 * rounding } else { f64::INFINITY };
+    let radius = (shifted.hi() * (relative + T::ERROR) + lambda.hi().abs() * tree.data::<T>()) * UP;
+    Enclosed { lambda: Triple::from(lambda.to_dd()), radius, scale: inertia.to_dd().sqrt().recip() }
+}
+
+/// x^T K x and x^T M x.
+struct Energies<T> {
+    strain: PairwiseSum<T>,
+    inertia: PairwiseSum<T>,
+}
+
+impl<T: Real> Energies<T> {
+    fn of(nodes: &[Node<T>], x: &[T]) -> Energies<T> {
+        let mut energies = Energies { strain: PairwiseSum::new(), inertia: PairwiseSum::new() };
+        for (node, &own) in nodes.iter().zip(x) {
+            // The root's stiffness and coupling are zero.
+            let b = own - x[node.parent as usize];
+            let (square, stretched) = (own * own, b * b);
+            energies.inertia.add(node.mass * square - node.coupling * stretched);
+            energies.strain.add(node.ground * square + node.stiffness * stretched);
+        }
+        energies
+    }
+}
+
+/// Bounds of |K^-1 (M x - r) - mu x|_K and of |r|_(M^-1).
+struct Residual {
+    elastic: f64,
+    unbalanced: f64,
+}
+
+/// The forces that balance M x - mu V x from the leaves to the root, and what rounding leaves unbalanced.
+fn residual<T: Real>(nodes: &[Node<T>], x: &[T], mu: T, holding: T, tree: &Tree) -> Residual {
+    let mut stack: Vec<(T, f64)> = Vec::new();
+    let (mut unbalanced, mut complementary) = (PairwiseSum::new(), PairwiseSum::new());
+    // A balance has a product and a sum a child, and five roundings of its own.
+    let rounding = (tree.breadth + 8.0) * T::ERROR;
+    for (node, &own) in nodes.iter().zip(x) {
+        let (load, size) = taken(&mut stack, node.children, (T::ZERO, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let inertia = node.mass * own;
+        let ground = mu * ((node.ground + holding * node.mass) * own);
+        // The force in the spring to the parent, and that of the inertia along it.
+        let force = inertia - ground + load;
+        let magnitude = size + inertia.hi().abs() + ground.hi().abs();
+        let left = rounding * magnitude + if node.is_root() { force.hi().abs() } else { 0.0 };
+        // M >= diag(mass) / kappa.
+        unbalanced.add(left * left / node.mass.hi() * tree.coupled);
+        if node.is_root() {
+            continue;
+        }
+        let b = own - x[node.parent as usize];
+        let stiffness = node.stiffness - holding * node.coupling;
+        if stiffness.hi() < 0.5 * node.stiffness.hi() {
+            return Residual { elastic: f64::INFINITY, unbalanced: f64::INFINITY };
+        }
+        let (elastic, inertial) = (mu * (stiffness * b), node.coupling * b);
+        let slip = 8.0 * T::ERROR * (force.hi().abs() + elastic.hi().abs() + inertial.hi().abs());
+        let difference = (force - inertial - elastic).hi().abs() + slip;
+        complementary.add(difference * difference / stiffness.hi());
+        stack.push((force, force.hi().abs()));
+    }
+    let root = |sum: PairwiseSum<f64>| (sum.total() * UP).sqrt() * UP;
+    Residual { elastic: root(complementary), unbalanced: root(unbalanced) }
+}
