@@ -1,11 +1,13 @@
 //! Steps a second of emitted code, beside a modal recurrence as one writes it by hand in C, in the same run, and beside Runge
-//! and Kutta's and Newmark's methods at equal error. `cargo bench --bench emit`; the last numbers are in benches/README.md.
+//! and Kutta's and Newmark's methods at equal error; then the ratio for every size up to 40. `cargo bench --bench emit`; the last
+//! numbers are in benches/README.md.
 
 use std::fs;
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::Command;
 use vibc::analysis::discrete::{Hold, Options, Precision};
-use vibc::analysis::{discretise, modes};
+use vibc::analysis::{Modes, discretise, modes};
 use vibc::backend::emit::{self, Language};
 use vibc::base::{FileId, Name, Number, Span, Words};
 use vibc::system::{Coordinate, CoordinateId, CoordinateKind, Form, Input, Label, LinearSystem, Nature, Output};
@@ -49,9 +51,44 @@ fn chain(n: usize) -> LinearSystem {
 
 const STEP: &str = "0.001";
 
+/// Sizes that are compared with integrators too.
+const SIZES: [usize; 3] = [2, 20, 200];
+/// Sizes beside the recurrence alone: every remainder of every width of loop.
+const SWEEP: std::ops::RangeInclusive<usize> = 1..=40;
+const FLAGS: [&[&str]; 2] = [&["-O2"], &["-O3", "-march=native"]];
+
+/// Processes that the median is taken of: where the system puts the stack decides whether vectors cross lines of the cache.
+const PROCESSES: usize = 15;
+
 fn main() {
     let mut out = std::io::stdout();
-    for n in [2, 20, 200] {
+    for n in SIZES {
+        let folder = Folder::with_sources(n);
+        for flags in FLAGS {
+            folder.compile(n, flags);
+            let [emitted, by_hand, ratio] = folder.medians();
+            let _ = writeln!(out, "n = {n}, {}", flags.join(" "));
+            let _ = writeln!(out, "  emitted {emitted:.2e} steps/s, by hand {by_hand:.2e} steps/s: {ratio:.2} of it");
+            folder.compile(n, &[flags, &["-DINTEGRATORS"]].concat());
+            let _ = write!(out, "{}", folder.run());
+        }
+    }
+    let _ = writeln!(out, "\n| masses | {} |\n| --- | --- | --- |", FLAGS.map(|flags| flags.join(" ")).join(" | "));
+    for n in SWEEP {
+        let folder = Folder::with_sources(n);
+        let ratio = |flags: &[&str]| {
+            folder.compile(n, flags);
+            format!("{:.2}", folder.medians()[2])
+        };
+        let _ = writeln!(out, "| {n} | {} |", FLAGS.map(ratio).join(" | "));
+    }
+}
+
+/// A temporary folder with emitted code and the program that measures it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn with_sources(n: usize) -> Folder {
         let system = chain(n);
         let undamped = modes(&system).expect("modes");
         let options = Options {
@@ -65,44 +102,70 @@ fn main() {
             until: None,
         };
         let discrete = discretise(&system, &undamped, &options).expect("a discrete system");
-        let folder = std::env::temp_dir().join(format!("vibc-bench-emit-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a temporary folder");
+        let folder = Folder(std::env::temp_dir().join(format!("vibc-bench-emit-{}-{n}", std::process::id())));
+        fs::create_dir_all(&folder.0).expect("a temporary folder");
         for file in emit::files("chain", &discrete, Language::C, None) {
-            fs::write(folder.join(file.name), file.text).expect("a temporary file");
+            fs::write(folder.0.join(file.name), file.text).expect("a temporary file");
         }
-        // The hand-written recurrence: each mode turns and decays, with what a held force adds.
-        let h: f64 = STEP.parse().expect("a number");
-        let (mut tables, mut rows) = (String::new(), [const { Vec::new() }; 5]);
-        for mode in &undamped.list {
-            let w = mode.omega.to_f64();
-            let decay = 0.5 * 0.0003 * w * w;
-            let turn = (w * w - decay * decay).sqrt();
-            let (r, angle) = ((-decay * h).exp(), turn * h);
-            let values =
-                [r * angle.cos(), r * angle.sin(), h * mode.shape[0], h * h * mode.shape[0], mode.shape[n - 1]];
-            rows.iter_mut().zip(values).for_each(|(row, value)| row.push(format!("{value:e}")));
-        }
-        for (name, row) in ["A", "B", "G1", "G2", "C1"].iter().zip(&rows) {
-            tables += &format!("static const double {name}[N] = {{{}}};\n", row.join(", "));
-        }
-        let program = PROGRAM.replace("TABLES", &tables);
-        fs::write(folder.join("main.c"), program).expect("a temporary file");
-        for flags in [&["-O2"][..], &["-O3", "-march=native"]] {
-            let compiled = Command::new("gcc")
-                .args(["-std=c99", "-D_POSIX_C_SOURCE=200809L", &format!("-DN={n}")])
-                .args(flags)
-                .args(["main.c", "chain.c", "-o", "bench", "-lm"])
-                .current_dir(&folder)
-                .status();
-            assert!(compiled.is_ok_and(|status| status.success()), "gcc compiles");
-            let run = Command::new(folder.join("bench")).output().expect("it runs");
-            let _ = write!(out, "n = {n}, {}\n{}", flags.join(" "), String::from_utf8_lossy(&run.stdout));
-        }
-        let _ = fs::remove_dir_all(&folder);
+        let program = PROGRAM.replace("TABLES", &recurrence(&undamped, n));
+        fs::write(folder.0.join("main.c"), program).expect("a temporary file");
+        folder
+    }
+
+    fn compile(&self, n: usize, flags: &[&str]) {
+        let compiled = Command::new("gcc")
+            .args(["-std=c99", "-D_POSIX_C_SOURCE=200809L", &format!("-DN={n}")])
+            .args(flags)
+            .args(["main.c", "chain.c", "-o", "bench", "-lm"])
+            .current_dir(&self.0)
+            .status();
+        assert!(compiled.is_ok_and(|status| status.success()), "gcc compiles");
+    }
+
+    /// What the program prints.
+    fn run(&self) -> String {
+        let run = Command::new(self.0.join("bench")).output().expect("it runs");
+        String::from_utf8_lossy(&run.stdout).into_owned()
+    }
+
+    /// Of several processes: steps a second of emitted code and of the recurrence, and the ratio, each process its own.
+    fn medians(&self) -> [f64; 3] {
+        let read = |text: String| -> Vec<f64> {
+            text.split_whitespace().map(|number| number.parse().expect("a number")).collect()
+        };
+        let all: Vec<Vec<f64>> = (0..PROCESSES).map(|_| read(self.run())).collect();
+        [0, 1, 2].map(|which| {
+            let mut column: Vec<f64> = all.iter().map(|row| row[which]).collect();
+            column.sort_by(f64::total_cmp);
+            column[PROCESSES / 2]
+        })
     }
 }
 
-/// Each is run seven times in turn, the fastest run counts; the integrators' steps are halved until they are as good as 1e-6.
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The tables of the recurrence by hand: each mode turns and decays, with what a held force adds.
+fn recurrence(undamped: &Modes, n: usize) -> String {
+    let h: f64 = STEP.parse().expect("a number");
+    let mut rows = [const { Vec::new() }; 5];
+    for mode in &undamped.list {
+        let w = mode.omega.to_f64();
+        let decay = 0.5 * 0.0003 * w * w;
+        let turn = (w * w - decay * decay).sqrt();
+        let (r, angle) = ((-decay * h).exp(), turn * h);
+        let values = [r * angle.cos(), r * angle.sin(), h * mode.shape[0], h * h * mode.shape[0], mode.shape[n - 1]];
+        rows.iter_mut().zip(values).for_each(|(row, value)| row.push(format!("{value:e}")));
+    }
+    let table =
+        |(name, row): (&str, &Vec<String>)| format!("static const double {name}[N] = {{{}}};\n", row.join(", "));
+    ["A", "B", "G1", "G2", "C1"].into_iter().zip(&rows).map(table).collect()
+}
+
+/// Each is run in turn, the fastest run counts; the integrators' steps are halved until they are as good as 1e-6.
 const PROGRAM: &str = r#"
 #include "chain.h"
 #include <math.h>
@@ -197,23 +260,9 @@ static double run(int method, int parts)
     }
     return now() - start;
 }
-int main(void)
+static void integrators(double per_step)
 {
-    const int steps = 4000000 / N;
-    double best[2] = {1e9, 1e9}, sum = 0.0, per_step;
-    int repeat, k, method;
-    for (repeat = 0; repeat < 7; repeat++) {
-        chain_state s; chain_inputs in; chain_outputs y; hand_state t; double start;
-        memset(&t, 0, sizeof t); chain_init(&s);
-        start = now();
-        for (k = 0; k < steps; k++) { in.x = force(k); chain_step(&s, &in, &y); sum += y.x; }
-        start = now() - start; if (start < best[0]) best[0] = start;
-        start = now();
-        for (k = 0; k < steps; k++) sum += hand(&t, force(k));
-        start = now() - start; if (start < best[1]) best[1] = start;
-    }
-    per_step = best[0] / steps;
-    printf("  emitted %.2e steps/s, by hand %.2e steps/s: %.2f of it\n", steps / best[0], steps / best[1], best[1] / best[0]);
+    int k, method;
     {
         chain_state s; chain_inputs in; chain_outputs y;
         chain_init(&s);
@@ -236,6 +285,27 @@ int main(void)
         printf("  %s: error %.0e with %d steps a sample, %.0f times the time of emitted code\n",
                method ? "Newmark" : "Runge and Kutta", worst, parts, time / SAMPLES / per_step);
     }
+}
+int main(void)
+{
+    const int steps = 2000000 / N;
+    double best[2] = {1e9, 1e9}, sum = 0.0;
+    int repeat, k;
+    for (repeat = 0; repeat < 5; repeat++) {
+        chain_state s; chain_inputs in; chain_outputs y; hand_state t; double start;
+        memset(&t, 0, sizeof t); chain_init(&s);
+        start = now();
+        for (k = 0; k < steps; k++) { in.x = force(k); chain_step(&s, &in, &y); sum += y.x; }
+        start = now() - start; if (start < best[0]) best[0] = start;
+        start = now();
+        for (k = 0; k < steps; k++) sum += hand(&t, force(k));
+        start = now() - start; if (start < best[1]) best[1] = start;
+    }
+#ifdef INTEGRATORS
+    integrators(best[0] / steps);
+#else
+    printf("%.4e %.4e %.4f\n", steps / best[0], steps / best[1], best[1] / best[0]);
+#endif
     return sum == 1.5;
 }
 "#;

@@ -6,13 +6,17 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 use vibc::analysis::Signal;
+use vibc::analysis::discrete::parameter::Parameterised;
 use vibc::analysis::discrete::{Hold, Options, Precision};
 use vibc::backend::emit::{self, Language};
 use vibc::base::{Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 
 /// Flags under which emitted C must be silent.
-pub const STRICT: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
+pub const STRICT: [&str; 7] =
+    ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"];
+/// The same of a C++ compiler.
+const STRICT_CPP: [&str; 7] = ["-x", "c++", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
 
 pub fn options(step: &str) -> Options {
     Options {
@@ -48,10 +52,12 @@ pub fn examples() -> Vec<(String, String)> {
     all.filter(|(_, text)| text.lines().any(|line| line.starts_with("output"))).collect()
 }
 
-/// Whether a tool is there; where it is not, its tests say so and pass, but not in a gate that must run them.
+/// Whether a tool is there; where it is not, its tests say so and pass, but not in the gate (`.ci/run` installs them).
 pub fn has(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {
+        let required = std::env::var("CI").is_ok_and(|value| value == "true");
+        assert!(!required, "`{tool}` is needed under CI");
         let mut stderr = std::io::stderr();
         let _ = std::io::Write::write_all(&mut stderr, format!("skipped: `{tool}` is not installed\n").as_bytes());
     }
@@ -75,32 +81,62 @@ fn run(folder: &TempDir, tool: &str, arguments: &[&str]) -> Output {
     Command::new(tool).args(arguments).current_dir(folder.path()).output().expect("the tool starts")
 }
 
+/// Every example in every style, under names of their own: C and Rust.
+fn every_style(folder: &TempDir) -> Vec<String> {
+    let mut names = Vec::new();
+    for (name, text) in examples() {
+        let mut add = |style: &str, files: &dyn Fn(&str, Language) -> Vec<emit::File>| {
+            let name = format!("{name}_{style}");
+            [Language::C, Language::Rust].into_iter().for_each(|language| write(folder, &files(&name, language)));
+            names.push(name);
+        };
+        let single = Options { precision: Precision::Single, hold: Hold::First, ..options("0.01") };
+        let internal = Options { built_in: true, ..options("0.01") };
+        for (style, wanted) in [("held", options("0.01")), ("single", single), ("internal", internal)] {
+            let emission = emission(&name, &text, &wanted);
+            add(style, &|name, language| emit::files(name, &emission.system, language, None));
+        }
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.clone().into_bytes()));
+        let (_, system) = vibc::linear(&sources, model, &Overrides::default()).answer.expect("a system");
+        if let Ok(equations) = vibc::analysis::discrete::equations::equations(&system, Precision::Double) {
+            add("equations", &|name, language| emit::equation_files(name, &equations, language));
+        }
+    }
+    let system = parameterised(SPRINGS, "k").expect("a polynomial");
+    for (name, precision) in [("parameter", Precision::Double), ("parameter_single", Precision::Single)] {
+        for language in [Language::C, Language::Rust] {
+            write(folder, &emit::parameter_files(name, &system, 0.001, precision, language));
+        }
+        names.push(name.to_string());
+    }
+    names
+}
+
 #[test]
 fn emitted_code_compiles_without_a_word() {
-    for (name, text) in examples() {
-        let emission = emission(&name, &text, &options("0.01"));
-        let folder = tempfile::tempdir().expect("a folder");
-        for language in [Language::C, Language::Rust] {
-            write(&folder, &emit::files(&emission.model, &emission.system, language, None));
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = every_style(&folder);
+    let sources: Vec<String> = names.iter().map(|name| format!("{name}.c")).collect();
+    let sources: Vec<&str> = sources.iter().map(String::as_str).collect();
+    for compiler in ["gcc", "clang"] {
+        if has(compiler) {
+            silently(&folder, compiler, &[&STRICT[..], &["-c", "-O1"], &sources].concat());
         }
-        let c = format!("{name}.c");
-        for compiler in ["gcc", "clang"] {
-            if has(compiler) {
-                silently(&folder, compiler, &[&STRICT[..], &["-c", "-O1", &c, "-o", "c.o"]].concat());
-            }
+    }
+    for compiler in ["g++", "clang++"] {
+        if has(compiler) {
+            silently(&folder, compiler, &[&STRICT_CPP[..], &["-fsyntax-only"], &sources].concat());
         }
-        if has("g++") {
-            let flags =
-                ["-x", "c++", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-c", &c, "-o", "p.o"];
-            silently(&folder, "g++", &flags);
+    }
+    // As a crate of its own, without `std`, under the lints of clippy too.
+    let modules: String = names.iter().map(|name| format!("pub mod {name};\n")).collect();
+    let crate_text = format!("#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n{modules}");
+    fs::write(folder.path().join("lib.rs"), crate_text).expect("a temporary file");
+    for compiler in ["rustc", "clippy-driver"] {
+        if has(compiler) {
+            silently(&folder, compiler, &["--edition", "2021", "--crate-type", "lib", "--emit", "metadata", "lib.rs"]);
         }
-        // As a crate of its own, without `std`.
-        let module = format!("{name}.rs");
-        let crate_text = format!(
-            "#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n#[path = \"{module}\"]\npub mod model;\n"
-        );
-        fs::write(folder.path().join("lib.rs"), crate_text).expect("a temporary file");
-        silently(&folder, "rustc", &["--edition", "2021", "--crate-type", "lib", "--emit", "metadata", "lib.rs"]);
     }
 }
 
@@ -208,19 +244,23 @@ fn main() {
     }
 }
 
+const SPRINGS: &str = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 3 kg, moves x }\n\
+                       spring s: ground -- a { k = 2*k }\ndamper d: ground -- a { c = 4 N*s/m }\n\
+                       spring t: a -- b { k = 200 N/m + k }\ndamper e: a -- b { c = 1 N*s/m }\nforce F: a along x\n\
+                       initial b { x = 0.1 m }\noutput xa = a.x\noutput acc = b.ax\noutput f = s.force\n";
+
+/// A model over a parameter.
+fn parameterised(text: &str, name: &str) -> Result<Parameterised, String> {
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
+    vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1
+}
+
 /// A parameter set at run time gives the motion of the model with that value, in C and Rust alike; what cannot be kept
 /// changeable is refused with the reason.
 #[test]
 fn a_parameter_stays_changeable() {
-    let text = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 3 kg, moves x }\n\
-                spring s: ground -- a { k = 2*k }\ndamper d: ground -- a { c = 4 N*s/m }\n\
-                spring t: a -- b { k = 200 N/m + k }\ndamper e: a -- b { c = 1 N*s/m }\n\
-                force F: a along x\ninitial b { x = 0.1 m }\noutput xa = a.x\noutput acc = b.ax\noutput f = s.force\n";
-    let read = |text: &str, name: &str| {
-        let mut sources = Sources::new();
-        let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
-        vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1
-    };
+    let (text, read) = (SPRINGS, parameterised);
     let system = read(text, "k").expect("a polynomial");
     let folder = tempfile::tempdir().expect("a folder");
     for language in [Language::C, Language::Rust] {

@@ -1,7 +1,7 @@
 //! Emitted programs against the exact response: what C and Rust print, bit for bit the same, and both within rounding of the
 //! motion that `vibc simulate` computes with bounds. Clause: spec.md, "Simulation code".
 
-use super::emit::{STRICT, examples, has, options, silently, write};
+use super::emit::{STRICT, emission, examples, has, options, silently, write};
 use super::systems::{Builder, HardCase, number};
 use super::transfer::with_every_pair;
 use std::process::Command;
@@ -172,6 +172,32 @@ fn hard_cases_are_exact_after_1e5_steps() {
         system.initial = vec![(CoordinateId(0), number("0.5"), Number::ONE)];
         let drives = signals(system.inputs.len(), step);
         check(name, &system, &drives, step);
+    }
+}
+
+/// What `vibc emit --program` prints is what `vibc simulate` does, from the text of the model on: its signals, its initial
+/// state, and what its `solve` lines found.
+#[test]
+fn programs_print_what_simulate_does() {
+    let solving = "param k = 1 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+                   spring s: ground -- a { k = k }\nspring t: a -- b { k = 3 * k }\ndamper d: a -- b { c = 0.3 N*s/m }\n\
+                   force F: a along x = pulse(4 N, 0.105 s, 0.4 s)\ninitial b { x = 2 cm }\noutput xa = a.x\n\
+                   output ab = b.ax\nsolve k in 1 N/m .. 1e4 N/m: frequency(1) = 2 Hz\n";
+    let all = examples().into_iter().chain([("solving".to_string(), solving.to_string())]);
+    let step = number("0.01");
+    for (name, text) in all.filter(|(_, text)| text.contains(" = harmonic(") || text.contains("solve ")) {
+        let wanted = Options { built_in: true, ..options("0.01") };
+        let emitted = emission(&name, &text, &wanted);
+        let printed = printed(&name, &emitted.system, &Program { step: step.clone(), samples: 301 });
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.into_bytes()));
+        let simulate = |times: &[Number]| {
+            let motion = vibc::simulate(&sources, model, &Overrides::default(), times);
+            motion.answer.expect("a motion").history
+        };
+        for (output, error) in errors(&printed, simulate, &step).into_iter().enumerate() {
+            assert!(error <= 1e-12, "{name}, output {output}: {error:e}");
+        }
     }
 }
 

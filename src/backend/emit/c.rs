@@ -61,8 +61,8 @@ impl Words for C<'_> {
         format!("{} {name} = {value};", real(self.plan))
     }
 
-    fn lanes(&self, name: &str) -> String {
-        format!("{} {name}[8] = {{{}}};", real(self.plan), vec![self.number(0.0); 8].join(", "))
+    fn lanes(&self, name: &str, width: usize) -> String {
+        format!("{} {name}[{width}] = {{{}}};", real(self.plan), vec![self.number(0.0); width].join(", "))
     }
 
     fn matrix(&self, name: &str, rows: usize, columns: usize) -> String {
@@ -73,10 +73,14 @@ impl Words for C<'_> {
         format!("for (int {index} = 0; {index} < {count}; {index}++) {{")
     }
 
-    fn block_heads(&self, count: usize) -> [String; 2] {
+    fn repeat_head(&self, count: usize) -> String {
+        self.loop_head("repeat", count)
+    }
+
+    fn block_heads(&self, count: usize, width: usize) -> [String; 2] {
         [
-            format!("for (int block = 0; block < {count}; block += 8) {{"),
-            "for (int lane = 0; lane < 8; lane++) {".to_string(),
+            format!("for (int block = 0; block < {count}; block += {width}) {{"),
+            format!("for (int lane = 0; lane < {width}; lane++) {{"),
         ]
     }
 
@@ -94,7 +98,7 @@ impl Words for C<'_> {
         ]
     }
 
-    fn lane(&self) -> String {
+    fn lane(&self, _: usize) -> String {
         "block + lane".to_string()
     }
 }

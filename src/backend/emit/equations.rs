@@ -1,13 +1,14 @@
 //! Equations of motion as statements: the right-hand side of a first-order system, and the outputs. Stretches and tensions that
 //! several forces share are computed once. Clause: spec.md, "Simulation code".
 
+use super::header::of_equations;
 use super::names::{identifier, identifiers};
-use super::plan::{Expression, Factor, Field, Index, Plan, Statement, Style, Target, plus, total, without_unused};
+use super::plan::{Expression, Factor, Field, Index, Operations, Plan, Statement, Style, Target, plus, tidy, total};
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::equations::Equations;
 
 /// The plan of a model's equations.
-pub fn plan(model: &str, equations: &Equations, header: Vec<String>) -> Plan {
+pub fn plan(model: &str, equations: &Equations) -> Plan {
     let rates = used_powers(equations);
     let mut inputs = Vec::new();
     for (port, most) in equations.inputs.iter().zip(&rates) {
@@ -20,7 +21,7 @@ pub fn plan(model: &str, equations: &Equations, header: Vec<String>) -> Plan {
     let outputs = equations.seen.iter().any(|[_, _, accelerations]| !accelerations.is_empty());
     let mut observe = if outputs { written.accelerations() } else { Vec::new() };
     observe.extend(written.outputs());
-    let observe = without_unused(observe);
+    let observe = tidy(observe);
     let mut derivative = written.accelerations();
     for i in 0..equations.coordinates.len() {
         derivative.push(Statement::Assign(Target::DisplacementRate(Index::At(i)), Expression::Velocity(Index::At(i))));
@@ -39,7 +40,7 @@ pub fn plan(model: &str, equations: &Equations, header: Vec<String>) -> Plan {
         name: identifier(model),
         precision: equations.precision,
         style: Style::Equations { start: equations.start.clone() },
-        header,
+        header: of_equations(model, equations, Operations::of(&derivative)),
         inputs: fields(&inputs),
         outputs: fields(&equations.outputs),
         coordinates: fields(&equations.coordinates),

@@ -1,16 +1,17 @@
 //! The comment on top of emitted code: which model, what goes in and out, how it is computed and how well. Clause: spec.md,
 //! "Simulation code".
 
+use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
-use crate::analysis::discrete::{Decay, DiscreteSystem, Form, Hold, Left, Operand, Port, Precision, Why};
+use crate::analysis::discrete::{DiscreteSystem, Hold, Left, Port, Precision, Why};
 use crate::backend::decimal::upper;
 
 /// Parts that are not emitted are listed up to this number.
 const LISTED: usize = 12;
 
 /// The lines of the header.
-pub fn header(model: &str, system: &DiscreteSystem) -> Vec<String> {
+pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> Vec<String> {
     let mut lines =
         vec![format!("{} · simulation code by vibc {}", plain(model), env!("CARGO_PKG_VERSION")), String::new()];
     lines.extend(ports("input", &system.inputs));
@@ -46,17 +47,13 @@ pub fn header(model: &str, system: &DiscreteSystem) -> Vec<String> {
             plain(&system.outputs[output].name)
         ));
     }
-    let (multiplications, additions) = operations(system);
-    lines.push(format!(
-        "cost       {} states; {multiplications} multiplications and {additions} additions a step",
-        system.states()
-    ));
+    lines.push(format!("cost       {} states; {operations} a step", system.states()));
     lines.extend(left(&system.left));
     lines
 }
 
 /// The lines of the header of equations.
-pub fn of_equations(model: &str, equations: &Equations) -> Vec<String> {
+pub fn of_equations(model: &str, equations: &Equations, operations: Operations) -> Vec<String> {
     let mut lines =
         vec![format!("{} · equations of motion by vibc {}", plain(model), env!("CARGO_PKG_VERSION")), String::new()];
     lines.extend(ports("input", &equations.inputs));
@@ -71,12 +68,12 @@ pub fn of_equations(model: &str, equations: &Equations) -> Vec<String> {
         Precision::Single => "single (binary32)",
     };
     lines.push(format!("precision  {precision}"));
-    lines.push(format!("cost       {} springs and dampers between coordinates", equations.stretches.len()));
+    lines.push(format!("cost       {operations} a derivative"));
     lines
 }
 
 /// The lines of the header of code with a parameter that may be set.
-pub fn of_parameter(model: &str, system: &Parameterised, step: f64) -> Vec<String> {
+pub fn of_parameter(model: &str, system: &Parameterised, step: f64, operations: Operations) -> Vec<String> {
     let title = format!("{} · simulation code by vibc {}", plain(model), env!("CARGO_PKG_VERSION"));
     let mut lines = vec![title, String::new()];
     lines.extend(ports("input", &system.inputs));
@@ -91,9 +88,7 @@ pub fn of_parameter(model: &str, system: &Parameterised, step: f64) -> Vec<Strin
     );
     lines.push("           code's own precision, by a number of operations that does not depend on the value".into());
     lines.push(format!("step       {step:?} s, inputs are held from sample to sample"));
-    let (n, width) = (2 * system.coordinates.len(), 2 * system.coordinates.len() + system.inputs.len());
-    let products = (n + system.outputs.len()) * width;
-    lines.push(format!("cost       {n} states; {products} multiplications and as many additions a step"));
+    lines.push(format!("cost       {} states; {operations} a step", 2 * system.coordinates.len()));
     lines.push("error      no integrator's; what rounding of the exponential costs is not bounded here".into());
     lines
 }
@@ -130,35 +125,4 @@ fn left(left: &[Left]) -> Vec<String> {
     let more = left.len().saturating_sub(LISTED);
     let rest = (more > 0).then(|| format!("           and {more} more"));
     left.iter().take(LISTED).map(line).chain(rest).collect()
-}
-
-/// Multiplications and additions of a step.
-fn operations(system: &DiscreteSystem) -> (usize, usize) {
-    let mut terms: Vec<f64> = system.direct.iter().flatten().map(|(_, d)| *d).collect();
-    // Factors of states that nothing is added to.
-    let mut alone = 0;
-    for cell in &system.cells {
-        terms.extend(cell.input.iter().flatten().map(|(_, g)| *g));
-        terms.extend(cell.output.iter().flatten().map(|(_, c)| *c));
-        match &cell.form {
-            Form::Keep(_) => alone += 1,
-            Form::Lose(d) => terms.push(*d),
-            Form::Pair(lift) => {
-                match lift.decay {
-                    Decay::Lose(c) => terms.push(c),
-                    Decay::Keep(_) => alone += 1,
-                }
-                terms.extend([lift.k, lift.p]);
-            }
-            Form::Dense(rows) => terms.extend(rows.iter().flatten()),
-        }
-    }
-    terms.retain(|factor| *factor != 0.0);
-    let of_inputs = |j: usize| {
-        usize::from(system.uses(|o| *o == Operand::Ramped(j))) + usize::from(system.uses(|o| *o == Operand::Slope(j)))
-    };
-    let of_inputs: usize = (0..system.inputs.len()).map(of_inputs).sum();
-    let products = terms.iter().filter(|factor| factor.abs() != 1.0).count() + alone + of_inputs;
-    // The first term of a sum needs no addition.
-    (products, terms.len().saturating_sub(system.outputs.len()))
 }

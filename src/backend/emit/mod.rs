@@ -48,7 +48,7 @@ const NO_STATE: &str = "none";
 
 /// The files of a model, in its directory, with a program where one is asked for.
 pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: Option<&Program>) -> Vec<File> {
-    let mut plan = planner::plan(model, system, header::header(model, system));
+    let mut plan = planner::plan(model, system);
     if program.is_some() && plan.name == "main" {
         // The program's own file has that name.
         plan.name = "main_".into();
@@ -61,17 +61,17 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
 
 /// The same as one text.
 pub fn whole(model: &str, system: &DiscreteSystem, language: Language) -> String {
-    text(&planner::plan(model, system, header::header(model, system)), language)
+    text(&planner::plan(model, system), language)
 }
 
 /// The files of a model's equations.
 pub fn equation_files(model: &str, system: &Equations, language: Language) -> Vec<File> {
-    printed(&equations::plan(model, system, header::of_equations(model, system)), language)
+    printed(&equations::plan(model, system), language)
 }
 
 /// The same as one text.
 pub fn equation_text(model: &str, system: &Equations, language: Language) -> String {
-    text(&equations::plan(model, system, header::of_equations(model, system)), language)
+    text(&equations::plan(model, system), language)
 }
 
 /// The files of a model with a parameter that may be set.
@@ -82,8 +82,7 @@ pub fn parameter_files(
     precision: Precision,
     language: Language,
 ) -> Vec<File> {
-    let header = header::of_parameter(model, system, step);
-    printed(&parameter::plan(model, system, step, precision, header), language)
+    printed(&parameter::plan(model, system, step, precision), language)
 }
 
 /// The same as one text.
@@ -94,8 +93,7 @@ pub fn parameter_text(
     precision: Precision,
     language: Language,
 ) -> String {
-    let header = header::of_parameter(model, system, step);
-    text(&parameter::plan(model, system, step, precision, header), language)
+    text(&parameter::plan(model, system, step, precision), language)
 }
 
 fn printed(plan: &plan::Plan, language: Language) -> Vec<File> {

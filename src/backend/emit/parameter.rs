@@ -2,9 +2,12 @@
 //! accelerations and takes the exponential by scaling and squaring E = exp - 1, in a number of operations that does not depend on
 //! the value. In: the system over the parameter. Out: a plan. Clause: spec.md, "Simulation code".
 
+use super::header::of_parameter;
 use super::names::{identifier, identifiers};
-use super::plan::{Array, Expression as E, Factor, Field, Index, Plan, Start, Statement, Style, Table, Target, plus};
-use super::plan::{product, sum, total, without_unused};
+use super::plan::{
+    Array, Expression as E, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target, plus,
+};
+use super::plan::{product, sum, tidy, total};
 use crate::analysis::discrete::parameter::{Parameterised, Polynomial};
 use crate::analysis::discrete::{Port, Precision};
 
@@ -12,7 +15,7 @@ use crate::analysis::discrete::{Port, Precision};
 const TERMS: usize = 15;
 
 /// The plan of a model with a changeable parameter.
-pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision, header: Vec<String>) -> Plan {
+pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision) -> Plan {
     let written = Written::of(system, step);
     let (n, width) = (written.n, written.width());
     let outputs = system.outputs.len();
@@ -28,11 +31,12 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
         let names = identifiers(ports.iter().map(|port| port.name.as_str()));
         names.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
     };
+    let once = tidy(written.step());
     Plan {
         name: identifier(model),
         precision,
-        style: Style::Parameter { value: system.value, statements: without_unused(written.set_parameter()) },
-        header,
+        style: Style::Parameter { value: system.value, statements: tidy(written.set_parameter()) },
+        header: of_parameter(model, system, step, Operations::of(&once)),
         inputs: fields(&system.inputs),
         outputs: fields(&system.outputs),
         coordinates: fields(&system.coordinates),
@@ -48,7 +52,7 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
             note: "1/14, 1/13, ... of the exponential's series".into(),
         }],
         events: Vec::new(),
-        step: written.step(),
+        step: once,
         set_state: written.set_state(),
         get_state: written.get_state(),
         observe: Vec::new(),
@@ -214,7 +218,7 @@ impl<'a> Written<'a> {
         // (1 + p)^2 = 1 + 2 p + p p
         let p = || entry("p", i.clone(), j.clone());
         let squared = multiplied("p", sum(p(), p()), &|sum| sum);
-        list.push(Statement::Loop("doubling", self.squarings as usize, vec![squared, copy]));
+        list.push(Statement::Repeat(self.squarings as usize, vec![squared, copy]));
         let place = Index::Text(format!("{width} * i + j"));
         list.push(each(vec![Statement::Assign(Target::State("e".into(), place), p())]));
         list
@@ -232,11 +236,10 @@ impl<'a> Written<'a> {
                     j => Self::value(&system.d[output * self.inputs + j - 2 * n]),
                 };
                 let value = (0..n).filter(|&i| moves[i][column]).fold(own, |so_far, i| {
+                    let a = E::local(format!("a{i}_{column}"));
                     match Self::value(&system.p[2][output * n + i]) {
-                        Some(p) => {
-                            let term = product(p, E::local(format!("a{i}_{column}")));
-                            Some(plus(so_far, Factor::Number(1.0), term))
-                        }
+                        Some(E::Number(p)) => Some(plus(so_far, Factor::Number(p), a)),
+                        Some(p) => Some(plus(so_far, Factor::Table(p), a)),
                         None => so_far,
                     }
                 });
@@ -252,24 +255,30 @@ impl<'a> Written<'a> {
         let x = |index: Index| E::State("x".into(), index);
         let mut list = vec![Statement::Matrix("next".into(), 1, 2 * n)];
         let row = |array: &str, row: Index, so_far: &str| -> Vec<Statement> {
-            let text = match &row {
-                Index::At(row) => format!("{}", row * width),
-                _ => format!("{width} * i"),
+            // An entry of the row, by a loop's index or a column's number.
+            let by = |column: &str| match &row {
+                Index::At(0) => Index::Text(column.into()),
+                Index::At(row) => Index::Text(format!("{} + {column}", row * width)),
+                _ => Index::Text(format!("{width} * i + {column}")),
             };
-            let entry = |rest: String| E::State(array.into(), Index::Text(format!("{text} + {rest}")));
-            let add = |term| Statement::Assign(Target::Local(so_far.into()), sum(E::local(so_far), term));
+            let at = |column: usize| match &row {
+                Index::At(row) => Index::At(row * width + column),
+                _ => by(&column.to_string()),
+            };
+            let add = |entry: Index, of: E| {
+                let term = product(E::State(array.into(), entry), of);
+                Statement::Assign(Target::Local(so_far.into()), sum(E::local(so_far), term))
+            };
             let mut list = vec![
                 Statement::Variable(so_far.into(), E::Number(0.0)),
-                Statement::Loop("j", 2 * n, vec![add(product(entry("j".into()), x(Index::Of("j"))))]),
+                Statement::Loop("j", 2 * n, vec![add(by("j"), x(Index::Of("j")))]),
             ];
-            list.extend((0..self.inputs).map(|u| add(product(entry(format!("{}", 2 * n + u)), E::Input(u)))));
+            list.extend((0..self.inputs).map(|u| add(at(2 * n + u), E::Input(u))));
             list
         };
-        for output in 0..self.system.outputs.len() {
-            let name = format!("y{output}");
-            list.extend(row("c", Index::At(output), &name));
-            list.push(Statement::Assign(Target::Output(output), E::local(name)));
-        }
+        let outputs = 0..self.system.outputs.len();
+        let name = |output: usize| format!("y{output}");
+        outputs.clone().for_each(|output| list.extend(row("c", Index::At(output), &name(output))));
         let i = Index::Of("i");
         let mut body = row("e", i.clone(), "change");
         let next = |i: Index| Target::Entry("next".into(), Index::At(0), i);
@@ -277,6 +286,7 @@ impl<'a> Written<'a> {
         list.push(Statement::Loop("i", 2 * n, body));
         let moved = Statement::Assign(Target::State("x".into(), i.clone()), E::Entry("next".into(), Index::At(0), i));
         list.push(Statement::Loop("i", 2 * n, vec![moved]));
+        list.extend(outputs.map(|output| Statement::Assign(Target::Output(output), E::local(name(output)))));
         list
     }
 

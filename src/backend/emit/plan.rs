@@ -3,6 +3,7 @@
 //! Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Precision;
+use std::fmt;
 
 /// The whole code but its language.
 #[derive(Clone, Debug)]
@@ -81,14 +82,20 @@ pub enum Statement {
     /// A local that does.
     Variable(String, Expression),
     Assign(Target, Expression),
-    /// Sums in eight lanes, all zero.
-    Lanes(String),
+    /// Sums in so many lanes, all zero.
+    Lanes(String, usize),
     /// A local matrix of zeros.
     Matrix(String, usize, usize),
-    /// For i in 0, 8, ... below the count, for l in 0..8: the body, at i + l.
-    Blocks(usize, Vec<Statement>),
+    /// For i in 0, width, ... below the count, for l in 0..width: the body, at i + l.
+    Blocks {
+        count: usize,
+        width: usize,
+        body: Vec<Statement>,
+    },
     /// If the next of so many events is due: the body.
     WhenDue(usize, Vec<Statement>),
+    /// So many times.
+    Repeat(usize, Vec<Statement>),
     /// For `i` (or another name) from 0 on, below the count.
     Loop(&'static str, usize, Vec<Statement>),
 }
@@ -117,8 +124,8 @@ pub enum Index {
     Only,
     /// The index of a loop.
     Of(&'static str),
-    /// i + l in blocks of eight.
-    Lane,
+    /// i + l in blocks of such a width.
+    Lane(usize),
     /// The event that is due.
     Event,
     /// As written: sums and products of indices are the same in all languages.
@@ -143,8 +150,8 @@ pub enum Expression {
     Product(Box<Expression>, Box<Expression>),
     Negative(Box<Expression>),
     Quotient(Box<Expression>, Box<Expression>),
-    /// The eight lanes, in pairs, pairs of pairs.
-    LaneSum(String),
+    /// So many lanes, in pairs, pairs of pairs.
+    LaneSum(String, usize),
 }
 
 /// What a term is multiplied with.
@@ -223,8 +230,48 @@ impl Target {
     }
 }
 
+/// Multiplications (divisions among them) and additions (subtractions among them).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    pub multiplications: usize,
+    pub additions: usize,
+}
+
+impl Operations {
+    /// Of statements that are run once; what only happens when an event is due is not counted.
+    pub fn of(list: &[Statement]) -> Operations {
+        list.iter().fold(Operations::default(), |sum, statement| sum.and(1, statement.operations()))
+    }
+
+    fn and(self, times: usize, other: Operations) -> Operations {
+        Operations {
+            multiplications: self.multiplications + times * other.multiplications,
+            additions: self.additions + times * other.additions,
+        }
+    }
+}
+
+impl fmt::Display for Operations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let (products, sums) = (counted(self.multiplications, "multiplication"), counted(self.additions, "addition"));
+        write!(f, "{products} and {sums}")
+    }
+}
+
+/// Statements without the constants that nothing reads, and with constants where nothing changes.
+pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
+    let mut changed: Vec<String> = Vec::new();
+    list.iter().for_each(|statement| statement.changed(&mut changed));
+    let constant = |statement| match statement {
+        Statement::Variable(name, value) if !changed.contains(&name) => Statement::Let(name, value),
+        other => other,
+    };
+    without_unused(list.into_iter().map(constant).collect())
+}
+
 /// Statements without the constants that nothing reads.
-pub fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
+fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
     let mut read: Vec<String> = Vec::new();
     let mut kept: Vec<Statement> = Vec::new();
     // From the end: what reads a local comes after it.
@@ -240,18 +287,62 @@ pub fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
 }
 
 impl Statement {
+    /// Locals that get another value.
+    fn changed(&self, names: &mut Vec<String>) {
+        match self {
+            Statement::Assign(Target::Local(name), _) => names.push(name.clone()),
+            Statement::Blocks { body, .. }
+            | Statement::Loop(_, _, body)
+            | Statement::Repeat(_, body)
+            | Statement::WhenDue(_, body) => {
+                body.iter().for_each(|statement| statement.changed(names));
+            }
+            _ => {}
+        }
+    }
+
+    fn operations(&self) -> Operations {
+        match self {
+            Statement::Let(_, e) | Statement::Variable(_, e) | Statement::Assign(_, e) => e.operations(),
+            Statement::Blocks { count, body, .. }
+            | Statement::Loop(_, count, body)
+            | Statement::Repeat(count, body) => Operations::default().and(*count, Operations::of(body)),
+            Statement::WhenDue(..) | Statement::Note(_) | Statement::Lanes(..) | Statement::Matrix(..) => {
+                Operations::default()
+            }
+        }
+    }
+
     fn locals(&self, read: &mut Vec<String>) {
         match self {
             Statement::Let(_, e) | Statement::Variable(_, e) | Statement::Assign(_, e) => e.locals(read),
-            Statement::Blocks(_, body) | Statement::Loop(_, _, body) | Statement::WhenDue(_, body) => {
+            Statement::Blocks { body, .. }
+            | Statement::Loop(_, _, body)
+            | Statement::Repeat(_, body)
+            | Statement::WhenDue(_, body) => {
                 body.iter().for_each(|statement| statement.locals(read));
             }
-            Statement::Note(_) | Statement::Lanes(_) | Statement::Matrix(..) => {}
+            Statement::Note(_) | Statement::Lanes(..) | Statement::Matrix(..) => {}
         }
     }
 }
 
 impl Expression {
+    fn operations(&self) -> Operations {
+        let one = |multiplications, additions| Operations { multiplications, additions };
+        match self {
+            Expression::Sum(a, b) | Expression::Difference(a, b) => {
+                one(0, 1).and(1, a.operations()).and(1, b.operations())
+            }
+            Expression::Product(a, b) | Expression::Quotient(a, b) => {
+                one(1, 0).and(1, a.operations()).and(1, b.operations())
+            }
+            Expression::Negative(a) => a.operations(),
+            Expression::LaneSum(_, width) => one(0, width - 1),
+            _ => Operations::default(),
+        }
+    }
+
     fn locals(&self, read: &mut Vec<String>) {
         match self {
             Expression::Local(name) if !read.contains(name) => read.push(name.clone()),

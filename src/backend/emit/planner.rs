@@ -1,13 +1,12 @@
-//! From a discrete system to the statements of one step. Pairs of states that are alike, eight or more, are a loop over tables in
-//! blocks of eight, which compilers turn into vector instructions without changing the order of any sum; all others are
-//! written out. Clause: spec.md, "Simulation code".
+//! From a discrete system to the statements of one step. Pairs of states that are alike are loops over tables, in blocks of eight
+//! and a smaller one for what is left, which compilers turn into vector instructions without changing the order of any sum;
+//! all others are written out. Clause: spec.md, "Simulation code".
 
+use super::header::header;
 use super::motion;
 use super::names::{identifier, identifiers};
-use super::plan::without_unused;
-use super::plan::{
-    Array, Expression, Factor, Field, Index, Plan, Start, Statement, Style, Table, Target, plus, product, sum, total,
-};
+use super::plan::{Array, Expression, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target};
+use super::plan::{plus, product, sum, tidy, total};
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
 
 /// Where a state is kept.
@@ -18,7 +17,7 @@ pub struct Slot {
 }
 
 /// The plan of a discrete system.
-pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
+pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
     let mut planner = Planner::new(system);
     planner.locals();
     (0..system.signals).for_each(|cell| planner.cell(cell));
@@ -30,18 +29,19 @@ pub fn plan(model: &str, system: &DiscreteSystem, header: Vec<String>) -> Plan {
     let state = planner.arrays();
     let events = planner.events(&state);
     let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
+    let step = tidy(planner.step);
     Plan {
         name: identifier(model),
         precision: system.precision,
         style: Style::Steps,
-        header,
+        header: header(model, system, Operations::of(&step)),
         inputs: fields(&system.inputs),
         outputs: fields(&system.outputs),
         coordinates: fields(&system.coordinates),
         state,
         tables: planner.tables,
         events,
-        step: without_unused(planner.step),
+        step,
         set_state,
         get_state,
         observe: Vec::new(),
@@ -57,10 +57,25 @@ fn fields(ports: &[Port]) -> Vec<Field> {
     identifiers.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
 }
 
-/// Cells in this number or more, all alike, are a loop over tables.
+/// Lanes of a block: as many as the widest vectors have doubles.
+const LANES: usize = 8;
+/// Longer arrays are changed by a loop.
 const LOOP: usize = 8;
 
-/// Cells that are alike, in groups large enough for loops, and the others.
+/// The lanes of the loops for pairs that are left beyond whole blocks; what they leave stands alone. Five or seven are no loop
+/// of their own: without wide vectors, compilers leave odd loops of that length one by one (measured in benches/README.md).
+fn lanes_of_rest(rest: usize) -> &'static [usize] {
+    match rest {
+        2 => &[2],
+        3 => &[3],
+        4 | 5 => &[4],
+        6 => &[6],
+        7 => &[4, 3],
+        _ => &[],
+    }
+}
+
+/// Cells that are alike, in groups that become loops, and the others.
 fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
     let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
     let mut single = Vec::new();
@@ -76,11 +91,15 @@ fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
     }
     let mut loops = Vec::new();
     for (_, members) in kinds {
-        let whole = members.len() / LOOP * LOOP;
-        if whole > 0 {
-            loops.push(members[..whole].to_vec());
+        let whole = members.len() / LANES * LANES;
+        let lengths = [whole].into_iter().chain(lanes_of_rest(members.len() - whole).iter().copied());
+        let mut rest = members.as_slice();
+        for length in lengths.filter(|&length| length > 0) {
+            let (group, others) = rest.split_at(length);
+            loops.push(group.to_vec());
+            rest = others;
         }
-        single.extend(&members[whole..]);
+        single.extend(rest);
     }
     single.sort_unstable();
     (loops, single)
@@ -122,8 +141,8 @@ struct Planner<'a> {
     step: Vec<Statement>,
     /// Whether an output's sum has begun.
     begun: Vec<bool>,
-    /// Sums in lanes to be added at the end: output, name.
-    lanes: Vec<(usize, String)>,
+    /// Sums in lanes to be added at the end, with their outputs.
+    lanes: Vec<(usize, Expression)>,
     /// For each cell and each of its states.
     slots: Vec<Vec<Slot>>,
     groups: Vec<Array>,
@@ -231,6 +250,17 @@ impl<'a> Planner<'a> {
         }
     }
 
+    /// An operand, for a comment.
+    fn called(&self, operand: Operand) -> String {
+        let input = |j: usize| &self.system.inputs[j].name;
+        match operand {
+            Operand::Input(j) => input(j).clone(),
+            Operand::Ramped(j) => format!("{} after the first step", input(j)),
+            Operand::Slope(j) => format!("the change of {}", input(j)),
+            Operand::Signal(_) => "a signal".into(),
+        }
+    }
+
     /// What outputs see of the inputs without states in between.
     fn at_once(&mut self) {
         for i in 0..self.outputs.len() {
@@ -262,18 +292,21 @@ impl<'a> Planner<'a> {
         let system = self.system;
         let cells: Vec<&Cell> = members.iter().map(|&i| &system.cells[i]).collect();
         let (first, last) = (cells[0], cells[cells.len() - 1]);
+        let note = format!("{} {} {}", first.name, if cells.len() == 2 { "and" } else { "to" }, last.name);
         let Form::Pair(lift) = &first.form else { return };
         let number = self.groups.len() / 2 + 1;
         let names = [format!("x{number}"), format!("v{number}")];
         for (offset, name) in names.iter().enumerate() {
             let start = Start::Numbers(cells.iter().map(|cell| cell.start[offset]).collect());
-            let note = format!("{} to {}", first.name, last.name);
-            self.groups.push(Array { name: name.clone(), start, note });
+            self.groups.push(Array { name: name.clone(), start, note: note.clone() });
             for (at, &cell) in members.iter().enumerate() {
                 self.slots[cell].push(Slot { array: name.clone(), at });
             }
         }
-        let mut tables = Tables { number, cells: &cells, made: Vec::new() };
+        let width = cells.len().min(LANES);
+        let blocks = cells.len() > width;
+        let at = if blocks { Index::Lane(width) } else { Index::Of("lane") };
+        let mut tables = Tables { number, cells: &cells, at: at.clone(), made: Vec::new() };
         let of_lift = |of: fn(&Lift) -> f64| {
             move |cell: &Cell| match &cell.form {
                 Form::Pair(lift) => of(lift),
@@ -299,27 +332,29 @@ impl<'a> Planner<'a> {
             },
             p: if lift.p == 1.0 { unused } else { tables.table("P", "advance: p of x + p v", of_lift(|lift| lift.p)) },
             input: [0, 1].map(|offset| {
-                let factor = |at: usize, g: f64, tables: &mut Tables| match g {
+                let factor = |at: usize, operand: Operand, g: f64, tables: &mut Tables| match g {
                     1.0 => Factor::Number(1.0),
                     _ => {
                         let name = format!("{}{at}_", ["GX", "GV"][offset]);
-                        Factor::Table(tables.table(&name, "what an input adds", move |cell| cell.input[offset][at].1))
+                        let note = format!("what {} adds to {}", self.called(operand), ["x", "v"][offset]);
+                        Factor::Table(tables.table(&name, &note, move |cell| cell.input[offset][at].1))
                     }
                 };
                 let terms = first.input[offset].iter().enumerate();
-                terms.map(|(at, &(operand, g))| (factor(at, g, &mut tables), self.operand(operand))).collect()
+                terms.map(|(at, &(operand, g))| (factor(at, operand, g, &mut tables), self.operand(operand))).collect()
             }),
         };
         let mut body: Vec<Statement> = (["x", "v"].into_iter().zip(&names))
-            .map(|(local, name)| Statement::Let(local.into(), Expression::state(name, Index::Lane)))
+            .map(|(local, name)| Statement::Let(local.into(), Expression::state(name, at.clone())))
             .collect();
-        self.step.push(Statement::Note(format!("{} to {}", first.name, last.name)));
+        self.step.push(Statement::Note(note));
         for output in 0..self.outputs.len() {
             let mut value: Option<Expression> = None;
             for (offset, of) in [(0, "x"), (1, "v")] {
                 if first.output[offset].iter().any(|(seen, _)| *seen == output) {
                     let name = format!("{}_{}_", ["YX", "YV"][offset], output);
-                    let factor = tables.table(&name, "what an output sees", move |cell| {
+                    let note = format!("what {} sees of {of}", self.system.outputs[output].name);
+                    let factor = tables.table(&name, &note, move |cell| {
                         cell.output[offset].iter().find(|(seen, _)| *seen == output).map_or(0.0, |(_, value)| *value)
                     });
                     value = Some(plus(value, Factor::Table(factor), Expression::local(of)));
@@ -327,17 +362,21 @@ impl<'a> Planner<'a> {
             }
             if let Some(value) = value {
                 let lane = format!("sum{number}_{}", self.outputs[output]);
-                self.step.push(Statement::Lanes(lane.clone()));
-                let so_far = Expression::Lane(lane.clone());
-                body.push(Statement::Assign(Target::Lane(lane.clone()), sum(so_far, value)));
-                self.lanes.push((output, lane));
+                self.step.push(Statement::Lanes(lane.clone(), width));
+                let value = if blocks { sum(Expression::Lane(lane.clone()), value) } else { value };
+                body.push(Statement::Assign(Target::Lane(lane.clone()), value));
+                self.lanes.push((output, Expression::LaneSum(lane, width)));
             }
         }
         body.push(Statement::Let("next".into(), pair.next_v()));
-        body.push(Statement::Assign(Target::state(&names[0], Index::Lane), pair.next_x()));
-        body.push(Statement::Assign(Target::state(&names[1], Index::Lane), Expression::local("next")));
+        body.push(Statement::Assign(Target::state(&names[0], at.clone()), pair.next_x()));
+        body.push(Statement::Assign(Target::state(&names[1], at), Expression::local("next")));
         self.tables.extend(tables.made);
-        self.step.push(Statement::Blocks(cells.len(), body));
+        self.step.push(if blocks {
+            Statement::Blocks { count: cells.len(), width, body }
+        } else {
+            Statement::Loop("lane", width, body)
+        });
     }
 
     /// A cell that stands alone.
@@ -405,8 +444,8 @@ impl<'a> Planner<'a> {
 
     /// Sums of lanes, what is remembered, the outputs.
     fn end(&mut self) {
-        for (output, lane) in std::mem::take(&mut self.lanes) {
-            self.see(output, vec![(Factor::Number(1.0), Expression::LaneSum(lane))]);
+        for (output, lanes) in std::mem::take(&mut self.lanes) {
+            self.see(output, vec![(Factor::Number(1.0), lanes)]);
         }
         if self.system.remembers() {
             for (j, input) in self.inputs.iter().enumerate() {
@@ -484,6 +523,8 @@ impl<'a> Planner<'a> {
 struct Tables<'a> {
     number: usize,
     cells: &'a [&'a Cell],
+    /// Where a loop reads them.
+    at: Index,
     made: Vec<Table>,
 }
 
@@ -492,6 +533,6 @@ impl Tables<'_> {
         let name = format!("{name}{}", self.number);
         let values = self.cells.iter().map(|cell| of(cell)).collect();
         self.made.push(Table { name: name.clone(), columns: 0, values, note: note.into() });
-        Expression::Table(name, Index::Lane)
+        Expression::Table(name, self.at.clone())
     }
 }

@@ -1,8 +1,8 @@
 //! Rust: `NAME.rs`, a module or a crate of its own, without `std`. Clause: spec.md, "Simulation code".
 
 use super::File;
-use super::plan::{Field, Plan, Start, Style, Table};
-use super::text::{Words, decimal, line, numbers, statements};
+use super::plan::{Field, Plan, Start, Statement, Style, Table, Target};
+use super::text::{Words, decimal, line, numbers, statements, value};
 use crate::analysis::discrete::Precision;
 
 /// The file.
@@ -13,6 +13,15 @@ pub fn files(plan: &Plan) -> Vec<File> {
 /// How Rust writes the words of a plan.
 struct Rust<'a> {
     plan: &'a Plan,
+    /// What the motion that is read or set is called.
+    motion: &'static str,
+}
+
+impl<'a> Rust<'a> {
+    fn of(plan: &'a Plan) -> Rust<'a> {
+        let motion = if matches!(plan.style, Style::Equations { .. }) { "self" } else { "motion" };
+        Rust { plan, motion }
+    }
 }
 
 impl Words for Rust<'_> {
@@ -33,7 +42,7 @@ impl Words for Rust<'_> {
     }
 
     fn motion(&self, what: &str, index: String) -> String {
-        format!("motion.{what}[{index}]")
+        format!("{}.{what}[{index}]", self.motion)
     }
 
     fn derivative(&self, what: &str, index: String) -> String {
@@ -52,8 +61,8 @@ impl Words for Rust<'_> {
         format!("let mut {name} = {value};")
     }
 
-    fn lanes(&self, name: &str) -> String {
-        format!("let mut {name}: [{}; 8] = [0.0; 8];", real(self.plan))
+    fn lanes(&self, name: &str, width: usize) -> String {
+        format!("let mut {name}: [{}; {width}] = [0.0; {width}];", real(self.plan))
     }
 
     fn matrix(&self, name: &str, rows: usize, columns: usize) -> String {
@@ -64,8 +73,12 @@ impl Words for Rust<'_> {
         format!("for {index} in 0..{count} {{")
     }
 
-    fn block_heads(&self, count: usize) -> [String; 2] {
-        [format!("for block in 0..{} {{", count / 8), "for lane in 0..8 {".to_string()]
+    fn repeat_head(&self, count: usize) -> String {
+        format!("for _ in 0..{count} {{")
+    }
+
+    fn block_heads(&self, count: usize, width: usize) -> [String; 2] {
+        [format!("for block in 0..{} {{", count / width), format!("for lane in 0..{width} {{")]
     }
 
     fn due(&self, count: usize) -> [Vec<String>; 2] {
@@ -82,8 +95,8 @@ impl Words for Rust<'_> {
         ]
     }
 
-    fn lane(&self) -> String {
-        "8 * block + lane".to_string()
+    fn lane(&self, width: usize) -> String {
+        format!("{width} * block + lane")
     }
 }
 
@@ -94,11 +107,16 @@ fn real(plan: &Plan) -> &'static str {
     }
 }
 
+/// Some functions may have no caller; names are those of the model; loops are those of C, so that the bits are the same; a
+/// coefficient may come near a constant of mathematics.
+const ALLOWED: &str =
+    "\n#![allow(dead_code, non_snake_case)]\n#![allow(clippy::needless_range_loop, clippy::approx_constant)]\n";
+
 /// The text of the file.
 pub fn whole(plan: &Plan) -> String {
-    let (words, real) = (Rust { plan }, real(plan));
+    let (words, real) = (Rust::of(plan), real(plan));
     let mut text: String = plan.header.iter().map(|text| format!("//! {text}").trim_end().to_string() + "\n").collect();
-    text += "\n#![allow(dead_code, non_snake_case, unused_mut, unused_variables, clippy::all)]\n";
+    text += ALLOWED;
     if !matches!(plan.style, Style::Equations { .. }) {
         text += &state(plan);
     }
@@ -153,10 +171,8 @@ fn state(plan: &Plan) -> String {
 
 /// The functions of the state.
 fn steps(plan: &Plan) -> String {
-    let words = Rust { plan };
+    let words = Rust::of(plan);
     let n = plan.coordinates.len();
-    let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
-    let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
     let mut text = String::from("\nimpl State {\n");
     let parameter = match &plan.style {
         Style::Parameter { value, statements } => Some((*value, statements)),
@@ -190,11 +206,14 @@ fn steps(plan: &Plan) -> String {
         "    /// {}\n    pub fn reset(&mut self) {{\n        *self = State::init();\n    }}\n\n",
         super::RESET
     );
+    let step = observing(&words, &plan.step);
+    let inputs = inputs(plan, &step);
     text += &format!("    /// {}\n    #[inline]\n    pub fn step(&mut self{inputs}) -> Outputs {{\n", super::STEP);
-    text += &line(2, &format!("let mut outputs = Outputs {{{} }};", outputs.trim_end_matches(',')));
-    text += &(statements(&words, &plan.step, 2) + "        outputs\n    }\n\n");
-    text += &format!("    /// {}\n    pub fn set_state(&mut self, motion: &Motion) {{\n", super::SET_STATE);
-    text += &(statements(&words, &plan.set_state, 2) + "    }\n\n");
+    text += &(step + "    }\n\n");
+    let set_state = statements(&words, &plan.set_state, 2);
+    let motion = if set_state.contains("motion.") { "motion" } else { "_motion" };
+    text += &format!("    /// {}\n    pub fn set_state(&mut self, {motion}: &Motion) {{\n", super::SET_STATE);
+    text += &(set_state + "    }\n\n");
     text += &format!("    /// {}\n    pub fn get_state(&self) -> Motion {{\n", super::GET_STATE);
     text += &line(2, &format!("let mut motion = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
     text += &(statements(&words, &plan.get_state, 2) + "        motion\n    }\n}\n");
@@ -203,23 +222,45 @@ fn steps(plan: &Plan) -> String {
 
 /// The functions of the equations.
 fn equations(plan: &Plan, start: &[(f64, f64)]) -> String {
-    let words = Rust { plan };
+    let words = Rust::of(plan);
     let n = plan.coordinates.len();
     let list = |of: fn(&(f64, f64)) -> f64| start.iter().map(|x| words.number(of(x))).collect::<Vec<_>>().join(", ");
     let (q, v) = (list(|x| x.0), list(|x| x.1));
-    let inputs = if plan.inputs.is_empty() { "" } else { ", inputs: &Inputs" };
-    let outputs: String = plan.outputs.iter().map(|field| format!(" {}: 0.0,", field.identifier)).collect();
     let mut text = format!("\nimpl Motion {{\n    /// {}\n    pub const fn init() -> Motion {{\n", super::INIT);
     text += &line(2, &format!("Motion {{ displacement: [{q}], velocity: [{v}] }}"));
-    text += &format!("    }}\n\n    /// {}\n    pub fn derivative(&self{inputs}) -> Motion {{\n", super::DERIVATIVE);
-    text += &line(2, "let motion = self;");
+    let derivative = statements(&words, &plan.step, 2);
+    let given = inputs(plan, &derivative);
+    text += &format!("    }}\n\n    /// {}\n    pub fn derivative(&self{given}) -> Motion {{\n", super::DERIVATIVE);
     text += &line(2, &format!("let mut derivative = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
-    text += &(statements(&words, &plan.step, 2) + "        derivative\n    }\n\n");
-    text += &format!("    /// {}\n    pub fn observe(&self{inputs}) -> Outputs {{\n", super::OBSERVE);
-    text += &line(2, "let motion = self;");
-    text += &line(2, &format!("let mut outputs = Outputs {{{} }};", outputs.trim_end_matches(',')));
-    text += &(statements(&words, &plan.observe, 2) + "        outputs\n    }\n}\n");
+    text += &(derivative + "        derivative\n    }\n\n");
+    let observe = observing(&words, &plan.observe);
+    let given = inputs(plan, &observe);
+    text += &format!("    /// {}\n    pub fn observe(&self{given}) -> Outputs {{\n", super::OBSERVE);
+    text += &(observe + "    }\n}\n");
     text
+}
+
+/// Statements whose outputs come last, as a body that returns them.
+fn observing(words: &Rust, list: &[Statement]) -> String {
+    let first = list.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
+    let (before, outputs) = list.split_at(first.unwrap_or(list.len()));
+    let mut text = statements(words, before, 2) + &line(2, "Outputs {");
+    for statement in outputs {
+        if let Statement::Assign(Target::Output(output), e) = statement {
+            let (name, value) = (&words.plan.outputs[*output].identifier, value(words, e));
+            text += &line(3, &if *name == value { format!("{name},") } else { format!("{name}: {value},") });
+        }
+    }
+    text + &line(2, "}")
+}
+
+/// The parameter for inputs, where there are any; an underscore tells that this function needs none of them.
+fn inputs(plan: &Plan, body: &str) -> &'static str {
+    match (plan.inputs.is_empty(), body.contains("inputs.")) {
+        (true, _) => "",
+        (false, true) => ", inputs: &Inputs",
+        (false, false) => ", _inputs: &Inputs",
+    }
 }
 
 fn structure(name: &str, real: &str, fields: &[Field]) -> String {

@@ -18,17 +18,19 @@ pub trait Words {
     fn note(&self, note: &str) -> String;
     fn constant(&self, name: &str, value: &str) -> String;
     fn variable(&self, name: &str, value: &str) -> String;
-    /// Eight sums, all zero.
-    fn lanes(&self, name: &str) -> String;
+    /// So many sums, all zero.
+    fn lanes(&self, name: &str, width: usize) -> String;
     /// A matrix of zeros.
     fn matrix(&self, name: &str, rows: usize, columns: usize) -> String;
     fn loop_head(&self, index: &str, count: usize) -> String;
-    /// The heads of the loops over `count / 8` blocks and over the eight lanes of one.
-    fn block_heads(&self, count: usize) -> [String; 2];
+    /// Of a loop whose body does not ask how often it was run.
+    fn repeat_head(&self, count: usize) -> String;
+    /// The heads of the loops over `count / width` blocks and over the lanes of one.
+    fn block_heads(&self, count: usize, width: usize) -> [String; 2];
     /// The lines before and after what happens when the next of so many events is due.
     fn due(&self, count: usize) -> [Vec<String>; 2];
-    /// The index in a block.
-    fn lane(&self) -> String;
+    /// The index in blocks of a width.
+    fn lane(&self, width: usize) -> String;
 }
 
 /// Statements, a line each, indented.
@@ -37,24 +39,26 @@ pub fn statements(words: &impl Words, list: &[Statement], depth: usize) -> Strin
 }
 
 fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
-    let value = |value: &Expression| expression(words, value, Level::Sum);
     match statement {
         Statement::Note(note) => line(depth, &words.note(note)),
-        Statement::Let(name, e) => line(depth, &words.constant(name, &value(e))),
-        Statement::Variable(name, e) => line(depth, &words.variable(name, &value(e))),
-        Statement::Assign(target, e) => line(depth, &format!("{} = {};", place(words, target), value(e))),
-        Statement::Lanes(name) => line(depth, &words.lanes(name)),
+        Statement::Let(name, e) => folded(depth, &words.constant(name, &value(words, e))),
+        Statement::Variable(name, e) => folded(depth, &words.variable(name, &value(words, e))),
+        Statement::Assign(target, e) => folded(depth, &assignment(words, target, e)),
+        Statement::Lanes(name, width) => line(depth, &words.lanes(name, *width)),
         Statement::Matrix(name, rows, columns) => line(depth, &words.matrix(name, *rows, *columns)),
         Statement::Loop(index, count, body) => {
             line(depth, &words.loop_head(index, *count)) + &statements(words, body, depth + 1) + &line(depth, "}")
+        }
+        Statement::Repeat(count, body) => {
+            line(depth, &words.repeat_head(*count)) + &statements(words, body, depth + 1) + &line(depth, "}")
         }
         Statement::WhenDue(count, body) => {
             let [before, after] = words.due(*count);
             let [before, after] = [before, after].map(|lines| lines.iter().map(|l| line(depth, l)).collect::<String>());
             before + &statements(words, body, depth + 1) + &after
         }
-        Statement::Blocks(count, body) => {
-            let [outer, inner] = words.block_heads(*count);
+        Statement::Blocks { count, width, body } => {
+            let [outer, inner] = words.block_heads(*count, *width);
             line(depth, &outer)
                 + &line(depth + 1, &inner)
                 + &statements(words, body, depth + 2)
@@ -62,6 +66,42 @@ fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
                 + &line(depth, "}")
         }
     }
+}
+
+/// An expression that stands alone.
+pub fn value(words: &impl Words, e: &Expression) -> String {
+    expression(words, e, Level::Sum)
+}
+
+/// What is added to itself is written so.
+fn assignment(words: &impl Words, target: &Target, e: &Expression) -> String {
+    let place = place(words, target);
+    match e {
+        Expression::Sum(a, b) if value(words, a) == place => format!("{place} += {};", value(words, b)),
+        Expression::Difference(a, b) if value(words, a) == place => {
+            format!("{place} -= {};", expression(words, b, Level::Product))
+        }
+        _ => format!("{place} = {};", value(words, e)),
+    }
+}
+
+/// Columns of a line of code.
+const WIDTH: usize = 120;
+
+/// A statement in lines that can be read: long sums go on in the next line, further in.
+fn folded(depth: usize, statement: &str) -> String {
+    let mut lines = String::new();
+    let mut rest = statement;
+    let mut indent = depth;
+    while 4 * indent + rest.len() > WIDTH {
+        let most = WIDTH - 4 * indent;
+        let signs = [" + ", " - "].map(|sign| rest[..most].rfind(sign));
+        let Some(at) = signs.into_iter().flatten().max().filter(|&at| at > 0) else { break };
+        lines += &line(indent, &rest[..at]);
+        rest = &rest[at + 1..];
+        indent = depth + 1;
+    }
+    lines + &line(indent, rest)
 }
 
 /// A line of text, indented.
@@ -91,7 +131,7 @@ fn index(words: &impl Words, index: &Index) -> Option<String> {
         Index::At(at) => Some(at.to_string()),
         Index::Only => None,
         Index::Of(name) => Some((*name).to_string()),
-        Index::Lane => Some(words.lane()),
+        Index::Lane(width) => Some(words.lane(*width)),
         Index::Event => Some("event".to_string()),
         Index::Text(text) => Some(text.clone()),
     }
@@ -127,13 +167,22 @@ fn expression(words: &impl Words, e: &Expression, allowed: Level) -> String {
             (format!("{} / {}", side(a, Level::Product), side(b, Level::Single)), Level::Product)
         }
         Expression::Negative(a) => (format!("-{}", side(a, Level::Single)), Level::Product),
-        Expression::LaneSum(name) => {
-            let pair = |i: usize| format!("({name}[{i}] + {name}[{}])", i + 1);
-            let four = |i: usize| format!("({} + {})", pair(i), pair(i + 2));
-            (format!("({} + {})", four(0), four(4)), Level::Single)
-        }
+        Expression::LaneSum(name, width) => lane_sum(name, 0, *width),
     };
     if level < allowed { format!("({text})") } else { text }
+}
+
+/// The sum of lanes in pairs, pairs of pairs: the left part is the largest power of two.
+fn lane_sum(name: &str, first: usize, width: usize) -> (String, Level) {
+    if width <= 1 {
+        return (format!("{name}[{first}]"), Level::Single);
+    }
+    let half = width.next_power_of_two() / 2;
+    let part = |first: usize, width: usize| match lane_sum(name, first, width) {
+        (text, Level::Sum) => format!("({text})"),
+        (text, _) => text,
+    };
+    (format!("{} + {}", part(first, half), part(first + half, width - half)), Level::Sum)
 }
 
 /// The shortest decimal that reads back as the same number of the target, always with a point or an exponent.
