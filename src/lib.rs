@@ -104,16 +104,27 @@ pub fn analyze_with(
 }
 
 fn answered(read: &Read, request: &Request, diagnostics: &mut Diagnostics) -> Option<ModalAnswer> {
-    let lowered = hanging(&read.scene, diagnostics)?;
+    let Damped { lowered, by_modes } = hanging(&read.scene, diagnostics)?;
     if lowered.system.is_chained() && analysis::takes_chained(&lowered.system, request) {
-        match answer(read, lowered.clone(), request) {
+        match analysis::modal(&lowered.system, request) {
             // Written out there may be a way, or else more to say of why there is none.
             Err(AnalysisError::NotSparse { .. }) => {}
-            found => return found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok(),
+            found => {
+                let modal = found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+                return Some(answer(read, lowered, modal));
+            }
         }
     }
     let lowered = flattened(lowered, diagnostics)?;
-    answer(read, lowered, request).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+    let found = match by_modes {
+        None => analysis::modal(&lowered.system, request),
+        Some((ratio, too_many)) => {
+            let found = analysis::modal_by_ratio(&lowered.system, &ratio, request);
+            found.and_then(|modal| modal.ok_or(too_many))
+        }
+    };
+    let modal = found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    Some(answer(read, lowered, modal))
 }
 
 /// A model with its poles, ready for transfer tables.
@@ -401,7 +412,7 @@ pub fn check(
             outcome.lowered?;
             return Some(Vec::new());
         }
-        damped(&read.scene, &mut diagnostics)?;
+        hanging(&read.scene, &mut diagnostics)?;
         Some(read.requirements(None, &mut diagnostics))
     });
     Outcome { answer, diagnostics: diagnostics.sorted() }
@@ -419,19 +430,32 @@ fn checked_scene(
 
 /// The lowered scene with the damping that is declared for all of it, its rows written out.
 fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
-    let lowered = hanging(scene, diagnostics)?;
-    flattened(lowered, diagnostics)
+    match hanging(scene, diagnostics)? {
+        Damped { lowered, by_modes: None } => flattened(lowered, diagnostics),
+        Damped { by_modes: Some((_, too_many)), .. } => {
+            diagnostics.push(too_many.to_diagnostic());
+            None
+        }
+    }
 }
 
 fn flattened(lowered: Lowered, diagnostics: &mut Diagnostics) -> Option<Lowered> {
     lower::flattened(lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
+/// A lowered scene with its damping, or with the ratio that its modes have where they are too many for C to hold it, and what
+/// says so.
+struct Damped {
+    lowered: Lowered,
+    by_modes: Option<(Number, AnalysisError)>,
+}
+
 /// The same with rows chained where the scene hangs deep.
-fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
     let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
     let mut lowered = outcome.lowered?;
+    let mut by_modes = None;
     match &scene.scene().damping {
         None => {}
         Some(Damping::Rayleigh { alpha, beta, .. }) => analysis::damping::rayleigh(&mut lowered.system, alpha, beta),
@@ -440,6 +464,9 @@ fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowere
             lowered = flattened(lowered, diagnostics)?;
             match analysis::modes(&lowered.system) {
                 Ok(modes) => analysis::damping::modal(&mut lowered.system, ratio, &modes),
+                Err(too_many @ AnalysisError::TooManyCoordinates { .. }) => {
+                    by_modes = Some((ratio.clone(), too_many));
+                }
                 Err(error) => {
                     diagnostics.push(error.to_diagnostic());
                     return None;
@@ -447,7 +474,7 @@ fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowere
             }
         }
     }
-    Some(lowered)
+    Some(Damped { lowered, by_modes })
 }
 
 /// A model that was read, with what it solves for at the values that were found.
@@ -570,13 +597,13 @@ impl<'a> Read<'a> {
     }
 }
 
-fn answer(read: &Read, lowered: Lowered, request: &Request) -> Result<ModalAnswer, AnalysisError> {
+fn answer(read: &Read, lowered: Lowered, modal: Modal) -> ModalAnswer {
     let model = read.scene.scene().name.clone();
     let Lowered { system, rest } = lowered;
-    let Modal { modes, poles, stability } = analysis::modal(&system, request)?;
+    let Modal { modes, poles, stability } = modal;
     let buckling = analysis::buckling(&system);
     let (solved, requirements, sensitivities) = (Vec::new(), Vec::new(), Vec::new());
-    Ok(ModalAnswer {
+    ModalAnswer {
         model,
         system,
         rest,
@@ -588,7 +615,7 @@ fn answer(read: &Read, lowered: Lowered, request: &Request) -> Result<ModalAnswe
         requirements,
         sensitivities,
         account: None,
-    })
+    }
 }
 
 /// A byte that belongs to no character: the file is no text at all, most likely.

@@ -146,6 +146,8 @@ pub struct Poles {
     pub list: Vec<Pole>,
     /// How many were not computed, because not all modes were asked for.
     pub left_out: usize,
+    /// Each was followed from a mode by itself: that no other one lies between is not proved.
+    pub followed: bool,
 }
 
 #[derive(Clone, Debug)]

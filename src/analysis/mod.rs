@@ -27,7 +27,7 @@ pub use answer::{Before, Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Sh
 pub use discrete::{DiscreteSystem, discretise};
 pub use error::AnalysisError;
 pub use measures::Measurement;
-pub use modal::{Modal, modal, takes_chained};
+pub use modal::{Modal, modal, modal_by_ratio, takes_chained};
 pub use modes::buckling::{Buckling, buckling};
 pub use modes::request::{Band, Request, Which};
 pub use modes::shape::{Normalise, normalise};

@@ -1,16 +1,17 @@
 //! The modes asked for, their poles, and what they say about the rest. In: a linear system and a request. Out: all three.
 //!
 //! Where all modes are cheap, or where damping that joins the modes needs them all, everything is computed and what was asked
-//! for is cut out. Else the modes asked for are computed, and the poles are those of these modes. Clauses: spec.md 10.11, 11.10.
+//! for is cut out. Else the modes asked for are computed, and the poles are those of these modes, or followed from them one by
+//! one. Clauses: spec.md 10.11, 11.10.
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stability};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
-use crate::analysis::modes::{MAX_ALL, MAX_DENSE, MIN_SPARSE, modes_as};
-use crate::analysis::poles::{poles, poles_of};
+use crate::analysis::modes::{MAX_ALL, MAX_DENSE, MIN_SPARSE, modes_as, which_of};
+use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
 use crate::analysis::stability::stability;
-use crate::base::Ball;
+use crate::base::{Ball, Number};
 use crate::system::LinearSystem;
 
 /// Modes and poles with the verdict on the rest.
@@ -35,22 +36,75 @@ pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
 /// The modes asked for, and what goes with them.
 pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
     let whole = whole(system);
-    if !needs_all(system, &whole) {
-        let modes = modes_as(system, request)?;
-        if !modes.is_complete() || system.is_chained() {
-            let poles = poles_of(system, &whole, &modes);
-            let stability = match stability(&modes, &poles) {
-                // Whether a motion grows is in poles that were not computed.
-                Stability::Stable | Stability::Neutral if !is_dissipative(system) => Stability::Undetermined,
-                verdict => verdict,
-            };
-            return Ok(Modal { modes, poles, stability });
-        }
+    if !needs_all(system, &whole)
+        && let Some((modes, poles)) = some_of(system, &whole, request)?
+    {
+        let stability = verdict(system, &modes, &poles);
+        return Ok(Modal { modes, poles, stability });
     }
     let modes = modes_as(system, &Request { which: Which::All, ..*request })?;
     let poles = poles(system, &modes)?;
     let stability = stability(&modes, &poles);
     Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
+}
+
+/// The modes asked for and their poles; `None` if these are all.
+fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
+    let which = which_of(system, request.which);
+    let asked = |which| modes_as(system, &Request { which, ..*request });
+    if are_of_modes(system, whole) || system.is_chained() {
+        let modes = asked(which)?;
+        let poles = poles_of(system, whole, &modes);
+        return Ok((!modes.is_complete() || system.is_chained()).then_some((modes, poles)));
+    }
+    // Modes beyond those asked for prove poles.
+    let (modes, further) = match which {
+        Which::Lowest(count) => match asked(Which::Lowest(count + FURTHER)) {
+            Ok(further) => (further.clone().cut(which), further),
+            Err(_) => (asked(which)?, Modes::default()),
+        },
+        which => {
+            let modes = asked(which)?;
+            let lowest = modes.before.count() == 0 && !modes.list.is_empty() && modes.after > 0;
+            let further = if lowest { asked(Which::Lowest(modes.list.len() + FURTHER)).ok() } else { None };
+            (modes, further.unwrap_or_default())
+        }
+    };
+    if modes.is_complete() {
+        return Ok(None);
+    }
+    let poles = poles_followed(system, whole, &further, modes.list.len(), request.tolerance);
+    Ok(Some((modes.clone(), poles.unwrap_or_else(|| poles_of(system, whole, &modes)))))
+}
+
+/// So many modes beyond those asked for: somewhere among them is a gap.
+const FURTHER: usize = 5;
+
+/// The same where each oscillation has a damping ratio besides what dampers give it: `None` where these join the modes, so
+/// that the ratio has to be spread over all coordinates first ([`crate::analysis::damping::modal`]).
+pub fn modal_by_ratio(
+    system: &LinearSystem,
+    ratio: &Number,
+    request: &Request,
+) -> Result<Option<Modal>, AnalysisError> {
+    let whole = whole(system);
+    if !are_of_modes(system, &whole) {
+        return Ok(None);
+    }
+    let modes = modes_as(system, request)?;
+    let poles = poles_by_ratio(system, &whole, &modes, ratio);
+    Ok(poles.map(|poles| {
+        let stability = verdict(system, &modes, &poles);
+        Modal { modes, poles, stability }
+    }))
+}
+
+/// What the modes and poles listed say; whether a motion grows may be in poles that were not computed.
+fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Stability {
+    match stability(modes, poles) {
+        Stability::Stable | Stability::Neutral if !is_dissipative(system) => Stability::Undetermined,
+        verdict => verdict,
+    }
 }
 
 /// All modes are cheap, or only together give the poles.
@@ -61,7 +115,7 @@ fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
     }
     let parts = || if system.is_chained() { independent_chained(system) } else { independent(system) };
     let largest = || parts().iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
-    n <= MAX_ALL && !crate::analysis::poles::are_of_modes(system, whole) && largest() <= MAX_DENSE
+    n <= MAX_ALL && !are_of_modes(system, whole) && largest() <= MAX_DENSE
 }
 
 /// The system as one part.

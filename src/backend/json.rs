@@ -117,6 +117,9 @@ struct NotComputed {
     modes_below: usize,
     modes_above: usize,
     poles: usize,
+    /// Between the poles listed others may lie.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    poles_between: bool,
     matrices: bool,
 }
 
@@ -266,6 +269,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             modes_below: answer.modes.before.count(),
             modes_above: answer.modes.after,
             poles: answer.poles.left_out,
+            poles_between: answer.poles.followed,
             matrices: !wanted,
         },
         modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),

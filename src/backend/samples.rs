@@ -45,7 +45,7 @@ pub fn cart() -> ModalAnswer {
         system,
         rest: as_drawn(2),
         modes: Modes { list: modes, infinite: 0, ..Modes::default() },
-        poles: Poles { infinite: 0, list: poles, left_out: 0 },
+        poles: Poles { infinite: 0, list: poles, left_out: 0, followed: false },
         stability: Stability::Stable,
         buckling: None,
         solved: Vec::new(),
@@ -88,6 +88,7 @@ pub fn free_pair() -> ModalAnswer {
             infinite: 0,
             list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)],
             left_out: 0,
+            followed: false,
         },
         stability: Stability::Neutral,
         buckling: None,
@@ -124,6 +125,7 @@ pub fn upright_rod() -> ModalAnswer {
         infinite: 0,
         list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)],
         left_out: 0,
+        followed: false,
     };
     answer.stability = Stability::Unstable;
     answer

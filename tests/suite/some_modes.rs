@@ -101,10 +101,16 @@ fn a_large_scene_gives_its_lowest_modes_unasked_and_says_so() {
 }
 
 #[test]
-fn poles_that_need_all_modes_are_said_to_be_missing() {
+fn poles_of_large_scenes_are_followed_from_their_modes() {
     let (answer, text) = asked(&chain(500, true, DAMPED), Which::Lowest(3));
     assert_eq!(answer["modes"].as_array().map(Vec::len), Some(3));
-    assert_eq!(answer["not_computed"]["poles"], 1000);
+    assert_eq!(answer["not_computed"]["poles"], 994);
+    assert_eq!(answer["not_computed"]["poles_between"], true);
+    assert!(text.contains("not computed: 994 poles; each of these was followed from its mode"), "{text}");
+    let bounds = numbers(&answer, "poles", "error_bound");
+    assert!(bounds.iter().all(|&bound| bound < 3e-16), "{bounds:?}");
+    let (above, text) = asked(&chain(500, true, DAMPED), Which::Within(Band { from: 10.0, to: 12.0 }));
+    assert_eq!(above["not_computed"]["poles"], 1000);
     assert!(text.contains("not computed: 1000 poles; this damping joins the modes"), "{text}");
     let (proportional, _) = asked(&chain(500, true, "damping rayleigh(0.1 /s, 1e-4 s)"), Which::Lowest(3));
     assert_eq!(proportional["not_computed"]["poles"], 994);
@@ -114,6 +120,49 @@ fn poles_that_need_all_modes_are_said_to_be_missing() {
         let expected = 0.5 * (0.1 / omega[i / 2] + 1e-4 * omega[i / 2]);
         assert!((zeta - expected).abs() <= 1e-14 * expected);
     }
+}
+
+/// With a damper too weak to matter the damping is not proportional any more, and another road leads to the same poles.
+#[test]
+fn followed_poles_are_those_of_the_closed_form() {
+    let rayleigh = "damping rayleigh(0.1 /s, 1e-4 s)";
+    for held in [true, false] {
+        let (closed, _) = asked(&chain(500, held, rayleigh), Which::Lowest(6));
+        let weak = format!("{rayleigh}\ndamper d: m[2] -- m[3] {{ c = 1e-24 N*s/m }}");
+        let (followed, _) = asked(&chain(500, held, &weak), Which::Lowest(6));
+        assert_eq!(followed["not_computed"]["poles_between"], true);
+        let oscillating = |answer: &Value, field: &str| -> Vec<f64> {
+            let list = answer["poles"].as_array().expect("a list").iter();
+            list.filter(|pole| pole["kind"] == "oscillation")
+                .map(|pole| pole[field].as_f64().expect("a number"))
+                .collect()
+        };
+        for field in ["re", "im"] {
+            let (found, expected) = (oscillating(&followed, field), oscillating(&closed, field));
+            assert_eq!(found.len(), if held { 12 } else { 10 });
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).abs() <= 2.3e-16 * expected.abs(), "{field}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Above 400 coordinates `damping modal` stays a ratio of each mode.
+#[test]
+fn damping_by_modes_of_large_scenes_is_the_ratio_itself() {
+    let (light, text) = asked(&chain(500, true, "damping modal 2 %"), Which::Lowest(4));
+    assert_eq!(numbers(&light, "poles", "damping_ratio"), [0.02; 8]);
+    for (re, omega) in numbers(&light, "poles", "re").chunks(2).zip(numbers(&light, "modes", "omega")) {
+        assert!((re[0] + 0.02 * omega).abs() <= 2e-16 * omega, "{re:?} {omega}");
+    }
+    assert!(text.contains("not computed: 992 poles of other modes"), "{text}");
+    let (critical, _) = asked(&chain(500, true, "damping modal 100 %"), Which::Lowest(2));
+    assert!(critical["poles"].as_array().expect("a list").iter().all(|pole| pole["kind"] == "overdamped"));
+    // A rigid motion gets nothing of it.
+    let (free, _) = asked(&chain(500, false, "damping modal 2 %"), Which::Lowest(3));
+    assert_eq!(free["poles"].as_array().map(Vec::len), Some(6));
+    assert_eq!(free["poles"][0]["kind"], "rigid");
+    assert_eq!(free["poles"][1]["kind"], "rigid");
 }
 
 /// A square membrane of masses, tied to the ground all round: its omega^2 are 4 k/m (sin^2 + sin^2), many of them twice.

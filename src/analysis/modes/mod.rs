@@ -93,6 +93,14 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
 }
 
+/// The request as it is for this system.
+pub(in crate::analysis) fn which_of(system: &LinearSystem, which: Which) -> Which {
+    match which {
+        Which::Usual => settled(which, system.n(), &independent_undamped(system)),
+        which => which,
+    }
+}
+
 /// What is usual for a system of this size.
 fn settled(which: Which, n: usize, parts: &[Part]) -> Which {
     let largest = parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0);

@@ -206,7 +206,7 @@ impl PoleList {
             });
             *cluster = at as u32;
         }
-        Poles { infinite: (2 * coordinates).saturating_sub(self.list.len()), list: self.list, left_out: 0 }
+        Poles { infinite: (2 * coordinates).saturating_sub(self.list.len()), list: self.list, ..Poles::default() }
     }
 }
 

@@ -17,6 +17,7 @@ pub(in crate::analysis) mod proportional;
 pub(in crate::analysis) mod quadratic;
 pub(in crate::analysis) mod refinement;
 pub(in crate::analysis) mod rigid;
+pub(in crate::analysis) mod targeted;
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::{AnalysisError, place};
@@ -36,6 +37,7 @@ use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
 use crate::analysis::poles::refinement::{Pair, refine};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
+use crate::analysis::poles::targeted::targeted;
 use crate::base::Number;
 use crate::system::{Form, LinearSystem};
 
@@ -77,9 +79,69 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
     } else if let Some(damping) = proportional(system, whole) {
         decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots));
     }
+    beside_others(found, system, modes)
+}
+
+/// The poles of the modes listed where each oscillation has this damping ratio, besides what dampers give it: none where these
+/// join the modes.
+pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio: &Number) -> Option<Poles> {
+    let (base, twice) = (proportional(system, whole)?, ratio * &Number::from(2));
+    // s = omega z, z^2 + 2 zeta z + 1 = 0 exactly.
+    let unit = roots(&Number::ONE, &twice, &Number::ONE);
+    let mut found = PoleList::default();
+    for mode in &modes.list {
+        let omega_squared = Number::Ball(mode.omega_squared);
+        let own = base.of_mode(&omega_squared);
+        match mode.kind {
+            ModeKind::Oscillation if own.is_zero() => found.quadratic(unit.times(mode.omega)),
+            ModeKind::Oscillation => {
+                let damping = &own + &(&twice * &Number::Ball(mode.omega));
+                found.quadratic(roots(&Number::ONE, &damping, &omega_squared));
+            }
+            ModeKind::Rigid if own.is_zero() => found.zeros(2),
+            _ => found.quadratic(roots(&Number::ONE, &own, &omega_squared)),
+        }
+    }
+    Some(beside_others(found, system, modes))
+}
+
+/// The poles that were found, and how many were not.
+fn beside_others(found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
     let infinite = 2 * modes.infinite;
     let poles = found.sorted(system.n());
     Poles { infinite, left_out: 2 * system.n() - infinite - poles.list.len(), ..poles }
+}
+
+/// The poles that the first `wanted` of the modes become, which are the lowest of all: one by one, each proved by itself.
+/// `None` where no sparse method suits the system.
+pub fn poles_followed(
+    system: &LinearSystem,
+    whole: &Part,
+    modes: &Modes,
+    wanted: usize,
+    tolerance: f64,
+) -> Option<Poles> {
+    let mut found = PoleList::default();
+    let discs = targeted(system, whole, &modes.list, wanted, tolerance)?;
+    let rigid = modes.list.iter().take(wanted).filter(|mode| mode.kind == ModeKind::Rigid).count();
+    // K N = 0 is a pole at zero, and C N = 0 besides a double one.
+    let free = rigid == 1 && [&system.k, &system.c].iter().all(|form| ignores_translation(form));
+    found.zeros(if free { 2 } else { rigid });
+    found.refined(discs.into_iter().map(|disc| (false, disc)), passive(system, whole, modes));
+    Some(Poles { followed: true, ..beside_others(found, system, modes) })
+}
+
+/// The same displacement of all coordinates stretches no term, exactly.
+fn ignores_translation(form: &Form) -> bool {
+    form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
+}
+
+fn passive(system: &LinearSystem, part: &Part, modes: &Modes) -> Passive {
+    let positive = |form: &Form, terms: &[u32]| terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive());
+    Passive {
+        damped: positive(&system.m, &part.m) && positive(&system.c, &part.c),
+        held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid)),
+    }
 }
 
 /// Each mode has poles of its own: nothing damps, or damping is proportional.
@@ -218,12 +280,7 @@ impl Portion<'_> {
     }
 
     fn passive(&self, modes: &Modes) -> Passive {
-        let positive =
-            |form: &Form, terms: &[u32]| terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive());
-        Passive {
-            damped: positive(&self.system.m, &self.part.m) && positive(&self.system.c, &self.part.c),
-            held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid)),
-        }
+        passive(self.system, self.part, modes)
     }
 }
 

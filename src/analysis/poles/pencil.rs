@@ -170,6 +170,21 @@ impl<T: Real> Pencil<T> {
         result
     }
 
+    /// From Q(s) x to Q(z) x, its energy too.
+    pub fn shift(&self, applied: &mut Application<T>, from: Complex<T>, to: Complex<T>) {
+        let Application { force, energy, m_stretch, c_stretch } = applied;
+        push(&self.m, to * to - from * from, m_stretch, force, energy);
+        push(&self.c, to - from, c_stretch, force, energy);
+    }
+
+    /// (2 s M + C) x
+    pub fn slope_force(&self, s: Complex<T>, applied: &Application<T>) -> Vec<Complex<f64>> {
+        let (mut force, mut energy) = (vec![Complex::ZERO; self.n], Complex::ZERO);
+        push(&self.m, s + s, &applied.m_stretch, &mut force, &mut energy);
+        push(&self.c, Complex::real(T::ONE), &applied.c_stretch, &mut force, &mut energy);
+        force.into_iter().map(Complex::to_f64).collect()
+    }
+
     /// x^T (2 s M + C) x in binary64, from the stretches.
     pub fn slope(&self, s: Complex<f64>, applied: &Application<T>) -> Complex<f64> {
         s.scale(2.0) * self.m.square(&applied.m_stretch) + self.c.square(&applied.c_stretch)

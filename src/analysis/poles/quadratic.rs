@@ -25,6 +25,18 @@ pub enum Roots {
     Together([Root; 2]),
 }
 
+impl Roots {
+    /// Each root times a positive number.
+    pub fn times(self, rate: Ball) -> Roots {
+        let scaled = |root: Root| Root { re: root.re * rate, im: root.im * rate, ..root };
+        match self {
+            Roots::Apart(pair) => Roots::Apart(pair.map(scaled)),
+            Roots::Double(root) => Roots::Double(scaled(root)),
+            Roots::Together(pair) => Roots::Together(pair.map(scaled)),
+        }
+    }
+}
+
 /// The roots; m is certainly positive.
 pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
     let discriminant = &c.square() - &(&Number::from(4) * &(m * k));

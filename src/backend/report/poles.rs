@@ -6,7 +6,7 @@ use super::super::{ModalAnswer, ReportOptions};
 use super::modes::MOST;
 use super::table::{Align, Table};
 use super::{INDENT, counted, line};
-use crate::analysis::{Pole, PoleKind, Stability};
+use crate::analysis::{Pole, PoleKind, Route, Stability};
 use crate::base::Ball;
 
 const DIGITS: usize = 6;
@@ -16,7 +16,9 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     if answer.poles.list.is_empty() && !answer.system.c.is_empty() {
         return left_out(answer);
     }
-    if answer.system.c.is_empty() {
+    // A damping ratio of all modes of a large system is in no C.
+    let by_modes = answer.poles.list.iter().any(|pole| pole.route == Route::Decoupled);
+    if answer.system.c.is_empty() && !by_modes {
         let poles = if answer.stability == Stability::Unstable {
             "±iω of its mode, or ± its growth"
         } else {
@@ -70,9 +72,13 @@ fn clusters(shown: &[(usize, &Pole)]) -> String {
 fn left_out(answer: &ModalAnswer) -> String {
     match (answer.poles.left_out, answer.poles.list.is_empty()) {
         (0, _) => String::new(),
+        (count, false) if answer.poles.followed => line(format!(
+            "not computed: {}; each of these was followed from its mode, and another one may lie between them",
+            counted(count, "pole")
+        )),
         (count, false) => line(format!("not computed: {} of other modes", counted(count, "pole"))),
         (count, true) => line(format!(
-            "not computed: {}; this damping joins the modes, so their poles come with all modes or not at all",
+            "not computed: {}; this damping joins the modes, and poles are followed from the lowest ones alone",
             counted(count, "pole")
         )),
     }

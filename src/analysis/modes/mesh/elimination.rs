@@ -17,6 +17,7 @@
 use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
 use crate::analysis::modes::mesh::postponed::{Postponed, pivot};
 use crate::system::order::least_fill;
+use std::ops::Range;
 
 /// The order of elimination and the pattern of what it fills.
 #[derive(Clone, Debug)]
@@ -25,8 +26,8 @@ pub struct Pattern {
     place: Vec<u32>,
     starts: Vec<usize>,
     rows: Vec<u32>,
-    /// Entries of K, then of M, by column: (row, index of the pair); ascending columns.
-    given: [Given; 2],
+    /// Entries of K, then of M, then of others, by column: (row, index of the pair); ascending columns.
+    given: Vec<Given>,
 }
 
 /// The pairs of a network by their earlier node.
@@ -61,11 +62,11 @@ const MOST_ENTRIES: usize = 60_000_000;
 const NONE: u32 = u32::MAX;
 
 impl Pattern {
-    /// `None` where elimination fills too much.
-    pub fn of(k: &Network, m: &Network) -> Option<Pattern> {
-        let n = k.n();
-        let place = least_fill(n, k.pairs.iter().chain(&m.pairs).copied())?;
-        let given = [k, m].map(|network| Given::of(network, &place));
+    /// For K, M and whatever else is added to them; `None` where elimination fills too much.
+    pub fn of(networks: &[&Network]) -> Option<Pattern> {
+        let n = networks.first()?.n();
+        let place = least_fill(n, networks.iter().flat_map(|network| network.pairs.iter().copied()))?;
+        let given: Vec<Given> = networks.iter().map(|network| Given::of(network, &place)).collect();
         let mut starts = vec![0];
         let mut rows: Vec<u32> = Vec::new();
         let mut mark = vec![NONE; n];
@@ -101,6 +102,34 @@ impl Pattern {
             starts.push(rows.len());
         }
         Some(Pattern { place, starts, rows, given })
+    }
+
+    /// The place of each node in the order of elimination.
+    pub fn place(&self) -> &[u32] {
+        &self.place
+    }
+
+    /// How many entries all columns have below their pivots.
+    pub fn entries(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Where the entries of a column are.
+    #[inline]
+    pub fn range(&self, column: usize) -> Range<usize> {
+        self.starts[column]..self.starts[column + 1]
+    }
+
+    /// The rows of entries.
+    #[inline]
+    pub fn rows(&self, range: Range<usize>) -> &[u32] {
+        &self.rows[range]
+    }
+
+    /// The entries of one of the networks in a column: (row, index of the pair).
+    #[inline]
+    pub fn given(&self, which: usize, column: usize) -> &[(u32, u32)] {
+        self.given[which].column(column)
     }
 
     /// The factors of K - s M; `None` where it is not positive definite, to working precision.

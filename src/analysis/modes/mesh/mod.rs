@@ -81,7 +81,7 @@ impl<'a> Mesh<'a> {
         if m.diagonal.iter().any(|&mass| mass.is_nan() || mass <= 0.0) {
             return None;
         }
-        let pattern = Pattern::of(&k, &m)?;
+        let pattern = Pattern::of(&[&k, &m])?;
         let scale = least_inertia(&m)?;
         // What is no spring between two coordinates holds something; one part without such floats as a whole.
         let floats = (0..n).all(|i| k.positive[i].value == 0.0 && k.negative[i].value == 0.0)
@@ -314,13 +314,13 @@ const LOOK_AHEAD: usize = 4;
 const MAX_CORRECTIONS: usize = 3;
 
 /// d with M >= diag(d): M itself, or a part of its diagonal that a count confirms.
-fn least_inertia(m: &Network) -> Option<Vec<f64>> {
+pub(in crate::analysis) fn least_inertia(m: &Network) -> Option<Vec<f64>> {
     if m.is_diagonal() {
         let exact = |i: usize| m.positive[i].value - m.positive[i].error - m.negative[i].value - m.negative[i].error;
         return Some((0..m.n()).map(exact).collect()).filter(|scale: &Vec<f64>| scale.iter().all(|&d| d > 0.0));
     }
     let diagonal = Network::of_diagonal(&m.diagonal);
-    let pattern = Pattern::of(m, &diagonal)?;
+    let pattern = Pattern::of(&[m, &diagonal])?;
     let parts = [0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6];
     let holds = |part: f64| pattern.count(m, &diagonal, part, Rounding::Down) == Some(0);
     let part = parts.into_iter().find(|&part| holds(part))?;
@@ -397,7 +397,7 @@ mod tests {
             Network::of(&Terms::of(&system.k), 81).expect("sparse"),
             Network::of(&Terms::of(&system.m), 81).expect("sparse"),
         );
-        let pattern = Pattern::of(&k, &m).expect("little fill");
+        let pattern = Pattern::of(&[&k, &m]).expect("little fill");
         let truth = dense(&system);
         for (number, pair) in truth.windows(2).enumerate().step_by(5) {
             let s = 0.5 * (pair[0].0.hi() + pair[1].0.hi());

@@ -7,6 +7,7 @@ use crate::analysis::modes::terms::{Factor, Terms};
 use crate::base::Dd;
 
 /// A x of a form, and a bound of each entry's error.
+#[derive(Clone, Debug)]
 pub struct Image {
     pub value: Vec<Dd>,
     pub error: Vec<f64>,

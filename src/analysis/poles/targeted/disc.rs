@@ -1,0 +1,252 @@
+//! A disc that certainly holds exactly one pole, a simple one. In: an approximate pole and its vector as exactly these numbers,
+//! the frame of the undamped modes. Out: the disc, or nothing where this proves none. Clause: spec.md 11.11.
+//!
+//! In the basis (x, X', Y), X' the modes X without the one that x comes from, det Q is a constant times det R^T Q R times
+//!
+//!   f(s) = x^T Q(s) x - u^T (R^T Q(s) R)^-1 u,   u = R^T Q(s) x,   R = (X', Y).
+//!
+//! With w = s - s_0: x^T Q(s) x = rho + w d + w^2 x^T M x, and u is R^T (r + w Q'(s_0) x + w^2 M x), small with r and w. If
+//! |d w| exceeds the rest on a circle, f has as many zeros in it as a linear function: one (Rouche), and R^T Q R is regular.
+
+use crate::analysis::modes::mesh::network::UP;
+use crate::analysis::modes::mesh::residual::Image;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::analysis::poles::discs::Disc;
+use crate::analysis::poles::pencil::{Application, Pencil, Squares};
+use crate::analysis::poles::refinement::{Factors, Pair};
+use crate::analysis::poles::targeted::frame::Frame;
+use crate::base::{Ball, Dd};
+
+/// Circles tried, each twice as large.
+const MOST_CIRCLES: usize = 40;
+
+/// The disc of a pair that comes from mode `from` of the frame, with a relative radius of about `tolerance` where that takes
+/// less time.
+pub fn disc(frame: &Frame, pencil: &Pencil<Precise>, pair: &Pair, from: usize, tolerance: f64) -> Option<Disc> {
+    let applied = pencil.apply(pair.s, &pair.x);
+    let s = pair.s.to_f64();
+    let slope = Slope::of(pencil, s, &applied);
+    let stiffness = frame.stiffness(s, 0.0);
+    if !(slope.least() > 0.0 && stiffness > 0.0) {
+        return None;
+    }
+    let enough = 0.1 * (tolerance * s.abs() * slope.least() * stiffness).sqrt();
+    let star = Star::of(frame, pencil, pair, &applied, from, enough)?;
+    // Rayleigh's quotient moves the centre by -rho / d.
+    let rho = applied.energy.to_f64();
+    let step = -(rho * slope.value.recip());
+    let doubt = Complex::new(applied.energy.re.radius, applied.energy.im.radius).abs()
+        + 1e-15 * rho.abs()
+        + step.abs() * slope.error;
+    let misplaced = doubt / slope.least() * UP;
+    let offset = step.abs() * UP + misplaced;
+    let mut radius = (offset * offset * slope.inertia + star.share(frame, s, offset)?) / slope.least() * 2.0;
+    radius = radius.max(f64::MIN_POSITIVE);
+    for _ in 0..MOST_CIRCLES {
+        let reach = (offset + radius) * UP;
+        let rest = (reach * reach * slope.inertia + star.share(frame, s, reach)?) * UP;
+        if slope.least() * radius > rest {
+            return around(pair, step, (radius + misplaced) * UP).filter(|disc| disc.s.im.mid.hi > disc.s.im.rad);
+        }
+        radius *= 2.0;
+    }
+    None
+}
+
+/// The disc about s_0 + step; what double-double cannot hold of the centre goes to the radius.
+fn around(pair: &Pair, step: Complex<f64>, radius: f64) -> Option<Disc> {
+    let enclose = |s: Dd, step: f64| {
+        let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
+        Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
+    };
+    let s = Complex::new(enclose(pair.s.re, step.re), enclose(pair.s.im, step.im));
+    radius.is_finite().then_some(Disc { s, clusters: [None; 2] })
+}
+
+/// d = x^T Q'(s_0) x, and a bound of |x^T M x|.
+struct Slope {
+    value: Complex<f64>,
+    error: f64,
+    inertia: f64,
+}
+
+impl Slope {
+    fn of(pencil: &Pencil<Precise>, s: Complex<f64>, applied: &Application<Precise>) -> Slope {
+        let (m, m_size) = square(&pencil.m, &applied.m_stretch);
+        let (c, c_size) = square(&pencil.c, &applied.c_stretch);
+        let count = (pencil.m.len() + pencil.c.len() + 32) as f64;
+        // Sums of so many products in binary64, each of a few roundings; s_0 is rounded too.
+        let error = count * f64::EPSILON * (2.0 * s.abs() * m_size + c_size) * UP;
+        Slope { value: s.scale(2.0) * m + c, error, inertia: m_size * UP }
+    }
+
+    fn least(&self) -> f64 {
+        (self.value.abs() - self.error) * (1.0 - 1e-14)
+    }
+}
+
+/// sum w t^2, and the sum of the sizes of its parts, at the most.
+fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Complex<f64>, f64) {
+    let (mut sum, mut sizes) = (Complex::ZERO, 0.0);
+    for (w, t) in squares.weights.iter().zip(stretches) {
+        let near = t.to_f64();
+        let size = near.abs() * (1.0 + 1e-15) + t.re.radius + t.im.radius;
+        sum = sum + (near * near).scale(w.value.hi());
+        sizes += (w.value.hi().abs() + w.radius) * size * size;
+        // What the radii leave open is far below the roundings, or is told here.
+        sizes += (w.radius * size + (t.re.radius + t.im.radius) * w.value.hi().abs()) * size / f64::EPSILON;
+    }
+    (sum, sizes * UP)
+}
+
+/// What couples x to the rest of the basis.
+struct Star {
+    modes: Vec<usize>,
+    /// |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x| at the most, for the modes X'.
+    along: Vec<[f64; 3]>,
+    /// The same outside, in the norm of P^-1.
+    outside: [f64; 3],
+}
+
+impl Star {
+    fn of(
+        frame: &Frame,
+        pencil: &Pencil<Precise>,
+        pair: &Pair,
+        applied: &Application<Precise>,
+        from: usize,
+        enough: f64,
+    ) -> Option<Star> {
+        let modes: Vec<usize> = (0..frame.x.len()).filter(|&i| i != from).collect();
+        let part = |of: fn(&Complex<Precise>) -> Precise| Image {
+            value: applied.force.iter().map(|f| of(f).value.dd()).collect(),
+            error: applied.force.iter().map(|f| of(f).radius + 1e-31 * of(f).value.hi().abs()).collect(),
+            energy: Dd::ZERO,
+        };
+        let (re, im) = (part(|f| f.re), part(|f| f.im));
+        let momentum = sizes_of_forces(&pencil.m, &applied.m_stretch, pencil.n);
+        let drag = sizes_of_forces(&pencil.c, &applied.c_stretch, pencil.n);
+        let size = 2.0 * pair.s.to_f64().abs() * UP;
+        let slope: Vec<f64> = momentum.iter().zip(&drag).map(|(m, c)| (size * m + c) * UP).collect();
+        let products = |&i: &usize| {
+            let x = &frame.x[i];
+            let [r, q, m] = [dot(x, &re).hypot(dot(x, &im)), sizes_dot(x, &slope), sizes_dot(x, &momentum)];
+            [r * UP, q, m]
+        };
+        let along: Vec<[f64; 3]> = modes.iter().map(products).collect();
+        let outside = [frame.dual(&re, &im, enough), frame.rough_dual(&slope), frame.rough_dual(&momentum)];
+        outside.iter().all(|x| x.is_finite()).then_some(Star { modes, along, outside })
+    }
+
+    /// A bound of |u^T (R^T Q R)^-1 u| for all s within `reach` of s_0; `None` where R^T Q R may be singular.
+    ///
+    /// On Y, Q is at least eta (|y^H Q y| >= eta |y|_P^2), so the Schur complement of X' in it differs from A = X'^T Q X' by
+    /// E Q_YY^-1 E^T; rows and columns of A are scaled by D = diag |A_ii|.
+    fn share(&self, frame: &Frame, s: Complex<f64>, reach: f64) -> Option<f64> {
+        let eta = frame.stiffness(s, reach);
+        let along = &self.along;
+        let size = (s.abs() + reach) * UP;
+        let of = |[r, q, m]: [f64; 3]| (r + reach * q + reach * reach * m) * UP;
+        let block = Block::of(frame, &self.modes, s, reach)?;
+        let (mut p, mut e) = (0.0, 0.0);
+        for ((&i, &along), &scale) in self.modes.iter().zip(along).zip(&block.scale) {
+            p += of(along).powi(2) / scale;
+            e += frame.coupling(i, size).powi(2) / scale;
+        }
+        let (p, e, q) = ((p * UP).sqrt() * UP, (e * UP).sqrt() * UP, of(self.outside));
+        let rest = block.least - e * e / eta * UP;
+        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).powi(2) / rest) * UP)
+    }
+}
+
+/// A = X'^T Q(s) X' near s_0, its rows and columns scaled.
+struct Block {
+    scale: Vec<f64>,
+    /// A bound from below of the least singular value.
+    least: f64,
+}
+
+impl Block {
+    fn of(frame: &Frame, modes: &[usize], s: Complex<f64>, reach: f64) -> Option<Block> {
+        let count = modes.len();
+        if count == 0 {
+            return Some(Block { scale: Vec::new(), least: 1.0 });
+        }
+        let (size, square) = ((s.abs() + reach) * UP, s * s);
+        let entry = |i: usize, j: usize| {
+            let at = (modes[i], modes[j]);
+            let (k, c, m) = (frame.k[at], frame.c[at], frame.m[at]);
+            let value = square.scale(m.value) + s.scale(c.value) + Complex::real(k.value);
+            let sizes = size * size * m.value.abs() + size * c.value.abs() + k.value.abs();
+            let moved = reach * (2.0 * size * m.value.abs() + c.value.abs());
+            (value, (size * size * m.error + size * c.error + k.error + moved + 1e-14 * sizes) * UP)
+        };
+        let scale: Vec<f64> = (0..count).map(|i| entry(i, i).0.abs()).collect();
+        if scale.iter().any(|&d| d.is_nan() || d <= 0.0) {
+            return None;
+        }
+        let scaled = |i: usize, j: usize| {
+            let by = 1.0 / (scale[i] * scale[j]).sqrt();
+            let (value, error) = entry(i, j);
+            (value.scale(by), (error + 1e-14 * value.abs()) * by * UP)
+        };
+        let a = Matrix::from_fn(count, count, |i, j| scaled(i, j).0);
+        let doubt: f64 =
+            (0..count).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| scaled(i, j).1.powi(2)).sum();
+        let inverse = inverse(&a)?;
+        // |A^-1| <= |B| / (1 - |1 - A B|), Frobenius' norms.
+        let norm = |b: &Matrix<Complex<f64>>| {
+            (0..count).flat_map(|j| b.column(j)).map(|z| z.abs().powi(2)).sum::<f64>().sqrt() * UP
+        };
+        let gamma = (4 * count + 16) as f64 * f64::EPSILON;
+        let (size_a, size_b) = (norm(&a), norm(&inverse));
+        let left = Matrix::from_fn(count, count, |i, j| {
+            let product = (0..count).fold(Complex::ZERO, |sum, l| sum + a[(i, l)] * inverse[(l, j)]);
+            product - Complex::real(if i == j { 1.0 } else { 0.0 })
+        });
+        let theta = norm(&left) + gamma * (size_a * size_b + 1.0) + (doubt * UP).sqrt() * size_b * UP;
+        (theta < 0.5).then(|| Block { scale, least: (1.0 - theta) / size_b / UP })
+    }
+}
+
+fn inverse(a: &Matrix<Complex<f64>>) -> Option<Matrix<Complex<f64>>> {
+    let n = a.rows();
+    let factors = Factors::of(a.clone())?;
+    let mut b = Matrix::from_fn(n, n, |i, j| Complex::real(if i == j { 1.0 } else { 0.0 }));
+    (0..n).for_each(|j| factors.solve(b.column_mut(j)));
+    Some(b)
+}
+
+/// sum |w| |a| |a . x| on each coordinate, at the most.
+fn sizes_of_forces(squares: &Squares<Precise>, stretches: &[Complex<Precise>], n: usize) -> Vec<f64> {
+    let mut sizes = vec![0.0; n];
+    for (t, stretch) in stretches.iter().enumerate() {
+        let w = squares.weights[t];
+        let stretch = stretch.to_f64().abs() * (1.0 + 1e-15) + stretch.re.radius + stretch.im.radius;
+        let force = (w.value.hi().abs() + w.radius) * stretch;
+        let (indices, values) = squares.row(t);
+        for (&i, a) in indices.iter().zip(values) {
+            sizes[i as usize] += (a.value.hi().abs() * (1.0 + 1e-15) + a.radius) * force;
+        }
+    }
+    sizes.iter_mut().for_each(|size| *size *= UP);
+    sizes
+}
+
+/// A bound of |x . f|.
+fn dot(x: &[f64], f: &Image) -> f64 {
+    let (mut sum, mut error) = (Dd::ZERO, 0.0);
+    for (x, (f, radius)) in x.iter().zip(f.value.iter().zip(&f.error)) {
+        sum += *f * *x;
+        // Sums of a million products in double-double err by less than 1e-24 of their parts.
+        error += x.abs() * (radius + 1e-24 * f.hi.abs());
+    }
+    (sum.hi.abs() + error) * UP
+}
+
+/// sum |x| f
+fn sizes_dot(x: &[f64], f: &[f64]) -> f64 {
+    x.iter().zip(f).map(|(x, f)| x.abs() * f).sum::<f64>() * UP
+}

@@ -1,0 +1,254 @@
+//! What is certain of the motions besides the lowest undamped modes. In: the terms, approximate modes. Out: a bound mu such that
+//! y^T K y >= mu y^T M y for every y in a complement Y of the modes X, and bounds of what couples X and Y, in the norm of
+//! P = K + tau M. Clause: spec.md 11.11.
+//!
+//! K - mu M has at most k negative eigenvalues (a count that holds) and is negative definite on the k vectors X, so it is
+//! positive semidefinite on Y = {y : X^T (K - mu M) y = 0} (Sylvester). With R = K X - M X Theta and X^T K Y = mu X^T M Y,
+//! X^T M Y = (mu - Theta)^-1 R^T Y. So whatever numbers a are taken, of C X = M X a^T + F,
+//!
+//!   X_i^T Q(s) Y = s F_i^T Y + sum_l (s a_il + delta_il (s^2 + mu)) / (mu - theta_l) R_l^T Y,
+//!
+//! and |f^T y| <= |f|_(P^-1) |y|_P.
+
+use crate::analysis::modes::gram::Gram;
+use crate::analysis::modes::mesh::elimination::{Factors, Rounding};
+use crate::analysis::modes::mesh::least_inertia;
+use crate::analysis::modes::mesh::network::UP;
+use crate::analysis::modes::mesh::residual::{Image, Multiplier};
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::triple::Triple;
+use crate::analysis::poles::targeted::elimination::Networks;
+use crate::base::Dd;
+
+/// The forms of a system as terms.
+pub struct Forms {
+    pub k: Terms,
+    pub c: Terms,
+    pub m: Terms,
+}
+
+/// An entry of X^T (form) X and a bound of its error.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Entry {
+    pub value: f64,
+    pub error: f64,
+}
+
+pub struct Frame<'a> {
+    norm: DualNorm<'a>,
+    pub x: Vec<Vec<f64>>,
+    pub mu: f64,
+    theta: Vec<f64>,
+    /// X^T K X, X^T C X, X^T M X.
+    pub k: Matrix<Entry>,
+    pub c: Matrix<Entry>,
+    pub m: Matrix<Entry>,
+    /// |F_i| and |R_i| in the norm of P^-1.
+    damping: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+/// |f|_(P^-1) with P = K + tau M.
+struct DualNorm<'a> {
+    factors: Factors<'a>,
+    k: Multiplier<'a>,
+    m: Multiplier<'a>,
+    tau: f64,
+    /// M >= diag(scale), P >= least M.
+    scale: Vec<f64>,
+    least: f64,
+}
+
+/// Corrections of the solution that a norm is read from.
+const MOST_CORRECTIONS: usize = 3;
+
+impl<'a> Frame<'a> {
+    /// The first of the modes, at least `wanted` of them, where a gap follows; `modes` ascend, each omega^2 and its shape.
+    /// `None` where nothing can be proved in this way.
+    pub fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<Frame<'a>> {
+        let (count, mu) = gap(networks, modes, wanted)?;
+        let norm = DualNorm::of(forms, networks, modes)?;
+        let (theta, x): (Vec<f64>, Vec<Vec<f64>>) =
+            modes[..count].iter().map(|&(theta, x)| (theta, x.to_vec())).unzip();
+        let n = networks.k.n();
+        let basis = Matrix::from_fn(n, count, |i, j| Triple::from(x[j][i]));
+        let [k, c, m] = [&forms.k, &forms.c, &forms.m].map(|form| entries(&Gram::of(form, &basis)));
+        let frame = Frame { norm, x, mu, theta, k, c, m, damping: Vec::new(), residual: Vec::new() };
+        frame.is_below().then(|| frame.coupled(forms))
+    }
+
+    /// X^T (K - mu M) X is negative definite (Gershgorin).
+    fn is_below(&self) -> bool {
+        let entry = |i: usize, j: usize| {
+            let (k, m) = (self.k[(i, j)], self.m[(i, j)]);
+            (
+                k.value - self.mu * m.value,
+                (k.error + self.mu * m.error) * UP + 1e-15 * (k.value.abs() + self.mu * m.value.abs()),
+            )
+        };
+        let count = self.theta.len();
+        (0..count).all(|i| {
+            let others: f64 = (0..count).filter(|&j| j != i).map(|j| entry(i, j).0.abs() + entry(i, j).1).sum();
+            entry(i, i).0 + entry(i, i).1 + others * UP < 0.0
+        })
+    }
+
+    /// With the norms of F and R. They need not be sharp: below `enough` they do no harm.
+    fn coupled(mut self, forms: &Forms) -> Frame<'a> {
+        let n = self.norm.scale.len();
+        let c = Multiplier::of(&forms.c, n);
+        let words: Vec<Vec<Dd>> = self.x.iter().map(|x| x.iter().map(|&x| Dd::from(x)).collect()).collect();
+        let momenta: Vec<Image> = words.iter().map(|x| self.norm.m.apply(x)).collect();
+        let gap = self.theta.windows(2).map(|pair| pair[1] - pair[0]).fold(self.mu, f64::min).max(0.0);
+        let enough = 1e-2 * gap / self.mu;
+        for (i, x) in words.iter().enumerate() {
+            let mut rest = self.norm.k.apply(x);
+            subtract(&mut rest, self.theta[i], &momenta[i]);
+            self.residual.push(self.norm.of_image(&rest, enough * gap / self.mu.sqrt()));
+            let mut rest = c.apply(x);
+            for (l, momentum) in momenta.iter().enumerate() {
+                subtract(&mut rest, self.c[(i, l)].value, momentum);
+            }
+            self.damping.push(self.norm.of_image(&rest, enough));
+        }
+        self
+    }
+
+    /// |y^H Q(s) y| is at least this times |y|_P^2 on Y, for every s within `radius` of this one, in the upper half plane: with
+    /// m, c, k = y^H (M, C, K) y real, im(y^H Q(s) y / s) = im s (m - k / |s|^2), and m <= k / mu.
+    pub fn stiffness(&self, s: Complex<f64>, radius: f64) -> f64 {
+        let (size, height) = ((s.abs() + radius) * UP, s.im - radius);
+        let slack = 1.0 + 1e-12;
+        let part = 1.0 - size * size * slack / self.mu;
+        height / size * part / (1.0 + self.norm.tau / self.mu) / slack
+    }
+
+    /// A bound of |X_i^T Q(s) y| / |y|_P on Y, |s| <= size.
+    pub fn coupling(&self, i: usize, size: f64) -> f64 {
+        let through = |l: usize| {
+            let own = if l == i { size * size + self.mu } else { 0.0 };
+            (size * self.c[(i, l)].value.abs() + own) * self.residual[l] / (self.mu - self.theta[l])
+        };
+        (size * self.damping[i] + (0..self.theta.len()).map(through).sum::<f64>()) * UP
+    }
+
+    /// |f|_(P^-1) of a complex vector, by its parts.
+    pub fn dual(&self, re: &Image, im: &Image, enough: f64) -> f64 {
+        self.norm.of_image(re, enough).hypot(self.norm.of_image(im, enough)) * UP
+    }
+
+    /// The same, without a solution: at most the norm in diag(scale)^-1 over a root.
+    pub fn rough_dual(&self, sizes: &[f64]) -> f64 {
+        self.norm.rough(sizes.iter().copied())
+    }
+}
+
+impl<'a> DualNorm<'a> {
+    fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])]) -> Option<DualNorm<'a>> {
+        let lowest = modes.first()?.0;
+        let next = modes.iter().map(|mode| mode.0).find(|&theta| theta > 1e-9 * modes[modes.len() - 1].0)?;
+        // What floats or runs away is held by springs tau m.
+        let (tau, below) =
+            if lowest >= next { (0.0, 0.9 * lowest) } else { (2.0 * lowest.abs() + 0.1 * next, lowest.min(0.0)) };
+        let below = below - 0.5 * tau;
+        let count = networks.pattern.count(&networks.k, &networks.m, below, Rounding::Down);
+        let n = networks.k.n();
+        (count == Some(0)).then_some(())?;
+        Some(DualNorm {
+            factors: networks.pattern.factor(&networks.k, &networks.m, -tau)?,
+            k: Multiplier::of(&forms.k, n),
+            m: Multiplier::of(&forms.m, n),
+            tau,
+            scale: least_inertia(&networks.m)?,
+            least: (below + tau) * (1.0 - 1e-12),
+        })
+    }
+
+    /// A bound of |f|_(P^-1); a rough one where that is enough.
+    fn of_image(&self, f: &Image, enough: f64) -> f64 {
+        let mut best = self.rough(sizes(f));
+        if best <= enough || !best.is_finite() {
+            return best;
+        }
+        // f = P u + rest, |P u|_(P^-1) = |u|_P.
+        let mut u = vec![Dd::ZERO; f.value.len()];
+        let mut rest = f.clone();
+        for _ in 0..MOST_CORRECTIONS {
+            let mut change = vec![rest.value.iter().map(|f| f.to_f64()).collect::<Vec<f64>>()];
+            self.factors.solve(&mut change, &mut Vec::new());
+            u.iter_mut().zip(&change[0]).for_each(|(u, &d)| *u += Dd::from(d));
+            let mut image = self.k.apply(&u);
+            subtract(&mut image, -self.tau, &self.m.apply(&u));
+            rest = f.clone();
+            subtract(&mut rest, 1.0, &image);
+            let tail = self.rough(sizes(&rest));
+            let bound = (norm_of(&u, &image) + tail) * UP;
+            if bound < best {
+                best = bound;
+            }
+            if tail <= 0.1 * bound || best <= enough {
+                break;
+            }
+        }
+        best
+    }
+
+    /// |f|_(P^-1) <= |f|_(diag(scale)^-1) / sqrt(least), from the sizes of the entries.
+    fn rough(&self, sizes: impl Iterator<Item = f64>) -> f64 {
+        let sum: f64 = sizes.zip(&self.scale).map(|(f, scale)| f * f / scale).sum();
+        (sum * UP / self.least).sqrt() * UP
+    }
+}
+
+/// The sizes of an image's entries, at the most.
+fn sizes(f: &Image) -> impl Iterator<Item = f64> {
+    f.value.iter().zip(&f.error).map(|(f, error)| f.hi.abs() * (1.0 + 1e-15) + error)
+}
+
+/// A bound of |u|_P, P u being the image: sums of a million products in double-double err by less than 1e-24 of their parts.
+fn norm_of(u: &[Dd], image: &Image) -> f64 {
+    let (mut energy, mut doubt) = (Dd::ZERO, 0.0);
+    for (&u, (&p, error)) in u.iter().zip(image.value.iter().zip(&image.error)) {
+        energy += u * p;
+        doubt += u.hi.abs() * (error + 1e-24 * p.hi.abs());
+    }
+    ((energy.hi.abs() + doubt * UP) * UP).sqrt() * UP
+}
+
+/// f <- f - factor g
+fn subtract(f: &mut Image, factor: f64, g: &Image) {
+    for (i, value) in f.value.iter_mut().enumerate() {
+        let part = g.value[i] * factor;
+        let sizes = value.hi.abs() + part.hi.abs();
+        *value -= part;
+        f.error[i] = (f.error[i] + factor.abs() * g.error[i] + 2.0 * Dd::EPSILON * sizes) * (1.0 + 1e-15);
+    }
+}
+
+fn entries(gram: &Gram) -> Matrix<Entry> {
+    let n = gram.mid.columns();
+    Matrix::from_fn(n, n, |i, j| {
+        let value = gram.mid[(i, j)].hi;
+        Entry { value, error: gram.radius(i, j) + 2e-16 * value.abs() }
+    })
+}
+
+/// Where the modes wanted are followed by a gap: how many are below it, and a number in it below which no more lie.
+fn gap(networks: &Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<(usize, f64)> {
+    let room = |count: usize| (modes[count].0 - modes[count - 1].0) / modes[count].0;
+    let mut counts: Vec<usize> = (wanted.max(1)..modes.len()).collect();
+    counts.sort_by(|&a, &b| room(b).total_cmp(&room(a)));
+    for count in counts.into_iter().take(3) {
+        let (below, above) = (modes[count - 1].0, modes[count].0);
+        for part in [0.9, 0.5] {
+            let mu = below + part * (above - below);
+            let most = networks.pattern.count(&networks.k, &networks.m, mu, Rounding::Down);
+            if mu > below && most.is_some_and(|most| most <= count) {
+                return Some((count, mu));
+            }
+        }
+    }
+    None
+}
