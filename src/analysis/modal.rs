@@ -50,13 +50,13 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
 
 /// The modes asked for and their poles; `None` if these are all.
 fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
-    let which = which_of(system, request.which);
     let asked = |which| modes_as(system, &Request { which, ..*request });
     if are_of_modes(system, whole) || system.is_chained() {
-        let modes = asked(which)?;
+        let modes = asked(request.which)?;
         let poles = poles_of(system, whole, &modes);
         return Ok((!modes.is_complete() || system.is_chained()).then_some((modes, poles)));
     }
+    let which = which_of(system, request.which);
     // Modes beyond those asked for prove poles.
     let (modes, further) = match which {
         Which::Lowest(count) => match asked(Which::Lowest(count + FURTHER)) {
