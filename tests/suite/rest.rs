@@ -153,6 +153,27 @@ fn a_drawing_with_irrational_numbers_is_held_within_bounds() {
     assert!((tension.to_f64().abs() - truth).abs() < 1e-15 * truth && tension.rad < 1e-28);
 }
 
+/// Three springs at 120 degrees hold a disk alike along every line, K = 3/2 k, and turn it by 3 T (r + r²/L); the drawing is
+/// as exact at 30 degrees as along the axes, and nothing ties x, y and the angle.
+#[test]
+fn springs_at_the_angles_of_the_drawing_board_are_exact() {
+    for start in [0, 30, 45, 90, 225] {
+        let answer = ask(&format!(
+            "body disk {{ mass = 2 kg, shape = disk(1 m), at = (0, 0), free }}
+            repeat i in 0..2 {{
+                point A[i] = (1 m * cos({start} deg + i * 120 deg), 1 m * sin({start} deg + i * 120 deg))
+                spring s[i]: ground@(3 * A[i]) -- disk@A[i] {{ k = 100 N/m, preload = 20 N }}
+            }}"
+        ));
+        // Along the line 100, across it T/L = 10: 3/2 of their sum; T r (L + r)/L = 30 for each spring.
+        if start % 30 == 0 {
+            let k = entries(&answer.lowered.system.k, 3);
+            assert_eq!(k, [["165", "0", "0"], ["0", "165", "0"], ["0", "0", "90"]], "{start}");
+        }
+        assert!((answer.omegas()[2] - 90f64.sqrt()).abs() < 1e-14);
+    }
+}
+
 /// A rod that stands upright on a torsional spring: K = k - m g l, however its direction is written.
 #[test]
 fn quarter_turns_are_drawn_exactly() {
@@ -170,13 +191,13 @@ fn quarter_turns_are_drawn_exactly() {
     }
 }
 
-/// sqrt(2) sqrt(3) - sqrt(6) is zero, which balls cannot tell: as a place it is as good as zero, as a stiffness it leaves
+/// sqrt(2) + sqrt(3) is the root of 5 + 2 sqrt(6), which balls cannot tell: as a place it is as good as zero, as a stiffness it leaves
 /// open whether the body stays, as a mass it is refused.
 #[test]
 fn what_cannot_be_told_from_zero_is_not_called_too_small() {
     let scene = |mass: &str, k: &str, at: &str| {
         format!(
-            "param zero = sqrt(2) * sqrt(3) - sqrt(6)
+            "param zero = sqrt(2) + sqrt(3) - sqrt(5 + 2 * sqrt(6))
             body b {{ mass = {mass}, at = ({at}, 0), moves x }}
             spring s: ground -- b {{ k = {k}, along = x }}"
         )
@@ -211,11 +232,11 @@ fn what_no_tension_can_hold_is_named() {
     assert!(format!("{:?}", found[0].primary).contains("-30 N"), "{:?}", found[0].primary);
 }
 
-/// Whether sqrt(2) sqrt(2) is 2 cannot be seen from its digits.
+/// Whether sin² + cos² is 1 cannot be seen from its digits.
 #[test]
 fn a_force_that_may_be_zero_is_not_told_as_balanced() {
     let pendulum = "gravity 9.81 m/s^2
-        body bob { mass = 1 kg, at = (sqrt(2) * sqrt(2) * 1 m, -1 m), inertia = 0 kg*m^2 }
+        body bob { mass = 1 kg, at = ((sin(1)^2 + cos(1)^2) * 2 m, -1 m), inertia = 0 kg*m^2 }
         pivot p: ground@(2 m, 0) -- bob";
     let searched = ask(pendulum).lowered.rest;
     // Near the drawing, wherever the bob is: that much is proven, and that it is there is not said.

@@ -260,7 +260,8 @@ impl<'a> Problem<'a> {
     /// which of them is the k-th is not certain: each lies in the union of the enclosures of all of these.
     fn pairs(&self, candidate: &Candidate) -> Vec<Pair> {
         let known = self.rigid.vectors.len();
-        let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known();
+        // That no further motion is without stiffness is known only where all numbers are.
+        let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known() && self.rigid.exact;
         let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
         let union = candidate.list.iter().filter(|e| e.column < known || may_be_zero(e));

@@ -11,6 +11,7 @@ pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
 pub(in crate::analysis) mod eigen;
 pub(in crate::analysis) mod gram;
+mod image;
 pub(in crate::analysis) mod linkage;
 pub(in crate::analysis) mod mass;
 pub(in crate::analysis) mod mesh;

@@ -4,10 +4,12 @@
 //! Elimination modulo a prime near 2^61 finds a rank that is never above the true one; vectors of rationals that are
 //! recovered from the residues (of more primes where one is not enough) and verified term by term show that it is not below.
 //! Positive terms are weighted at random for the elimination (their null space does not depend on the weights), others as
-//! they are. Numbers known only as enclosures stand for independent unknowns, equal ones for the same unknown.
+//! they are. A square root stands for a root modulo the prime, so primes that have the roots of the form are taken. Numbers
+//! known only as enclosures stand for independent unknowns, equal ones for the same unknown.
 //! Clause: spec.md 10.3.
 
-use crate::analysis::numeric::residues::{Field, PRIMES, scramble};
+use super::image::{Image, identity};
+use crate::analysis::numeric::residues::Field;
 use crate::base::{Ball, Number, Rational};
 use crate::system::{Form, Term};
 use num_bigint::BigInt;
@@ -23,6 +25,9 @@ pub struct NullSpace {
     /// The dimension for unknowns in general position. Larger than the number of vectors only if some of the form's
     /// numbers are not rational, so that no rational vector can be given.
     pub dimension: usize,
+    /// Whether no number is known by its enclosure alone: then the dimension is not smaller than the true one, whatever
+    /// the numbers are.
+    pub exact: bool,
     /// The coordinates that can be chosen at will: in the j-th vector of the reduced basis the j-th of them is 1, the
     /// others are 0.
     pub free: Vec<usize>,
@@ -31,16 +36,19 @@ pub struct NullSpace {
 /// The exact null space of `form` on n coordinates.
 pub fn null_space(form: &Form, n: usize) -> NullSpace {
     let positive = form.terms().iter().all(|term| term.weight.is_positive());
-    let exact = is_exact(form, positive);
+    let images = Image::all_of(form);
+    let rational = matter(form, positive).all(|number| number.exact().is_some());
+    let exact = rational || matter(form, positive).all(|number| images.iter().all(|image| image.knows(number)));
+    let most = if rational { images.len() } else { 2 };
     let mut best: Option<Echelon> = None;
-    let mut space = NullSpace { vectors: Vec::new(), dimension: n, free: (0..n).collect() };
-    for field in PRIMES.iter().take(if exact { PRIMES.len() } else { 2 }) {
-        let Some(next) = Echelon::of(form, n, positive, *field) else { continue };
+    let mut space = NullSpace { vectors: Vec::new(), dimension: n, exact, free: (0..n).collect() };
+    for image in images.iter().take(most) {
+        let Some(next) = Echelon::of(form, n, positive, image) else { continue };
         let combined = match best.take() {
             Some(known) => known.combined_with(next),
             None => next,
         };
-        space = combined.null_space(form, n, positive);
+        space = NullSpace { exact, ..combined.null_space(form, n, positive) };
         if space.vectors.len() == space.dimension {
             break;
         }
@@ -49,10 +57,11 @@ pub fn null_space(form: &Form, n: usize) -> NullSpace {
     space
 }
 
-/// All numbers that matter for the null space are rational.
-fn is_exact(form: &Form, positive: bool) -> bool {
-    form.terms().iter().all(|term| {
-        (positive || term.weight.exact().is_some()) && form.row(term).iter().all(|(_, a)| a.exact().is_some())
+/// The numbers that matter for the null space: not the weights where all are positive.
+fn matter(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
+    form.terms().iter().flat_map(move |term| {
+        let weight = (!positive).then_some(&term.weight);
+        weight.into_iter().chain(form.row(term).iter().map(|(_, a)| a))
     })
 }
 
@@ -66,8 +75,9 @@ struct Echelon {
 
 impl Echelon {
     /// `None` if a denominator is a multiple of the prime.
-    fn of(form: &Form, n: usize, positive: bool, field: Field) -> Option<Echelon> {
-        let mut matrix = residue_matrix(form, n, positive, field)?;
+    fn of(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Echelon> {
+        let field = image.field;
+        let mut matrix = residue_matrix(form, n, positive, image)?;
         let pivots = eliminate(&mut matrix, n, field);
         let free: Vec<usize> = (0..n).filter(|&j| pivots[j].is_none()).collect();
         let vectors = free.iter().map(|&column| null_vector(&matrix, &pivots, n, column, field)).collect();
@@ -100,7 +110,7 @@ impl Echelon {
             let vector: Option<Vec<Rational>> = vector.iter().map(|x| recover_rational(x, &self.modulus)).collect();
             vector.filter(|v| is_null(form, n, positive, v))
         });
-        NullSpace { vectors: recovered.collect(), dimension: self.free.len(), free: self.free.clone() }
+        NullSpace { vectors: recovered.collect(), dimension: self.free.len(), exact: false, free: self.free.clone() }
     }
 }
 
@@ -161,16 +171,17 @@ pub fn eliminated(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
 }
 
 /// sum w a a^T modulo the prime, row by row.
-fn residue_matrix(form: &Form, n: usize, positive: bool, field: Field) -> Option<Vec<u64>> {
+fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Vec<u64>> {
+    let field = image.field;
     let mut matrix = vec![0; n * n];
     for (t, term) in form.terms().iter().enumerate() {
-        let weight = if positive { field.random(t as u64) } else { residue(&term.weight, field)? };
+        let weight = if positive { field.random(t as u64) } else { image.of(&term.weight)? };
         let row = form.row(term);
         for (i, a) in row {
-            let weighted = field.multiply(weight, residue(a, field)?);
+            let weighted = field.multiply(weight, image.of(a)?);
             for (j, b) in row {
                 let entry = &mut matrix[i.index() * n + j.index()];
-                *entry = field.add(*entry, field.multiply(weighted, residue(b, field)?));
+                *entry = field.add(*entry, field.multiply(weighted, image.of(b)?));
             }
         }
     }
@@ -263,7 +274,11 @@ fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]
         match (term.weight.exact(), a.exact()) {
             (_, Some(a)) => force[i.index()].add(&term.weight, &(a * &stretch)),
             (Some(weight), None) => force[i.index()].add(a, &(weight * &stretch)),
-            (None, None) => return false,
+            (None, None) => match &term.weight * a {
+                // No longer one of the form's own numbers.
+                Number::Ball(_) => return false,
+                product => force[i.index()].add(&product, &stretch),
+            },
         }
     }
     true
@@ -290,6 +305,10 @@ impl Unknowns {
         match number {
             Number::Exact(value) => self.exact = &self.exact + &(value * factor),
             Number::OfPi(fraction) => self.add_unknown(&Ball::PI, fraction * factor),
+            Number::Surd(surd) => {
+                self.exact = &self.exact + &(&surd.rational * factor);
+                self.add_unknown(&surd.root_ball(), &surd.factor * factor);
+            }
             Number::Ball(ball) => self.add_unknown(ball, factor.clone()),
         }
     }
@@ -312,39 +331,10 @@ impl Unknowns {
     }
 }
 
-/// What tells one enclosed number from another, up to its sign: the bits of its enclosure.
-fn identity(ball: &Ball) -> ([u64; 3], bool) {
-    let magnitude = ball.mid.abs();
-    ([magnitude.hi.to_bits(), magnitude.lo.to_bits(), ball.rad.to_bits()], ball.mid.hi < 0.0)
-}
-
-fn residue(number: &Number, field: Field) -> Option<u64> {
-    match number {
-        Number::Exact(value) => rational_residue(value, field),
-        Number::OfPi(fraction) => {
-            Some(field.multiply(rational_residue(fraction, field)?, unknown_residue(&Ball::PI, field)))
-        }
-        Number::Ball(ball) => Some(unknown_residue(ball, field)),
-    }
-}
-
-fn rational_residue(value: &Rational, field: Field) -> Option<u64> {
-    match value.residues(field.prime()) {
-        (_, 0) => None,
-        (numerator, 1) => Some(numerator),
-        (numerator, denominator) => Some(field.multiply(numerator, field.inverse(denominator))),
-    }
-}
-
-fn unknown_residue(unknown: &Ball, field: Field) -> u64 {
-    let (key, negative) = identity(unknown);
-    let x = field.random(key.iter().fold(0, |hash, &bits| scramble(hash ^ bits)));
-    if negative { field.negate(x) } else { x }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::numeric::residues::PRIMES;
     use crate::base::{Name, Words};
     use crate::system::{CoordinateId, Label, Nature};
 
@@ -421,7 +411,7 @@ mod tests {
         let field = PRIMES[0];
         for (p, q) in [(13, 10), (-7, 3), (123_456, 789_101), (1, 1)] {
             let value = Rational::new(p, q);
-            let found = residue(&Number::from(value.clone()), field).map(BigInt::from);
+            let found = Image::rational(field).of(&Number::from(value.clone())).map(BigInt::from);
             assert_eq!(found.and_then(|x| recover_rational(&x, &field.prime().into())), Some(value));
         }
     }

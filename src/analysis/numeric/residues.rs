@@ -52,15 +52,43 @@ impl Field {
 
     /// a^(p-2), by Fermat; zero for zero.
     pub fn inverse(self, a: u64) -> u64 {
-        let (mut base, mut result, mut power) = (a, 1, self.prime() - 2);
-        while power > 0 {
-            if power & 1 == 1 {
+        self.power(a, self.prime() - 2)
+    }
+
+    fn power(self, mut base: u64, mut exponent: u64) -> u64 {
+        let mut result = 1;
+        while exponent > 0 {
+            if exponent & 1 == 1 {
                 result = self.multiply(result, base);
             }
             base = self.multiply(base, base);
-            power >>= 1;
+            exponent >>= 1;
         }
         result
+    }
+
+    /// A square root, the smaller of the two; `None` where there is none. (Tonelli and Shanks; H. Cohen, *A Course in
+    /// Computational Algebraic Number Theory* (1993), algorithm 1.5.1.)
+    pub fn sqrt(self, a: u64) -> Option<u64> {
+        let p = self.prime();
+        let is_square = |x: u64| self.power(x, (p - 1) / 2) == 1;
+        if a == 0 || !is_square(a) {
+            return (a == 0).then_some(0);
+        }
+        // p - 1 = 2^e q, q odd.
+        let e = (p - 1).trailing_zeros();
+        let q = (p - 1) >> e;
+        let (mut root, mut rest) = (self.power(a, q.div_ceil(2)), self.power(a, q));
+        // root² = a rest, and rest has an order 2^m with m < e: it is squared away by roots of the order 2^e.
+        let mut turn = (2..p).find(|&x| !is_square(x)).map(|x| self.power(x, q))?;
+        let mut order = e;
+        while rest != 1 {
+            let m = (1..order).find(|&m| self.power(rest, 1 << m) == 1)?;
+            let step = self.power(turn, 1 << (order - m - 1));
+            (order, turn) = (m, self.multiply(step, step));
+            (root, rest) = (self.multiply(root, step), self.multiply(rest, turn));
+        }
+        Some(root.min(p - root))
     }
 
     /// A fixed pseudo-random residue from 1 to p - 1 for each seed.

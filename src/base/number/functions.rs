@@ -1,6 +1,7 @@
 //! Elementary functions of [`Number`], each with a rigorous bound: exact where the argument is one of the rational
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
+use super::surd::Surd;
 use super::{Ball, Dd, MAX_EXACT_BITS, Number, Rational};
 
 impl Number {
@@ -13,6 +14,9 @@ impl Number {
             if let Some(root) = value.exact_sqrt() {
                 return Some(Number::Exact(root));
             }
+            if let Some((factor, root)) = Surd::root_of(value) {
+                return Some(Number::with_root(Rational::ZERO, factor, root));
+            }
             // A square beyond the range of binary64 may have a root within it.
             let half = value.floor_log2() / 2;
             if half.unsigned_abs() > 480 {
@@ -22,7 +26,7 @@ impl Number {
             }
         }
         let ball = self.to_ball();
-        (ball.is_zero() || ball.is_positive()).then(|| Number::Ball(ball.sqrt()))
+        (ball.is_zero() || self.is_positive()).then(|| Number::Ball(ball.sqrt()))
     }
 
     /// An integer power; `None` for a negative power of what may be zero.
@@ -38,15 +42,16 @@ impl Number {
         {
             return Some(Number::Exact(raised));
         }
-        let (mut base, mut result, mut left) = (self.to_ball(), Ball::ONE, power.unsigned_abs());
+        let enclosed = if matches!(self, Number::Surd(_)) { self.clone() } else { Number::Ball(self.to_ball()) };
+        let (mut base, mut result, mut left) = (enclosed, Number::ONE, power.unsigned_abs());
         while left > 0 {
             if left & 1 == 1 {
-                result = result * base;
+                result = &result * &base;
             }
-            base = base * base;
+            base = base.square();
             left >>= 1;
         }
-        Some(Number::Ball(if power < 0 { Ball::ONE / result } else { result }))
+        Some(if power < 0 { &Number::ONE / &result } else { result })
     }
 
     /// A real power of a positive number: exp(power ln self); integer powers and square roots keep what is exact.
@@ -112,8 +117,8 @@ impl Number {
                 None
             };
         }
-        if let Some(eighths) = eighths_of_a_turn(y, x) {
-            return Some(Number::of_pi(Rational::new(eighths, 4)));
+        if let Some(twelfths) = twelfths_of_pi(y, x) {
+            return Some(Number::of_pi(Rational::new(twelfths, 12)));
         }
         let (y, x) = (y.to_ball(), x.to_ball());
         (!(y.contains_zero() && x.contains_zero()) && y.is_finite() && x.is_finite()).then(|| Number::Ball(atan2(y, x)))
@@ -137,22 +142,21 @@ fn sin_cos_of_pi(fraction: &Rational) -> (Number, Number) {
 
 /// Sine and cosine of a fraction of pi of at most 1/4 in size.
 fn in_the_first_eighth(fraction: &Rational) -> (Number, Number) {
-    let half = Number::Exact(Rational::new(1, 2));
-    let (sine, cosine) = sin_cos(fraction.to_ball() * Ball::PI);
+    let half = |root: u32| Number::with_root(Rational::ZERO, Rational::new(1, 2), root);
     let signed = |size: Number| if fraction.signum() < 0 { -&size } else { size };
     match fraction.to_fraction() {
         Some((0, _)) => (Number::ZERO, Number::ONE),
-        Some((1 | -1, 6)) => (signed(half), Number::Ball(cosine)),
-        Some((1 | -1, 4)) => {
-            let root = Number::Ball(half.to_ball().sqrt());
-            (signed(root.clone()), root)
+        Some((1 | -1, 6)) => (signed(half(1)), half(3)),
+        Some((1 | -1, 4)) => (signed(half(2)), half(2)),
+        _ => {
+            let (sine, cosine) = sin_cos(fraction.to_ball() * Ball::PI);
+            (Number::Ball(sine), Number::Ball(cosine))
         }
-        _ => (Number::Ball(sine), Number::Ball(cosine)),
     }
 }
 
-/// The direction (x, y) as a multiple of pi/4 in (-pi, pi], where that is certain.
-fn eighths_of_a_turn(y: &Number, x: &Number) -> Option<i64> {
+/// The direction (x, y) in twelfths of pi, in (-12, 12], where it is a multiple of pi/6 or pi/4 for certain.
+fn twelfths_of_pi(y: &Number, x: &Number) -> Option<i64> {
     let upwards = if y.is_positive() {
         1
     } else if y.is_negative() {
@@ -161,10 +165,17 @@ fn eighths_of_a_turn(y: &Number, x: &Number) -> Option<i64> {
         return None;
     };
     if x.is_zero() {
-        return Some(2 * upwards);
+        return Some(6 * upwards);
     }
-    let diagonal = x.abs().compare(&y.abs()) == Some(std::cmp::Ordering::Equal);
-    diagonal.then(|| upwards * if x.is_positive() { 1 } else { 3 })
+    let (x_squared, y_squared) = (x.square(), y.square());
+    let is = |left: &Number, right: &Number, factor: i64| (left - &(&Number::from(factor) * right)).is_zero();
+    let rise = match () {
+        () if is(&x_squared, &y_squared, 1) => 3,
+        () if is(&x_squared, &y_squared, 3) => 2,
+        () if is(&y_squared, &x_squared, 3) => 4,
+        () => return None,
+    };
+    Some(upwards * if x.is_positive() { rise } else { 12 - rise })
 }
 
 /// Beyond this the reduction by pi would leave fewer digits than a bound is worth.
@@ -264,19 +275,12 @@ pub(super) fn one_minus_square(x: &Number) -> Option<Number> {
 impl Number {
     /// Arcsine in radians; `None` outside [-1, 1].
     pub fn asin(&self) -> Option<Number> {
-        match self.exact().and_then(Rational::to_fraction) {
-            Some((sign @ (1 | -1), 2)) => Some(Number::of_pi(Rational::new(sign, 6))),
-            _ => Number::atan2(self, &one_minus_square(self)?),
-        }
+        Number::atan2(self, &one_minus_square(self)?)
     }
 
     /// Arccosine in radians; `None` outside [-1, 1].
     pub fn acos(&self) -> Option<Number> {
-        match self.exact().and_then(Rational::to_fraction) {
-            Some((1, 2)) => Some(Number::of_pi(Rational::new(1, 3))),
-            Some((-1, 2)) => Some(Number::of_pi(Rational::new(2, 3))),
-            _ => Number::atan2(&one_minus_square(self)?, self),
-        }
+        Number::atan2(&one_minus_square(self)?, self)
     }
 
     /// 10^(self/20): the amplitude ratio of a level in decibels.

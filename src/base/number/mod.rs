@@ -1,14 +1,15 @@
 //! Numbers as a model means them: exact while they are rational, enclosed in a ball from then on.
 //!
 //! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
-//! so do fractions of pi: an angle of `90 deg` is pi/2, and its cosine is 0. A root or the sine of another angle makes a
-//! [`Ball`], a double-double with a rigorous radius.
+//! so do fractions of pi and sums with one square root: `60 deg` is pi/3, and its sine sqrt(3)/2. What leaves these sets is
+//! enclosed in a [`Ball`], a double-double with a rigorous radius.
 //! Clause: spec.md, "Numbers".
 
 pub mod ball;
 pub mod dd;
 mod functions;
 pub mod rational;
+pub mod surd;
 
 pub use ball::Ball;
 pub use dd::Dd;
@@ -16,6 +17,7 @@ pub use rational::{Literals, Rational};
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use surd::{MAX_SURD_BITS, Surd};
 
 /// Fractions larger than this become balls: exactness is for the numbers that people write, not for their hundredth powers.
 const MAX_EXACT_BITS: u64 = 8192;
@@ -26,6 +28,8 @@ pub enum Number {
     Exact(Rational),
     /// This fraction of pi; never zero.
     OfPi(Rational),
+    /// a + b sqrt(d), not rational.
+    Surd(Box<Surd>),
     Ball(Ball),
 }
 
@@ -54,6 +58,7 @@ impl Number {
         match self {
             Number::Exact(value) => value.to_ball(),
             Number::OfPi(fraction) => fraction.to_ball() * Ball::PI,
+            Number::Surd(surd) => surd.to_ball(),
             Number::Ball(ball) => *ball,
         }
     }
@@ -61,7 +66,7 @@ impl Number {
     pub fn to_f64(&self) -> f64 {
         match self {
             Number::Exact(value) => value.to_f64(),
-            Number::OfPi(_) => self.to_ball().to_f64(),
+            Number::OfPi(_) | Number::Surd(_) => self.to_ball().to_f64(),
             Number::Ball(ball) => ball.to_f64(),
         }
     }
@@ -70,7 +75,7 @@ impl Number {
     pub fn exact(&self) -> Option<&Rational> {
         match self {
             Number::Exact(value) => Some(value),
-            Number::OfPi(_) | Number::Ball(_) => None,
+            Number::OfPi(_) | Number::Surd(_) | Number::Ball(_) => None,
         }
     }
 
@@ -79,7 +84,7 @@ impl Number {
     pub fn is_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) => false,
+            Number::OfPi(_) | Number::Surd(_) => false,
             Number::Ball(ball) => ball.is_zero(),
         }
     }
@@ -93,7 +98,7 @@ impl Number {
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) => false,
+            Number::OfPi(_) | Number::Surd(_) => false,
             Number::Ball(ball) => ball.contains_zero(),
         }
     }
@@ -102,6 +107,7 @@ impl Number {
     pub fn is_positive(&self) -> bool {
         match self {
             Number::Exact(value) | Number::OfPi(value) => value.signum() > 0,
+            Number::Surd(surd) => surd.signum() > 0,
             Number::Ball(ball) => ball.is_positive(),
         }
     }
@@ -110,6 +116,7 @@ impl Number {
     pub fn is_negative(&self) -> bool {
         match self {
             Number::Exact(value) | Number::OfPi(value) => value.signum() < 0,
+            Number::Surd(surd) => surd.signum() < 0,
             Number::Ball(ball) => ball.is_negative(),
         }
     }
@@ -155,6 +162,18 @@ impl Number {
         (!other.may_be_zero()).then(|| self / other)
     }
 
+    /// a + b sqrt(d), d without a square in it.
+    fn with_root(rational: Rational, factor: Rational, root: u32) -> Number {
+        if factor.is_zero() {
+            return Number::from_rational(rational);
+        }
+        if root == 1 {
+            return Number::from_rational(&rational + &factor);
+        }
+        let surd = Surd { rational, factor, root };
+        if surd.bits() <= MAX_SURD_BITS { Number::Surd(Box::new(surd)) } else { Number::Ball(surd.to_ball()) }
+    }
+
     fn from_rational(value: Rational) -> Number {
         if value.bits() <= MAX_EXACT_BITS { Number::Exact(value) } else { Number::Ball(value.to_ball()) }
     }
@@ -184,6 +203,9 @@ impl Neg for &Number {
         match self {
             Number::Exact(value) => Number::Exact(-value),
             Number::OfPi(fraction) => Number::OfPi(-fraction),
+            Number::Surd(surd) => {
+                Number::Surd(Box::new(Surd { rational: -&surd.rational, factor: -&surd.factor, root: surd.root }))
+            }
             Number::Ball(ball) => Number::Ball(-*ball),
         }
     }
@@ -197,6 +219,12 @@ impl Add for &Number {
             (_, Number::Exact(b)) if b.is_zero() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a + b),
             (Number::OfPi(a), Number::OfPi(b)) => Number::of_pi(a + b),
+            (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
+                Number::with_root(&a.rational + b, a.factor.clone(), a.root)
+            }
+            (Number::Surd(a), Number::Surd(b)) if a.root == b.root => {
+                Number::with_root(&a.rational + &b.rational, &a.factor + &b.factor, a.root)
+            }
             _ => Number::Ball(self.to_ball() + other.to_ball()),
         }
     }
@@ -217,6 +245,22 @@ impl Mul for &Number {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a * b),
             (Number::Exact(a), Number::OfPi(b)) | (Number::OfPi(a), Number::Exact(b)) => Number::of_pi(a * b),
+            (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
+                Number::with_root(&a.rational * b, &a.factor * b, a.root)
+            }
+            (Number::Surd(a), Number::Surd(b)) if a.root == b.root => {
+                let root = Rational::from(i64::from(a.root));
+                let rational = &(&a.rational * &b.rational) + &(&(&a.factor * &b.factor) * &root);
+                let factor = &(&a.rational * &b.factor) + &(&a.factor * &b.rational);
+                Number::with_root(rational, factor, a.root)
+            }
+            (Number::Surd(a), Number::Surd(b)) if a.rational.is_zero() && b.rational.is_zero() => {
+                let product = Rational::from(i64::from(a.root) * i64::from(b.root));
+                match Surd::root_of(&product) {
+                    Some((factor, root)) => Number::with_root(Rational::ZERO, &(&a.factor * &b.factor) * &factor, root),
+                    None => Number::Ball(a.to_ball() * b.to_ball()),
+                }
+            }
             // An exact zero stays exact whatever it is multiplied with.
             _ if self.is_zero() || other.is_zero() => Number::ZERO,
             _ => Number::Ball(self.to_ball() * other.to_ball()),
@@ -233,6 +277,13 @@ impl Div for &Number {
             (Number::Exact(a), Number::Exact(b)) if !b.is_zero() => Number::from_rational(a / b),
             (Number::OfPi(a), Number::Exact(b)) if !b.is_zero() => Number::of_pi(a / b),
             (Number::OfPi(a), Number::OfPi(b)) => Number::from_rational(a / b),
+            (Number::Surd(a), Number::Exact(b)) if !b.is_zero() => {
+                Number::with_root(&a.rational / b, &a.factor / b, a.root)
+            }
+            (Number::Exact(_) | Number::Surd(_), Number::Surd(b)) => {
+                let inverse = &Number::Surd(Box::new(b.conjugate())) / &Number::from_rational(b.norm());
+                self * &inverse
+            }
             _ => Number::Ball(self.to_ball() / other.to_ball()),
         }
     }
