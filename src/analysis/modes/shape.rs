@@ -122,6 +122,9 @@ fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T
         chosen.truncate(LARGEST);
     }
     chosen.sort_unstable_by(order);
+    // What a symmetry makes equal leads in its order, not in that of last bits.
+    let tied = chosen.iter().take_while(|&&i| share(i) >= share(chosen[0]) * (1.0 - TIE)).count();
+    chosen[..tied].sort_unstable();
     chosen.into_iter().map(|i| Share { of: of(i as usize), part: share(i) }).collect()
 }
 
@@ -146,6 +149,8 @@ mod tests {
 
     #[test]
     fn shares_sum_to_one() {
+        let tied = largest_first(&[1.0, 4.0, 4.0 + 1e-12, 2.0], vec![0, 1, 2, 3], |i| i);
+        assert_eq!(tied.iter().map(|share| share.of).collect::<Vec<_>>(), [1, 2, 3, 0]);
         let shares = largest_first(&[3.0, 5.0], vec![0, 1], |i| i);
         assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
         let negative = largest_first(&[1.0, -5.0], vec![0, 1], |i| i);
