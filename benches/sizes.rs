@@ -6,6 +6,7 @@
 
 use std::io::Write;
 use std::time::Instant;
+use vibc::analysis::numeric::{dense::Matrix, symmetric};
 use vibc::analysis::{Mode, Request, Which, modes_as};
 use vibc::base::source::{SourceFile, Sources};
 use vibc::base::{Number, Rational};
@@ -50,6 +51,14 @@ fn cases() -> Vec<Case> {
         case("dense 30, all", || net_of(30), Which::All, 1e-12, None),
         case("dense 100, all", || net_of(100), Which::All, 1e-12, None),
         case("dense 400, all", || net_of(400), Which::All, 1e-12, None),
+        case("spread 100, all", || spread(100, 4), Which::All, 1e-12, None),
+        case("spread 200, all", || spread(200, 4), Which::All, 1e-12, None),
+        case("spread 400, all", || spread(400, 4), Which::All, 1e-12, None),
+        case("spread 1000, all", || spread(1000, 4), Which::All, 1e-12, None),
+        case("spread 2000, all", || spread(2000, 4), Which::All, 1e-12, None),
+        case("spread 2000, 8 decades", || spread(2000, 8), Which::All, 1e-12, None),
+        case("spread 2000, 14 decades", || spread(2000, 14), Which::All, 1e-12, None),
+        case("complete 300, all", || complete(300), Which::All, 1e-12, None),
     ]
 }
 
@@ -62,6 +71,9 @@ fn main() {
         if words.is_empty() || words.iter().any(|word| case.name.contains(word.as_str())) {
             row(&mut out, &measured(&case));
         }
+    }
+    if words.is_empty() || words.iter().any(|word| "eigenvectors".contains(word.as_str())) {
+        reductions(&mut out);
     }
 }
 
@@ -257,6 +269,51 @@ fn net_of(n: usize) -> String {
         }
     }
     text
+}
+
+/// Each mass on springs to five of the masses before it, anywhere.
+fn spread(n: usize, decades: u64) -> String {
+    let mut digits = Digits(13);
+    let mut text = String::from("spring g: ground -- m[1] { k = 3.7 N/m }\n");
+    for i in 1..=n {
+        text += &format!("body m[{i}] {{ mass = {} kg, moves x }}\n", digits.decimal(0));
+        for number in 1..=5.min(i - 1) {
+            let (other, k) = (1 + digits.below(i as u64 - 1), digits.decimal(decades));
+            text += &format!("spring k[{i},{number}]: m[{other}] -- m[{i}] {{ k = {k} N/m }}\n");
+        }
+    }
+    text
+}
+
+/// Equal masses, each on an equal spring to every other: all frequencies but the first are one.
+fn complete(n: usize) -> String {
+    format!(
+        "body m[1] {{ mass = 2 kg, moves x }}\nspring g: ground -- m[1] {{ k = 3 N/m }}\n\
+         repeat i in 2..{n} {{\n  body m[i] {{ mass = 2 kg, moves x }}\n  spring g[i]: ground -- m[i] {{ k = 3 N/m }}\n\
+         repeat j in 1..i-1 {{\n    spring k[i,j]: m[j] -- m[i] {{ k = 7 N/m }}\n  }}\n}}\n"
+    )
+}
+
+/// The eigenvectors of a dense symmetric matrix alone, which is what LAPACK does: seconds.
+fn reductions(out: &mut impl Write) {
+    for n in [12, 30, 100, 200, 400, 1000, 2000] {
+        let mut digits = Digits(17);
+        let mut matrix = Matrix::filled(n, n, 0.0);
+        for j in 0..n {
+            for i in 0..=j {
+                let entry = digits.below(1_000_000) as f64 * 1e-6 - 0.5;
+                (matrix[(i, j)], matrix[(j, i)]) = (entry, entry);
+            }
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..(200 / n).max(1) {
+            let input = matrix.clone();
+            let clock = Clock::start();
+            std::hint::black_box(symmetric::eigen(input));
+            best = best.min(clock.seconds());
+        }
+        writeln!(out, "eigenvectors of a matrix of {n}: {best:.6} s").expect("standard output");
+    }
 }
 
 // ---- time

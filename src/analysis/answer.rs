@@ -16,6 +16,8 @@ pub enum Route {
     Assembled,
     /// Subtraction-free elimination of a network of springs, then Jacobi.
     StarMesh,
+    /// The assembled matrices in binary64, then residuals of the terms in double-double.
+    Dense,
     /// Sparse elimination, Lanczos' method, residuals in double-double and a count.
     Sparse,
     /// Bisection and Newton steps on a tree.
@@ -37,6 +39,7 @@ impl Route {
             Route::FactoredDoubleDouble => "factored-dd",
             Route::Assembled => "assembled-dd",
             Route::StarMesh => "star-mesh",
+            Route::Dense => "dense",
             Route::Sparse => "sparse",
             Route::Tree => "tree",
             Route::Energy => "energy",

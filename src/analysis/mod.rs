@@ -32,7 +32,7 @@ pub use modes::buckling::{Buckling, buckling};
 pub use modes::request::{Band, Request, Which};
 pub use modes::shape::{Normalise, normalise};
 pub use modes::splits::{Split, splits};
-pub use modes::{modes, modes_as};
+pub use modes::{all_modes, modes, modes_as};
 pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::poles;
 pub use response::{History, grid, respond, samples};

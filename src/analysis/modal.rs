@@ -8,7 +8,7 @@ use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stabil
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
-use crate::analysis::modes::{MAX_ALL, MAX_DENSE, MIN_SPARSE, modes_as, which_of};
+use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, which_of};
 use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
 use crate::analysis::stability::stability;
 use crate::base::{Ball, Number};
@@ -26,7 +26,7 @@ pub struct Modal {
 pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
     let few = match request.which {
         Which::All => false,
-        Which::Usual => system.n() > MAX_DENSE,
+        Which::Usual => system.n() > MAX_UNASKED,
         Which::Lowest(count) => count < system.n() / 4,
         Which::Within(_) => true,
     };
@@ -48,13 +48,14 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
     Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
 }
 
-/// The modes asked for and their poles; `None` if these are all.
+/// The modes asked for and their poles; `None` if these are all and all poles can be had.
 fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
     let asked = |which| modes_as(system, &Request { which, ..*request });
     if are_of_modes(system, whole) || system.is_chained() {
         let modes = asked(request.which)?;
         let poles = poles_of(system, whole, &modes);
-        return Ok((!modes.is_complete() || system.is_chained()).then_some((modes, poles)));
+        let told = !modes.is_complete() || system.is_chained() || largest(system) > MAX_UNASKED;
+        return Ok(told.then_some((modes, poles)));
     }
     let which = which_of(system, request.which);
     // Modes beyond those asked for prove poles.
@@ -70,8 +71,12 @@ fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Opt
             (modes, further.unwrap_or_default())
         }
     };
-    if modes.is_complete() {
+    if modes.is_complete() && largest(system) <= MAX_UNASKED {
         return Ok(None);
+    }
+    if modes.list.len() > MAX_UNASKED {
+        let poles = poles_of(system, whole, &modes);
+        return Ok(Some((modes, poles)));
     }
     let poles = poles_followed(system, whole, &further, modes.list.len(), request.tolerance);
     Ok(Some((modes.clone(), poles.unwrap_or_else(|| poles_of(system, whole, &modes)))))
@@ -113,9 +118,13 @@ fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
     if n <= MIN_SPARSE {
         return true;
     }
-    let parts = || if system.is_chained() { independent_chained(system) } else { independent(system) };
-    let largest = || parts().iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
-    n <= MAX_ALL && !are_of_modes(system, whole) && largest() <= MAX_DENSE
+    n <= MAX_ALL && !are_of_modes(system, whole) && largest(system) <= MAX_UNASKED
+}
+
+/// Coordinates of the largest independent part.
+fn largest(system: &LinearSystem) -> usize {
+    let parts = if system.is_chained() { independent_chained(system) } else { independent(system) };
+    parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0)
 }
 
 /// The system as one part.

@@ -127,7 +127,7 @@ struct Reference {
 
 impl Reference {
     fn of(system: &LinearSystem) -> Result<Reference, AnalysisError> {
-        let modes = analysis::modes_as(system, &Request::default().to_digits(28))?;
+        let modes = analysis::all_modes(system, &Request::default().to_digits(28))?;
         let poles = analysis::poles(system, &modes)?;
         Ok(Reference { modes, poles })
     }

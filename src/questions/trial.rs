@@ -156,9 +156,12 @@ fn computed(system: &LinearSystem, probes: &[Probe]) -> Result<(Option<Modes>, O
     let of_poles = probes.iter().any(Probe::of_poles);
     let highest = probes.iter().map(|probe| if let Probe::Frequency(mode) = probe { *mode } else { 0 }).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
-    let which = if of_poles || system.n() <= FEW { Which::All } else { lowest };
     let said = |error: AnalysisError| error.to_diagnostic().message;
-    let modes = modes_as(system, &Request { which, ..Request::default() }).map_err(said)?;
+    let found = match of_poles || system.n() <= FEW {
+        true => modes(system),
+        false => modes_as(system, &Request { which: lowest, ..Request::default() }),
+    };
+    let modes = found.map_err(said)?;
     let poles = if of_poles { Some(poles(system, &modes).map_err(said)?) } else { None };
     Ok((Some(modes), poles))
 }

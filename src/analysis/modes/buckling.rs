@@ -8,7 +8,7 @@
 //!
 //! Both are eigenproblems like that of the modes, with its bounds. Clause: spec.md 10.9.
 
-use crate::analysis::modes::MAX_DENSE;
+use crate::analysis::modes::MAX_UNASKED;
 use crate::analysis::modes::eigen::{Eigenvalue, Failure, Pair, eigenpairs};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::{modes::certificate, modes::shape};
@@ -38,7 +38,7 @@ pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
     for part in independent_undamped(system) {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
         let k = chosen(&system.k, &part.k, &local);
-        if part.coordinates.len() > MAX_DENSE || !k.terms().iter().any(softened) {
+        if part.coordinates.len() > MAX_UNASKED || !k.terms().iter().any(softened) {
             continue;
         }
         let Some(found) = of_part(system, &part, &k) else { continue };
@@ -58,7 +58,7 @@ fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Option<Buckling> {
             let pair = pairs.into_iter().next_back()?;
             (Ball::ONE / positive(&pair)?, pair)
         }
-        Err(Failure::Range) => return None,
+        Err(Failure::Range | Failure::Size) => return None,
         Err(Failure::Mass(_)) => {
             // -rho, descending: the pencil with -K_g again.
             let pair = eigenpairs(&softening, k, n, TOLERANCE).ok()?.into_iter().next_back()?;

@@ -11,6 +11,7 @@
 use crate::analysis::answer::Route;
 use crate::analysis::modes::certificate::{Enclosure, enclose};
 use crate::analysis::modes::correction;
+use crate::analysis::modes::dense;
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::mass;
 use crate::analysis::modes::start::{self, Inertia, Start};
@@ -24,6 +25,10 @@ use std::cmp::Ordering;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
 const ALL_DIGITS: usize = 30;
+/// From here on reductions of whole matrices come first.
+const MIN_DENSE: usize = 64;
+/// Up to this many coordinates the methods of small problems take seconds.
+const MAX_SLOW: usize = 400;
 /// A change that triple words do not show any more.
 const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
 const MAX_STEPS: usize = 8;
@@ -106,6 +111,8 @@ pub enum Failure {
     Mass(usize),
     /// Infinities came up.
     Range,
+    /// M is too nearly singular for binary64, and too large for more digits.
+    Size,
 }
 
 /// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance where that can be.
@@ -127,8 +134,17 @@ pub fn eigenpairs_of(
     if !(masses.is_finite() && stiffness.is_finite()) {
         return Err(Failure::Range);
     }
+    if n >= MIN_DENSE
+        && let Some((pairs, within)) = dense::eigenpairs(&dense::Problem { n, form, stiffness, masses, tolerance })
+        && (within || n > MAX_SLOW)
+    {
+        return Ok(pairs);
+    }
     let matrix = mass::assembled(masses, n);
     let lower = mass::factor(matrix.clone()).map_err(Failure::Mass)?;
+    if n > MAX_SLOW {
+        return Err(Failure::Size);
+    }
     let problem = Problem {
         n,
         form,

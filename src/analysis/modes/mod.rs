@@ -9,6 +9,7 @@ pub mod buckling;
 pub(in crate::analysis) mod certificate;
 pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
+pub(in crate::analysis) mod dense;
 pub(in crate::analysis) mod eigen;
 pub(in crate::analysis) mod gram;
 mod image;
@@ -31,7 +32,7 @@ use crate::analysis::answer::{Before, Mode, ModeKind, Modes};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::condense::{Condensed, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
-use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
+use crate::analysis::modes::parts::{Part, chosen, independent_chained, independent_undamped};
 use crate::analysis::modes::request::{FEW, Request, Which};
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
@@ -39,17 +40,28 @@ use crate::analysis::numeric::triple::Triple;
 use crate::base::{Ball, Number};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// Dense matrices of more coordinates than this would take minutes.
-pub const MAX_DENSE: usize = 400;
+/// Dense matrices of more coordinates than this would take minutes and gigabytes.
+pub const MAX_DENSE: usize = 2000;
+/// All modes of larger parts are computed where they are asked for, not by themselves, and nothing that needs all of them is.
+pub const MAX_UNASKED: usize = 400;
 /// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
 pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 
 /// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
 pub(in crate::analysis) const MAX_ALL: usize = 4000;
 
-/// All undamped modes, ascending in omega^2.
+/// All undamped modes, ascending in omega^2, for what needs all of them: up to [`MAX_UNASKED`] coordinates that hang together.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
-    modes_as(system, &Request::default())
+    all_modes(system, &Request::default())
+}
+
+/// The same to the accuracy asked for.
+pub fn all_modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    let parts = if system.is_chained() { independent_chained(system) } else { independent_undamped(system) };
+    match parts.iter().find(|part| part.coordinates.len() > MAX_UNASKED) {
+        Some(part) => Err(too_many(system, part.coordinates[0] as usize, part.coordinates.len())),
+        None => modes_as(system, &Request { which: Which::All, ..*request }),
+    }
 }
 
 /// The undamped modes asked for, ascending in omega^2. Rows may be chained.
@@ -106,7 +118,7 @@ pub(in crate::analysis) fn which_of(system: &LinearSystem, which: Which) -> Whic
 fn settled(which: Which, n: usize, parts: &[Part]) -> Which {
     let largest = parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
     match which {
-        Which::Usual if n <= MAX_ALL && largest <= MAX_DENSE => Which::All,
+        Which::Usual if n <= MAX_ALL && largest <= MAX_UNASKED => Which::All,
         Which::Usual => Which::Lowest(FEW),
         which => which,
     }
@@ -159,9 +171,15 @@ fn part_pairs(
     let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
         Ok(pairs) => pairs,
         Err(Failure::Range) => return Err(AnalysisError::OutOfRange { at: place(system, first) }),
+        Err(Failure::Size) => return Err(too_many(system, first, n)),
         Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,
     };
     Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
+}
+
+/// All modes of so many coordinates at once, from this one on, are too many.
+pub(in crate::analysis) fn too_many(system: &LinearSystem, first: usize, count: usize) -> AnalysisError {
+    AnalysisError::TooManyCoordinates { count, limit: MAX_UNASKED, at: place(system, first) }
 }
 
 fn may_be_zero(value: &Eigenvalue) -> bool {
@@ -198,6 +216,7 @@ fn without_massless_motions(
     let pairs = pairs.map_err(|failure| match failure {
         Failure::Mass(at) => AnalysisError::indefinite_mass(system, CoordinateId(global(condensed.kept[at]) as u32)),
         Failure::Range => AnalysisError::OutOfRange { at: place(system, global(0)) },
+        Failure::Size => too_many(system, global(0), n),
     })?;
     Ok(pairs.into_iter().map(|pair| expanded(pair, &condensed, n)).collect())
 }

@@ -249,6 +249,11 @@ fn recover_rational(x: &BigInt, modulus: &BigInt) -> Option<Rational> {
     (!t.is_zero() && t.abs() < limit).then(|| Rational::from(BigRational::new(b, t)))
 }
 
+/// Whether the form does not see the motion v, exactly.
+pub fn is_rigid(form: &Form, v: &[Rational]) -> bool {
+    is_null(form, v.len(), form.terms().iter().all(|term| term.weight.is_positive()), v)
+}
+
 /// The form times v is exactly zero: for positive weights every row is orthogonal to v, else the sum of all terms vanishes.
 fn is_null(form: &Form, n: usize, positive: bool, v: &[Rational]) -> bool {
     let mut force = vec![Unknowns::default(); if positive { 0 } else { n }];

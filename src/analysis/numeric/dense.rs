@@ -144,6 +144,17 @@ impl<T: Copy> Matrix<T> {
         &mut self.data[j * self.rows..(j + 1) * self.rows]
     }
 
+    /// All columns, one after the other.
+    #[inline]
+    pub fn data(&self) -> &[T] {
+        &self.data
+    }
+
+    #[inline]
+    pub fn data_mut(&mut self) -> &mut [T] {
+        &mut self.data
+    }
+
     /// Two different columns at once, p < q.
     #[inline]
     pub fn column_pair(&mut self, p: usize, q: usize) -> (&mut [T], &mut [T]) {
@@ -165,6 +176,11 @@ impl<T: Copy> Matrix<T> {
             data.extend_from_slice(self.column(j));
         }
         Matrix { rows: self.rows, columns: order.len(), data }
+    }
+
+    /// The rows in the order given.
+    pub fn select_rows(&self, order: &[usize]) -> Matrix<T> {
+        Matrix::from_fn(order.len(), self.columns, |i, j| self[(order[i], j)])
     }
 
     /// Each entry through `f`.

@@ -1,0 +1,375 @@
+//! Residuals r_j = K x_j - theta_j M x_j of many vectors at once, from the terms in double-double, with bounds.
+//!
+//! The x_j are binary64 vectors, taken as exactly what they are; theta_j is their Rayleigh quotient to double-double, taken as
+//! exactly what comes out. Eight vectors go through the terms side by side. A spring between two coordinates stretches by a
+//! difference that two words hold exactly; its force w (x_i - x_k) errs by 6 u^2 of itself, a sum of two words by at most
+//! 10 u^2 of its parts' magnitudes (u = 2^-53). So for rows of at most l entries and at most N terms at a coordinate
+//!
+//!   |computed - true| <= B |x| + floor,  B = sum_t beta_t |a_t| |a_t|^T,
+//!   beta_t = (|w_t| (10 (N + l + 3) + 60) u^2 + |w_t| 2 p + radius of w_t) (1 + p)^2,  p = max_k radius of a_tk / |a_tk|,
+//!
+//! entry by entry, which also covers the rounding of weights and factors to two words. With D^2 the diagonal of M,
+//! |x_i^T (error of K x_j)| <= kappa |D x_i| |D x_j|, kappa the largest row sum of D^-1 B D^-1 (a symmetric matrix' norm is at
+//! most that). Clause: spec.md 10.15.
+
+use crate::analysis::modes::gram::SLACK;
+use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::product;
+use crate::analysis::numeric::tridiagonal::dot;
+use crate::analysis::numeric::wide::{Eight, LANES, widest};
+use crate::base::Dd;
+
+/// u^2 = 2^-106.
+const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+/// Products lose bits of their low words below 2^-969: some units of 2^-1074.
+const UNDERFLOW: f64 = 1e-320;
+
+/// A form as the kernel reads it.
+struct Flat {
+    weights: Vec<[f64; 2]>,
+    starts: Vec<u32>,
+    indices: Vec<u32>,
+    factors: Vec<[f64; 2]>,
+    kinds: Vec<Kind>,
+}
+
+/// Rows that need no products.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// One coordinate, factor of one.
+    Single,
+    /// The difference of two coordinates.
+    Difference,
+    Other,
+}
+
+/// What the application of a form to vectors errs by.
+#[derive(Clone, Copy, Debug)]
+struct Doubt {
+    kappa: f64,
+    /// Norm in D^-1 of what underflow adds.
+    floor: f64,
+}
+
+/// Residuals of the columns of X, and what bounds need.
+pub struct Residuals {
+    pub theta: Vec<Dd>,
+    pub r: Matrix<f64>,
+    /// M X
+    pub y: Matrix<f64>,
+    /// |D x_j|
+    pub size: Vec<f64>,
+    /// |x_i^T r_j computed in binary64 - true| <= size_i r_slip_j, and |x_i^T y_j - true| <= size_i y_slip_j.
+    pub r_slip: Vec<f64>,
+    pub y_slip: Vec<f64>,
+}
+
+/// Residuals for the pencil of two forms.
+pub struct Pencil {
+    scale: Vec<f64>,
+    stiffness: Flat,
+    masses: Flat,
+    doubts: [Doubt; 2],
+}
+
+impl Pencil {
+    /// `diagonal` is near M's, positive.
+    pub fn new(stiffness: &Terms, masses: &Terms, diagonal: &[f64]) -> Pencil {
+        let scale: Vec<f64> = diagonal.iter().map(|m| m.sqrt()).collect();
+        Pencil {
+            doubts: [Doubt::of(stiffness, &scale), Doubt::of(masses, &scale)],
+            stiffness: Flat::of(stiffness),
+            masses: Flat::of(masses),
+            scale,
+        }
+    }
+
+    pub fn residuals(&self, x: &Matrix<f64>) -> Residuals {
+        let (n, columns) = (x.rows(), x.columns());
+        let (mut r, mut y) = (Matrix::filled(n, columns, 0.0), Matrix::filled(n, columns, 0.0));
+        let mut theta = Vec::with_capacity(columns);
+        let mut block = Block::new(n);
+        for first in (0..columns).step_by(LANES) {
+            let width = LANES.min(columns - first);
+            for lane in 0..LANES {
+                // The last block repeats a column rather than dividing by zero.
+                let column = x.column(first + lane.min(width - 1));
+                column.iter().enumerate().for_each(|(i, &x)| block.x[i * LANES + lane] = x);
+            }
+            apply(&self.stiffness, &block.x, &mut block.k);
+            apply(&self.masses, &block.x, &mut block.m);
+            let [high, low] = quotients(&block.x, &block.k, &block.m);
+            residuals(&[high, low], &mut block.k, &block.m);
+            theta.extend(high.iter().zip(low).take(width).map(|(&hi, lo)| Dd { hi, lo }));
+            for lane in 0..width {
+                let (r, y) = (r.column_mut(first + lane), y.column_mut(first + lane));
+                for i in 0..n {
+                    (r[i], y[i]) = (block.k[2 * i * LANES + lane], block.m[2 * i * LANES + lane]);
+                }
+            }
+        }
+        self.with_bounds(x, theta, r, y)
+    }
+
+    fn with_bounds(&self, x: &Matrix<f64>, theta: Vec<Dd>, r: Matrix<f64>, y: Matrix<f64>) -> Residuals {
+        let (n, columns) = (x.rows(), x.columns());
+        let norm = |v: &[f64], weight: &dyn Fn(usize) -> f64| {
+            let scaled: Vec<f64> = v.iter().enumerate().map(|(i, x)| x * weight(i)).collect();
+            dot(&scaled, &scaled).sqrt() * SLACK
+        };
+        let times = |i: usize| self.scale[i];
+        let over = |i: usize| 1.0 / self.scale[i];
+        // A product of matrices, and the rounding of its factor to one word.
+        let rounding = product::error(n) + f64::EPSILON;
+        let [of_k, of_m] = self.doubts;
+        let size: Vec<f64> = (0..columns).map(|j| norm(x.column(j), &times)).collect();
+        let slip =
+            |j: usize, v: &[f64], kappa: f64, floor: f64| SLACK * (kappa * size[j] + rounding * norm(v, &over) + floor);
+        let r_slip = (0..columns).map(|j| {
+            let theta = theta[j].hi.abs() * SLACK;
+            slip(j, r.column(j), of_k.kappa + theta * of_m.kappa, of_k.floor + theta * of_m.floor)
+        });
+        let r_slip = r_slip.collect();
+        let y_slip = (0..columns).map(|j| slip(j, y.column(j), of_m.kappa, of_m.floor)).collect();
+        Residuals { theta, r_slip, y_slip, size, r, y }
+    }
+}
+
+impl Residuals {
+    /// Those of the columns in this order.
+    pub fn reordered(self, order: &[usize]) -> Residuals {
+        let chosen = |values: &[f64]| order.iter().map(|&j| values[j]).collect();
+        Residuals {
+            theta: order.iter().map(|&j| self.theta[j]).collect(),
+            size: chosen(&self.size),
+            r_slip: chosen(&self.r_slip),
+            y_slip: chosen(&self.y_slip),
+            r: self.r.select_columns(order),
+            y: self.y.select_columns(order),
+        }
+    }
+}
+
+impl Flat {
+    fn of(terms: &Terms) -> Flat {
+        let mut flat = Flat {
+            weights: Vec::with_capacity(terms.len()),
+            starts: vec![0],
+            indices: Vec::new(),
+            factors: Vec::new(),
+            kinds: Vec::with_capacity(terms.len()),
+        };
+        let words = |x: Dd| [x.hi, x.lo];
+        for t in 0..terms.len() {
+            let (indices, factors) = terms.row(t);
+            flat.weights.push(words(terms.weights[t].value.dd()));
+            flat.indices.extend_from_slice(indices);
+            flat.factors.extend(factors.iter().map(|factor| words(factor.to_dd())));
+            flat.starts.push(flat.indices.len() as u32);
+            flat.kinds.push(match factors {
+                [Factor::Plus | Factor::Minus] => Kind::Single,
+                [Factor::Plus, Factor::Minus] | [Factor::Minus, Factor::Plus] => Kind::Difference,
+                _ => Kind::Other,
+            });
+        }
+        flat
+    }
+}
+
+impl Doubt {
+    /// See the module.
+    fn of(terms: &Terms, scale: &[f64]) -> Doubt {
+        let (mut at, mut length) = (vec![0u32; scale.len()], 0);
+        for t in 0..terms.len() {
+            let (indices, _) = terms.row(t);
+            indices.iter().for_each(|&i| at[i as usize] += 1);
+            length = length.max(indices.len());
+        }
+        let most = at.iter().copied().max().unwrap_or(0) as usize;
+        let roundings = (10 * (most + length + 3) + 60) as f64 * UNIT_SQUARED;
+        let (mut rows, mut floors) = (vec![0.0; scale.len()], vec![0.0; scale.len()]);
+        for t in 0..terms.len() {
+            let (indices, factors) = terms.row(t);
+            let weight = terms.weights[t];
+            let size = weight.value.hi().abs() * SLACK;
+            let doubt = factors.iter().map(|factor| factor_doubt(*factor)).fold(0.0, f64::max);
+            let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
+            let entry = |factor: &Factor| factor.to_f64().abs() * SLACK;
+            let sum: f64 = indices.iter().zip(factors).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
+            for (&i, a) in indices.iter().zip(factors) {
+                rows[i as usize] += beta * entry(a) * sum;
+                floors[i as usize] += (1.0 + entry(a)) * (1.0 + size) * (most + length) as f64 * UNDERFLOW;
+            }
+        }
+        let kappa = rows.iter().zip(scale).map(|(row, scale)| row / scale).fold(0.0, larger);
+        let floor: f64 = floors.iter().zip(scale).map(|(floor, scale)| (floor / scale) * (floor / scale)).sum();
+        Doubt { kappa: kappa * SLACK, floor: floor.sqrt() * SLACK + UNDERFLOW }
+    }
+}
+
+/// The larger of two; beyond all bounds where one is no number.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+/// Relative radius of a factor.
+fn factor_doubt(factor: Factor) -> f64 {
+    match factor {
+        Factor::Plus | Factor::Minus => 0.0,
+        Factor::Other(a) if a.radius == 0.0 => 0.0,
+        Factor::Other(a) => a.radius / a.value.hi().abs() * SLACK,
+    }
+}
+
+/// Eight vectors and their images, a row of eight numbers (of two words: two rows) a coordinate.
+struct Block {
+    x: Vec<f64>,
+    k: Vec<f64>,
+    m: Vec<f64>,
+}
+
+impl Block {
+    fn new(n: usize) -> Block {
+        Block { x: vec![0.0; n * LANES], k: vec![0.0; 2 * n * LANES], m: vec![0.0; 2 * n * LANES] }
+    }
+}
+
+/// Eight numbers of two words.
+#[derive(Clone, Copy)]
+struct Words<V> {
+    hi: V,
+    lo: V,
+}
+
+impl<V: Eight> Words<V> {
+    #[inline(always)]
+    fn load(from: &[f64]) -> Words<V> {
+        Words { hi: V::load(from), lo: V::load(&from[LANES..]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        self.hi.store(to);
+        self.lo.store(&mut to[LANES..]);
+    }
+
+    #[inline(always)]
+    fn splat([hi, lo]: [f64; 2]) -> Words<V> {
+        Words { hi: V::splat(hi), lo: V::splat(lo) }
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Words<V> {
+        let zero = V::splat(0.0);
+        Words { hi: zero.minus(self.hi), lo: zero.minus(self.lo) }
+    }
+
+    /// x - y, exactly (Knuth).
+    #[inline(always)]
+    fn difference(x: V, y: V) -> Words<V> {
+        let s = x.minus(y);
+        let v = s.minus(x);
+        Words { hi: s, lo: x.minus(s.minus(v)).minus(y.add(v)) }
+    }
+
+    /// |error| <= 6 u^2 |self other|
+    #[inline(always)]
+    fn times(self, other: Words<V>) -> Words<V> {
+        let p = self.hi.times(other.hi);
+        let rest = V::splat(0.0).minus(p).fused(self.hi, other.hi);
+        let rest = rest.fused(self.lo, other.hi).fused(self.hi, other.lo);
+        Words::renormalised(p, rest)
+    }
+
+    /// |error| <= 10 u^2 (|self| + |other|)
+    #[inline(always)]
+    fn plus(self, other: Words<V>) -> Words<V> {
+        let s = self.hi.add(other.hi);
+        let v = s.minus(self.hi);
+        let rest = self.hi.minus(s.minus(v)).add(other.hi.minus(v));
+        Words::renormalised(s, rest.add(self.lo.add(other.lo)))
+    }
+
+    #[inline(always)]
+    fn renormalised(hi: V, lo: V) -> Words<V> {
+        let s = hi.add(lo);
+        Words { hi: s, lo: lo.minus(s.minus(hi)) }
+    }
+}
+
+widest! {
+    /// image = sum w a a^T x
+    fn apply(form: &Flat, x: &[f64], image: &mut [f64]) = apply_as
+}
+
+#[inline(always)]
+fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
+    let at = |i: u32| V::load(&x[i as usize * LANES..]);
+    let add = |image: &mut [f64], i: u32, force: Words<V>| {
+        let place = &mut image[2 * i as usize * LANES..][..2 * LANES];
+        Words::load(place).plus(force).store(place);
+    };
+    image.fill(0.0);
+    for (t, (&weight, &kind)) in form.weights.iter().zip(&form.kinds).enumerate() {
+        let range = form.starts[t] as usize..form.starts[t + 1] as usize;
+        let (indices, factors) = (&form.indices[range.clone()], &form.factors[range]);
+        let weight = Words::<V>::splat(weight);
+        match (kind, indices) {
+            (Kind::Single, [i]) => {
+                add(image, *i, weight.times(Words { hi: at(*i), lo: V::splat(0.0) }));
+            }
+            (Kind::Difference, [i, j]) => {
+                let force = weight.times(Words::difference(at(*i), at(*j)));
+                add(image, *i, force);
+                add(image, *j, force.negated());
+            }
+            _ => {
+                let part = |i: u32, a: [f64; 2]| Words::splat(a).times(Words { hi: at(i), lo: V::splat(0.0) });
+                let zero = Words::<V>::splat([0.0; 2]);
+                let stretch = indices.iter().zip(factors).fold(zero, |sum, (&i, &a)| sum.plus(part(i, a)));
+                let force = weight.times(stretch);
+                for (&i, &a) in indices.iter().zip(factors) {
+                    add(image, i, Words::splat(a).times(force));
+                }
+            }
+        }
+    }
+}
+
+widest! {
+    /// x . k / x . m in two words, a row each.
+    fn quotients(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] = quotients_as
+}
+
+#[inline(always)]
+fn quotients_as<V: Eight>(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] {
+    let zero = Words::<V>::splat([0.0; 2]);
+    let (mut energy, mut inertia) = (zero, zero);
+    for (i, x) in x.chunks_exact(LANES).enumerate() {
+        let x = Words { hi: V::load(x), lo: V::splat(0.0) };
+        energy = energy.plus(x.times(Words::load(&k[2 * i * LANES..])));
+        inertia = inertia.plus(x.times(Words::load(&m[2 * i * LANES..])));
+    }
+    let (mut above, mut below) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
+    energy.store(&mut above);
+    inertia.store(&mut below);
+    let quotient = |lane: usize| {
+        let of = |words: &[f64]| Dd { hi: words[lane], lo: words[LANES + lane] };
+        of(&above) / of(&below)
+    };
+    [std::array::from_fn(|lane| quotient(lane).hi), std::array::from_fn(|lane| quotient(lane).lo)]
+}
+
+widest! {
+    /// k <- k - theta m, rounded to the first of its words.
+    fn residuals(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) = residuals_as
+}
+
+#[inline(always)]
+fn residuals_as<V: Eight>(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) {
+    let theta = Words::<V> { hi: V::load(&theta[0]), lo: V::load(&theta[1]) }.negated();
+    for (k, m) in k.chunks_exact_mut(2 * LANES).zip(m.chunks_exact(2 * LANES)) {
+        Words::load(k).plus(theta.times(Words::load(m))).store(k);
+    }
+}

@@ -1,0 +1,25 @@
+//! All eigenvalues and eigenvectors of a dense symmetric matrix in binary64: to tridiagonal form, divided, turned back.
+//!
+//! The errors are some n u of the largest eigenvalue: what is smaller has no digits of its own here. What is told of the
+//! results is certified elsewhere.
+
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::divide::{self, Eigen};
+use crate::analysis::numeric::tridiagonal;
+
+/// Eigenvalues, ascending, and orthonormal eigenvectors; only the lower triangle is read. `None` if it is not finite.
+pub fn eigen(mut a: Matrix<f64>) -> Option<Eigen> {
+    let largest = a.data().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if a.data().iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    // A power of two that keeps squares within range.
+    let scale = if largest > 0.0 { f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()) } else { 1.0 };
+    let scale = if scale.is_normal() { scale } else { f64::MIN_POSITIVE };
+    a.data_mut().iter_mut().for_each(|x| *x /= scale);
+    let reduced = tridiagonal::reduce(a);
+    let Eigen { mut values, mut vectors } = divide::solve(&reduced.diagonal, &reduced.beside);
+    reduced.turn(&mut vectors);
+    values.iter_mut().for_each(|x| *x *= scale);
+    Some(Eigen { values, vectors })
+}
