@@ -16,6 +16,15 @@ use vibc::system::{Coordinate, CoordinateId, CoordinateKind, Form, Input, Label,
 /// n masses of 1 kg between springs of 1000 N/m and dampers of 0.3 N*s/m, one end held; a force on the first mass, the
 /// displacement there.
 fn chain(n: usize) -> LinearSystem {
+    chain_of(n, |_| Number::ONE)
+}
+
+/// The same with masses that are all different, by up to a tenth.
+fn uneven(n: usize) -> LinearSystem {
+    chain_of(n, |i| &Number::ONE + &(&Number::from((i * 7919 % 10_007) as i64) / &Number::from(100_070)))
+}
+
+fn chain_of(n: usize, mass: impl Fn(usize) -> Number) -> LinearSystem {
     let mut words = Words::new();
     let name = Label { name: Name::plain(words.intern("x")), motion: "" };
     let coordinate = Coordinate { name, kind: CoordinateKind::Translation, span: Span::new(FileId(0), 0, 0) };
@@ -27,7 +36,7 @@ fn chain(n: usize) -> LinearSystem {
             let back = i.checked_sub(1).map(|j| (id(j), Number::from(-1)));
             [(id(i), Number::ONE)].into_iter().chain(back)
         };
-        m.push(sources[0], Nature::Property, Number::ONE, [(id(i), Number::ONE)]);
+        m.push(sources[0], Nature::Property, mass(i), [(id(i), Number::ONE)]);
         c.push(sources[1], Nature::Property, Number::from("0.3"), between(i));
         k.push(sources[2], Nature::Property, Number::from(1000), between(i));
     }
@@ -128,6 +137,22 @@ fn transfer() {
     }
 }
 
+/// A chain that does not repeat itself, and one read at its other end: nothing of one solution serves for another.
+fn transfer_of_uneven() {
+    let frequencies: Vec<Frequency> = (0..10_000).map(frequency).collect();
+    say("the same for masses that are all different, at the force and at the other end");
+    for n in [20, 200, 2000] {
+        for at in [0, n - 1] {
+            let mut system = uneven(n);
+            system.outputs[0].p[0][0].0 = CoordinateId(at as u32);
+            let transfer = Transfer::of(&system);
+            let each = time(|| transfer.many(black_box(&frequencies), &[0], &[0], 1e-17)) / 1e4;
+            let place = if at == 0 { "at the force" } else { "at the end" };
+            say(&format!("{n:6}  many, {place:22}  {:10.1} ns  {:12.3e}", each * 1e9, 1.0 / each));
+        }
+    }
+}
+
 /// 20 coordinates under a harmonic force over 100 s at 1,001 times.
 fn motion() {
     let system = chain(20);
@@ -144,5 +169,6 @@ fn motion() {
 
 fn main() {
     transfer();
+    transfer_of_uneven();
     motion();
 }

@@ -2,7 +2,44 @@
 //! two-sided road. One text of the loops serves every vector; the results are the same on all of them, for each operation
 //! is that of IEEE 754, lane by lane.
 
+use crate::base::Dd;
 use std::ops::{Add, Mul, Neg, Sub};
+
+/// A function of the lanes' type, compiled for each vector of the processor and called with the widest.
+macro_rules! side_by_side {
+    ($(#[$meta:meta])* $visibility:vis fn $name:ident<$lanes:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
+        $(#[$meta])*
+        $visibility fn $name($($argument: $type),*) $(-> $result)? {
+            #[inline(always)]
+            fn plain<$lanes: $crate::analysis::transfer::lanes::Vector>($($argument: $type),*) $(-> $result)? $body
+
+            #[cfg(target_arch = "x86_64")]
+            {
+                use $crate::analysis::transfer::lanes::x86;
+                use std::arch::is_x86_feature_detected as has;
+                #[target_feature(enable = "avx512f")]
+                fn by_eight($($argument: $type),*) $(-> $result)? {
+                    plain::<x86::Eight>($($argument),*)
+                }
+                #[target_feature(enable = "avx2,fma")]
+                fn by_four($($argument: $type),*) $(-> $result)? {
+                    plain::<x86::Four>($($argument),*)
+                }
+                if has!("avx512f") {
+                    // SAFETY: the processor has these instructions.
+                    return unsafe { by_eight($($argument),*) };
+                }
+                if has!("avx2") && has!("fma") {
+                    // SAFETY: the processor has these instructions.
+                    return unsafe { by_four($($argument),*) };
+                }
+            }
+            plain::<f64>($($argument),*)
+        }
+    };
+}
+
+pub(in crate::analysis) use side_by_side;
 
 /// Binary64 numbers side by side.
 pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
@@ -253,9 +290,55 @@ impl<V: Vector> Double<V> {
     }
 
     #[inline(always)]
-    pub fn sum(self) -> V {
-        self.hi + self.lo
+    pub fn splat(x: Dd) -> Double<V> {
+        Double { hi: V::splat(x.hi), lo: V::splat(x.lo) }
     }
+
+    /// self + x y for normalised x and y, the errors kept in `lo`. After l of them from zero, and [`Double::normalised`], the
+    /// sum is within (l + 3)^2 u^2 of the sum of |x y|, u = 2^-53: a product loses 6 u^2, `lo` stays below (l + 3) u of it
+    /// and is rounded l times.
+    #[inline(always)]
+    pub fn plus_double(self, x: Double<V>, y: Double<V>) -> Double<V> {
+        let p = x.hi * y.hi;
+        let e = x.hi.fused(y.hi, -p);
+        let e = x.lo.fused(y.hi, x.hi.fused(y.lo, e));
+        let (hi, lost) = two_sum(self.hi, p);
+        Double { hi, lo: self.lo + (e + lost) }
+    }
+
+    /// The same number with |lo| below half a unit of hi.
+    #[inline(always)]
+    pub fn normalised(self) -> Double<V> {
+        let (hi, lo) = two_sum(self.hi, self.lo);
+        Double { hi, lo }
+    }
+
+    /// The sum as [`Dd`] has it.
+    #[inline(always)]
+    pub fn plus(self, b: Double<V>) -> Double<V> {
+        let (sh, sl) = two_sum(self.hi, b.hi);
+        let (th, tl) = two_sum(self.lo, b.lo);
+        let (vh, vl) = fast_two_sum(sh, sl + th);
+        let (hi, lo) = fast_two_sum(vh, tl + vl);
+        Double { hi, lo }
+    }
+
+    /// The product as [`Dd`] has it.
+    #[inline(always)]
+    pub fn times(self, b: Double<V>) -> Double<V> {
+        let ch = self.hi * b.hi;
+        let cl = self.hi.fused(b.hi, -ch);
+        let cl = cl + self.lo.fused(b.hi, self.hi * b.lo);
+        let (hi, lo) = fast_two_sum(ch, cl);
+        Double { hi, lo }
+    }
+}
+
+/// s + e = a + b exactly, for |a| >= |b| or a = 0 (Dekker).
+#[inline(always)]
+fn fast_two_sum<V: Vector>(a: V, b: V) -> (V, V) {
+    let s = a + b;
+    (s, b - (s - a))
 }
 
 /// s + e = a + b exactly (Knuth).

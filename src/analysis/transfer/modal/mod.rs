@@ -21,15 +21,15 @@ use crate::system::{CoordinateId, LinearSystem};
 /// The modes of a system, diagonalised to double-double.
 #[derive(Clone, Debug)]
 pub struct ModalSum {
-    shapes: Matrix<Dd>,
+    pub(in crate::analysis) shapes: Matrix<Dd>,
     /// k_i, c_i and omega_i = sqrt k_i (0 where k_i < 0).
-    k: Vec<Dd>,
-    c: Vec<Dd>,
+    pub(in crate::analysis) k: Vec<Dd>,
+    pub(in crate::analysis) c: Vec<Dd>,
     omega: Vec<Dd>,
-    epsilon: f64,
+    pub(in crate::analysis) epsilon: f64,
     /// The parts of v_i^2 that do not depend on the frequency: k_i and c_i.
-    k_size: Vec<f64>,
-    c_size: Vec<f64>,
+    pub(in crate::analysis) k_size: Vec<f64>,
+    pub(in crate::analysis) c_size: Vec<f64>,
 }
 
 /// One input and one output, ready to be summed.
@@ -108,7 +108,7 @@ impl ModalSum {
     }
 
     /// a . x_i for each mode.
-    fn participation(&self, a: &[(CoordinateId, Number)]) -> Vec<Ball> {
+    pub(in crate::analysis) fn participation(&self, a: &[(CoordinateId, Number)]) -> Vec<Ball> {
         let of = |mode: usize| {
             let column = self.shapes.column(mode);
             a.iter().fold(Ball::ZERO, |sum, (i, value)| sum + value.to_ball() * Ball::exact(column[i.index()]))

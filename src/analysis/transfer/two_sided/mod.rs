@@ -21,6 +21,7 @@ use crate::analysis::transfer::sparse::{Pattern, Symbolic};
 use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
 use crate::base::{Ball, Dd, Number};
 use crate::system::CoordinateId;
+use std::cmp::Ordering;
 
 /// A system made ready for this road.
 #[derive(Clone, Debug)]
@@ -38,15 +39,17 @@ pub(in crate::analysis) struct TwoSided<'a> {
 #[derive(Clone, Debug)]
 struct Plan {
     n: usize,
-    /// Upper entries of each column: (row, entry).
-    columns: Vec<Vec<(u32, Polynomial)>>,
+    /// The entries that are different from each other: where a chain repeats itself, so do they.
+    entries: Vec<Polynomial>,
+    /// Upper entries of each column: (row, which entry).
+    columns: Vec<Vec<(u32, u32)>>,
     /// The rows of L that each place needs, in order: (column of L, position of the new entry).
     touched: Vec<Vec<(u32, u32)>>,
     /// Where the columns of L begin, and the row of each of its entries.
     starts: Vec<u32>,
     below: Vec<u32>,
     /// Both triangles, row by row.
-    rows: Vec<Vec<(u32, Polynomial)>>,
+    rows: Vec<Vec<(u32, u32)>>,
 }
 
 /// k + s c + s^2 m, as the polynomial of an entry, a load or a reading.
@@ -181,18 +184,23 @@ fn coercivity(pattern: &Pattern, entries: &[MatrixEntry], diagonal: &[f64]) -> O
 
 impl Plan {
     fn of(pattern: &Pattern, n: usize, entries: &[MatrixEntry]) -> Plan {
-        let mut columns: Vec<Sparse> = vec![Vec::new(); n];
-        let mut rows: Vec<Sparse> = vec![Vec::new(); n];
-        for entry in entries {
+        let mut columns = vec![Vec::new(); n];
+        let mut rows = vec![Vec::new(); n];
+        let polynomial = |entry: &MatrixEntry| Polynomial { k: entry.k.mid, c: entry.c.mid, m: entry.m.mid };
+        let all: Vec<Polynomial> = entries.iter().map(polynomial).collect();
+        let mut different = all.clone();
+        different.sort_by(Polynomial::order);
+        different.dedup_by(|a, b| a.order(b).is_eq());
+        for (entry, polynomial) in entries.iter().zip(&all) {
+            let which = different.partition_point(|known| known.order(polynomial).is_lt()) as u32;
             let (i, j) = (pattern.place(entry.i as usize), pattern.place(entry.j as usize));
-            let polynomial = Polynomial { k: entry.k.mid, c: entry.c.mid, m: entry.m.mid };
-            rows[i].push((j as u32, polynomial));
+            rows[i].push((j as u32, which));
             if i <= j {
-                columns[j].push((i as u32, polynomial));
+                columns[j].push((i as u32, which));
             }
         }
         let Symbolic { touched, starts, below } = pattern.symbolic();
-        Plan { n, columns, touched, starts, below, rows }
+        Plan { n, entries: different, columns, touched, starts, below, rows }
     }
 
     /// The rows below the diagonal in a column of L, with its entries.
@@ -200,6 +208,15 @@ impl Plan {
     fn column<'l, T>(&'l self, l: &'l [T], j: usize) -> impl Iterator<Item = (&'l u32, &'l T)> {
         let range = self.starts[j] as usize..self.starts[j + 1] as usize;
         self.below[range.clone()].iter().zip(&l[range])
+    }
+}
+
+impl Polynomial {
+    /// Some order, the same everywhere.
+    fn order(&self, other: &Polynomial) -> Ordering {
+        let parts = |p: &Polynomial| [p.k, p.c, p.m].map(|x| [x.hi, x.lo]);
+        let pairs = parts(self).into_iter().flatten().zip(parts(other).into_iter().flatten());
+        pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
     }
 }
 

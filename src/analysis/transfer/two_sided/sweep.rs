@@ -1,14 +1,16 @@
 //! The loops over eight frequencies: elimination and solutions in binary64, residuals in double-double, and the bound.
 //!
 //! Rounding, with u = 2^-53 and T = |k| + omega^2 |m| + omega |c| for an entry q = k + s c + s^2 m: an entry in double-double
-//! is within (16 u^2 + loose) T; a row of l products and sums loses at most (12 l^2 + 40 l + 40) u^2 of sum T |x| in
-//! double-double (l complex products are 2 l for each part, each sum adds its lost part to `lo`, which stays below
-//! (2 l + 4) u sum T |x| and is rounded 6 l times), and (2 l + 6) u of it in binary64.
+//! is within (16 u^2 + loose) T. A row of l entries and p parts of the solution is a sum of N = 2 l p real products for each
+//! part of a complex number. It is taken beside a number sigma = 4 sum T |x| that is larger than all of it: what a product
+//! adds to that, h = fl(sigma + q x) - sigma, is a difference of neighbours, so exact, and the rest q x - h, below 5 u sum T |x|,
+//! is rounded once. The rests and the low parts of q stay below (5 N + 3) u sum T |x| and are rounded 2 N times: all in all a
+//! row loses at most (40 (l p)^2 + 22 l p + 40) u^2 of sum T |x|, and (2 l + 6) u of it in binary64.
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
 use crate::analysis::numeric::complex::Complex;
-use crate::analysis::transfer::lanes::{Double, MOST, Pair, Vector, two_sum};
-use crate::analysis::transfer::{Disc, FAST_ABOVE, Frequency};
+use crate::analysis::transfer::lanes::{Double, MOST, Pair, Vector, side_by_side, two_sum};
+use crate::analysis::transfer::{Disc, Frequency};
 use crate::base::Dd;
 
 /// Working space and results for one set of inputs and outputs.
@@ -19,6 +21,7 @@ struct Sweep<'a, V> {
     l: Vec<Pair<V>>,
     inverse: Vec<Pair<V>>,
     work: Vec<Pair<V>>,
+    entries: Entries<'a, V>,
     /// The solution: a first approximation and, where that is not enough, what it left.
     x: [Vec<Pair<V>>; 2],
     /// Q^-1 p of each output, and |p - Q z|.
@@ -40,6 +43,23 @@ struct Result<V> {
     im: Double<V>,
     radius: V,
 }
+
+/// The entries of Q at these frequencies: kept where the system repeats itself, else made when needed.
+struct Entries<'a, V> {
+    plan: &'a Plan,
+    kept: Vec<Entry<V>>,
+}
+
+/// k + s c + s^2 m, and T.
+#[derive(Clone, Copy)]
+struct Entry<V> {
+    re: Double<V>,
+    im: Double<V>,
+    size: V,
+}
+
+/// So many entries of eight frequencies stay in the nearest cache.
+const MOST_KEPT: usize = 32;
 
 /// Eight frequencies as lanes.
 #[derive(Clone, Copy)]
@@ -69,44 +89,17 @@ pub struct Task<'a> {
     pub tolerance: f64,
 }
 
-/// Discs by frequency, then input, then output.
-pub fn discs(task: &Task) -> Vec<Disc> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") {
-            // SAFETY: the processor has these instructions.
-            return unsafe { by_eight(task) };
+side_by_side! {
+    /// Discs by frequency, then input, then output.
+    pub fn discs<V>(task: &Task) -> Vec<Disc> {
+        let mut discs = Vec::with_capacity(task.frequencies.len() * task.loads.len() * task.readings.len());
+        let mut sweep = Sweep::<V>::new(task);
+        for chunk in task.frequencies.chunks(V::WIDTH) {
+            sweep.run(&std::array::from_fn(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
+            discs.extend_from_slice(&sweep.discs[..chunk.len() * task.loads.len() * task.readings.len()]);
         }
-        if has!("avx2") && has!("fma") {
-            // SAFETY: the processor has these instructions.
-            return unsafe { by_four(task) };
-        }
+        discs
     }
-    all::<f64>(task)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn by_eight(task: &Task) -> Vec<Disc> {
-    all::<crate::analysis::transfer::lanes::x86::Eight>(task)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn by_four(task: &Task) -> Vec<Disc> {
-    all::<crate::analysis::transfer::lanes::x86::Four>(task)
-}
-
-#[inline(always)]
-fn all<V: Vector>(task: &Task) -> Vec<Disc> {
-    let mut discs = Vec::with_capacity(task.frequencies.len() * task.loads.len() * task.readings.len());
-    let mut sweep = Sweep::<V>::new(task);
-    for chunk in task.frequencies.chunks(V::WIDTH) {
-        sweep.run(&std::array::from_fn(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
-        discs.extend_from_slice(&sweep.discs[..chunk.len() * task.loads.len() * task.readings.len()]);
-    }
-    discs
 }
 
 impl<'a, V: Vector> Sweep<'a, V> {
@@ -123,6 +116,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
             l: vec![Pair::zero(); of.plan.below.len()],
             inverse: zeros(),
             work: zeros(),
+            entries: Entries { plan: &of.plan, kept: Vec::new() },
             x: [zeros(), zeros()],
             loose,
             z: readings.iter().map(|_| zeros()).collect(),
@@ -139,17 +133,26 @@ impl<'a, V: Vector> Sweep<'a, V> {
     fn run(&mut self, lanes: &[Lane; MOST]) {
         let point = Point::of(lanes, self.loose);
         let plan = &self.of.plan;
-        factor(plan, &point, &mut self.l, &mut self.inverse, &mut self.work);
+        self.entries.move_to(&point);
+        for (reading, z) in self.readings.iter().zip(&mut self.z) {
+            scatter(plan, &point, reading, z);
+        }
+        factor(&self.entries, &point, &mut self.l, &mut self.inverse, &mut self.work, &mut self.z);
         for (y, reading) in self.readings.iter().enumerate() {
-            let first = scatter(plan, &point, reading, &mut self.z[y]);
-            solve(plan, first, &self.l, &self.inverse, &mut self.z[y]);
-            self.t[y] = residual_norm(plan, &point, reading, &self.z[y], &self.of.weights, &mut self.work);
+            back(plan, &self.l, &self.inverse, &mut self.z[y]);
+            // Where the only load is this reading, the residual of the one is that of the other.
+            if self.loads.len() > 1 || self.same[0] != Some(y) {
+                let weights = &self.of.weights;
+                self.t[y] = residual_norm(&self.entries, &point, reading, &self.z[y], weights, &mut self.work);
+            }
         }
         self.discs.fill(NOTHING);
         for u in 0..self.loads.len() {
-            self.solve_load(u, &point);
-            let enough = FAST_ABOVE <= self.tolerance && self.attempt(u, &point, 0);
-            if !enough && !self.attempt(u, &point, 1) {
+            if self.same[u].is_none() {
+                let first = scatter(plan, &point, &self.loads[u], &mut self.x[0]);
+                solve(plan, first, &self.l, &self.inverse, &mut self.x[0]);
+            }
+            if !self.attempt(u, &point, 1) {
                 // Where damping proves little, a solution for what the first one left makes the product small.
                 solve(plan, 0, &self.l, &self.inverse, &mut self.x[1]);
                 self.attempt(u, &point, 2);
@@ -157,27 +160,19 @@ impl<'a, V: Vector> Sweep<'a, V> {
         }
     }
 
-    #[inline(always)]
-    fn solve_load(&mut self, u: usize, point: &Point<V>) {
-        match self.same[u] {
-            Some(y) => self.x[0].copy_from_slice(&self.z[y]),
-            None => {
-                let first = scatter(&self.of.plan, point, &self.loads[u], &mut self.x[0]);
-                solve(&self.of.plan, first, &self.l, &self.inverse, &mut self.x[0]);
-            }
-        }
-    }
-
-    /// The values of an input from so many parts of the solution, 0 for one part and a residual in binary64; whether they
-    /// are all good enough. What was good enough before is kept, so that no lane depends on its neighbours.
+    /// The values of an input from so many parts of the solution; whether they are all good enough. What was good enough
+    /// before is kept, so that no lane depends on its neighbours.
     #[inline(always)]
     fn attempt(&mut self, u: usize, point: &Point<V>, parts: usize) -> bool {
-        let (plan, load, weights) = (&self.of.plan, &self.loads[u], &self.of.weights);
-        let (x, rest) = self.x.split_at_mut(parts.max(1));
-        if parts == 0 {
-            rough_pair(plan, point, load, &x[0], &self.z, weights, &mut self.work, &mut self.results);
-        } else {
-            pair(plan, point, load, x, &self.z, weights, rest.first_mut(), &mut self.results);
+        let (load, weights) = (&self.loads[u], &self.of.weights);
+        let [first, second] = &mut self.x;
+        let first: &[Pair<V>] = self.same[u].map_or(first, |y| &self.z[y]);
+        let (pair_of, rest): ([&[Pair<V>]; 2], _) =
+            if parts == 1 { ([first, &[]], Some(second)) } else { ([first, second], None) };
+        let x = &pair_of[..parts];
+        pair(&self.entries, point, load, x, &self.z, weights, rest, &mut self.results);
+        if let (1, 1, Some(y)) = (parts, self.loads.len(), self.same[u]) {
+            self.t[y] = self.results[y].re.lo;
         }
         let outputs = self.readings.len();
         let mut good = true;
@@ -197,6 +192,46 @@ impl<'a, V: Vector> Sweep<'a, V> {
             }
         }
         good
+    }
+}
+
+impl<V: Vector> Entries<'_, V> {
+    #[inline(always)]
+    fn move_to(&mut self, point: &Point<V>) {
+        self.kept.clear();
+        if self.plan.entries.len() <= MOST_KEPT {
+            self.kept.extend(self.plan.entries.iter().map(|q| point.exact(q)));
+        }
+    }
+
+    #[inline(always)]
+    fn exact(&self, point: &Point<V>, which: u32) -> Entry<V> {
+        match self.kept.get(which as usize) {
+            Some(entry) => *entry,
+            None => point.exact(&self.plan.entries[which as usize]),
+        }
+    }
+
+    #[inline(always)]
+    fn rough(&self, point: &Point<V>, which: u32) -> Pair<V> {
+        match self.kept.get(which as usize) {
+            Some(entry) => Pair { re: entry.re.hi, im: entry.im.hi },
+            None => point.rough(&self.plan.entries[which as usize]),
+        }
+    }
+
+    /// T
+    #[inline(always)]
+    fn size(&self, point: &Point<V>, which: u32) -> V {
+        match self.kept.get(which as usize) {
+            Some(entry) => entry.size,
+            None => point.size(&self.plan.entries[which as usize]),
+        }
+    }
+
+    #[inline(always)]
+    fn is_damped(&self, which: u32) -> bool {
+        self.plan.entries[which as usize].c.hi != 0.0
     }
 }
 
@@ -229,11 +264,17 @@ impl<V: Vector> Point<V> {
         Pair { re, im }
     }
 
+    /// T
+    #[inline(always)]
+    fn size(&self, q: &Polynomial) -> V {
+        let inertia = self.square.hi.fused(V::splat(q.m.hi.abs()), V::splat(q.k.hi.abs()));
+        self.omega.hi.fused(V::splat(q.c.hi.abs()), inertia)
+    }
+
     /// The same in double-double, and T.
     #[inline(always)]
-    fn exact(&self, q: &Polynomial) -> (Double<V>, Double<V>, V) {
+    fn exact(&self, q: &Polynomial) -> Entry<V> {
         let mut re = Double { hi: V::splat(q.k.hi), lo: V::splat(q.k.lo) };
-        let mut size = V::splat(q.k.hi.abs());
         if q.m.hi != 0.0 {
             let mass = V::splat(-q.m.hi);
             let product = self.square.hi * mass;
@@ -241,7 +282,6 @@ impl<V: Vector> Point<V> {
             let error = self.square.lo.fused(mass, self.square.hi.fused(V::splat(-q.m.lo), error));
             let (hi, lost) = two_sum(re.hi, product);
             re = Double { hi, lo: re.lo + (error + lost) };
-            size = size + product.abs();
         }
         let mut im = Double::zero();
         if q.c.hi != 0.0 {
@@ -249,23 +289,30 @@ impl<V: Vector> Point<V> {
             let hi = self.omega.hi * damping;
             let error = self.omega.hi.fused(damping, -hi);
             im = Double { hi, lo: self.omega.lo.fused(damping, self.omega.hi.fused(V::splat(q.c.lo), error)) };
-            size = size + hi.abs();
         }
-        (re, im, size)
+        Entry { re, im, size: self.size(q) }
     }
 }
 
-/// Q = L D L^T in the order of the plan, without pivoting.
+/// Q = L D L^T in the order of the plan, without pivoting; and z becomes L^-1 z on the way, while the next pivot waits.
 #[inline(always)]
-fn factor<V: Vector>(plan: &Plan, point: &Point<V>, l: &mut [Pair<V>], inverse: &mut [Pair<V>], work: &mut [Pair<V>]) {
+fn factor<V: Vector>(
+    entries: &Entries<V>,
+    point: &Point<V>,
+    l: &mut [Pair<V>],
+    inverse: &mut [Pair<V>],
+    work: &mut [Pair<V>],
+    z: &mut [Vec<Pair<V>>],
+) {
+    let plan = entries.plan;
     for k in 0..plan.n {
         let mut pivot = Pair::zero();
-        for (row, entry) in &plan.columns[k] {
-            let value = point.rough(entry);
-            if *row as usize == k {
+        for &(row, which) in &plan.columns[k] {
+            let value = entries.rough(point, which);
+            if row as usize == k {
                 pivot = value;
             } else {
-                work[*row as usize] = value;
+                work[row as usize] = value;
             }
         }
         for &(i, position) in &plan.touched[k] {
@@ -277,8 +324,12 @@ fn factor<V: Vector>(plan: &Plan, point: &Point<V>, l: &mut [Pair<V>], inverse: 
                 *entry = entry.minus_product(*l, value);
             }
             let factor = value.times(inverse[i]);
-            pivot = pivot.minus_product(factor, value);
+            // In this order the pivot waits for one product less.
+            pivot = pivot.minus_product(value.times(value), inverse[i]);
             l[position] = factor;
+            for z in z.iter_mut() {
+                z[k] = z[k].minus_product(factor, z[i]);
+            }
         }
         inverse[k] = pivot.recip();
     }
@@ -304,6 +355,12 @@ fn solve<V: Vector>(plan: &Plan, first: usize, l: &[Pair<V>], inverse: &[Pair<V>
             *entry = entry.minus_product(*l, value);
         }
     }
+    back(plan, l, inverse, x);
+}
+
+/// x becomes L^-T D^-1 x.
+#[inline(always)]
+fn back<V: Vector>(plan: &Plan, l: &[Pair<V>], inverse: &[Pair<V>], x: &mut [Pair<V>]) {
     for j in (0..plan.n).rev() {
         let mut value = x[j].times(inverse[j]);
         for (&at, l) in plan.column(l, j) {
@@ -316,7 +373,7 @@ fn solve<V: Vector>(plan: &Plan, first: usize, l: &[Pair<V>], inverse: &[Pair<V>
 /// A bound of |p - Q z|^2 in the norm of the weights, in binary64.
 #[inline(always)]
 fn residual_norm<V: Vector>(
-    plan: &Plan,
+    entries: &Entries<V>,
     point: &Point<V>,
     right: &Sparse,
     z: &[Pair<V>],
@@ -327,56 +384,36 @@ fn residual_norm<V: Vector>(
         work[*place as usize] = point.rough(value);
     }
     let mut norm = V::splat(0.0);
-    for (i, weight) in weights.iter().enumerate() {
-        let bound = rough_residual(plan, point, i, z, work);
+    for (i, (weight, row)) in weights.iter().zip(&entries.plan.rows).enumerate() {
+        let mut rest = std::mem::replace(&mut work[i], Pair::zero());
+        let mut size = rest.size();
+        for &(j, which) in row {
+            let z = z[j as usize];
+            rest = rest.minus_product(entries.rough(point, which), z);
+            size = entries.size(point, which).fused(z.size(), size);
+        }
+        let lost = V::splat((2 * row.len() + 8) as f64 * 2.0 * U);
+        let bound = size.fused(lost, rest.size());
         norm = (bound * bound).fused(V::splat(*weight), norm);
     }
     norm
 }
 
-/// A bound of row i of b - Q x in binary64; b is in `work`, and is taken out of it.
-#[inline(always)]
-fn rough_residual<V: Vector>(plan: &Plan, point: &Point<V>, i: usize, x: &[Pair<V>], work: &mut [Pair<V>]) -> V {
-    let mut rest = std::mem::replace(&mut work[i], Pair::zero());
-    let mut size = rest.size();
-    for (j, entry) in &plan.rows[i] {
-        let (q, x) = (point.rough(entry), x[*j as usize]);
-        rest = rest.minus_product(q, x);
-        // T: what k - omega^2 m loses counts too.
-        let inertia = V::splat(2.0 * entry.m.hi.abs()) * point.square.hi;
-        size = (q.size() + inertia).fused(x.size(), size);
-    }
-    let lost = V::splat((2 * plan.rows[i].len() + 8) as f64 * 2.0 * U);
-    size.fused(lost, rest.size())
+/// A sum of products beside a number that is larger than all of it.
+#[derive(Clone, Copy)]
+struct Beside<V> {
+    sum: V,
+    rest: V,
 }
 
-#[expect(clippy::too_many_arguments, reason = "parts of one structure, borrowed apart")]
-/// As `pair`, in binary64: nothing is added to p^T x, and |z|^T |b - Q x| is its error.
-#[inline(always)]
-fn rough_pair<V: Vector>(
-    plan: &Plan,
-    point: &Point<V>,
-    load: &Sparse,
-    x: &[Pair<V>],
-    z: &[Vec<Pair<V>>],
-    weights: &[f64],
-    work: &mut [Pair<V>],
-    results: &mut [Result<V>],
-) {
-    for (place, value) in load {
-        work[*place as usize] = point.rough(value);
-    }
-    let mut norm = V::splat(0.0);
-    results.fill(Result { re: Double::zero(), im: Double::zero(), radius: V::splat(0.0) });
-    for i in 0..plan.n {
-        let bound = rough_residual(plan, point, i, x, work);
-        norm = (bound * bound).fused(V::splat(weights[i]), norm);
-        for (result, z) in results.iter_mut().zip(z) {
-            result.radius = z[i].size().fused(bound, result.radius);
-        }
-    }
-    for result in results.iter_mut() {
-        result.re.lo = norm;
+impl<V: Vector> Beside<V> {
+    /// + x y
+    #[inline(always)]
+    fn add(&mut self, x: V, y: V) {
+        let next = x.fused(y, self.sum);
+        let taken = next - self.sum;
+        self.rest = self.rest + x.fused(y, -taken);
+        self.sum = next;
     }
 }
 
@@ -384,43 +421,62 @@ fn rough_pair<V: Vector>(
 /// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (kept until `finish`); b - Q x itself into `rest`.
 #[inline(always)]
 fn pair<V: Vector>(
-    plan: &Plan,
+    entries: &Entries<V>,
     point: &Point<V>,
     load: &Sparse,
-    x: &[Vec<Pair<V>>],
+    x: &[&[Pair<V>]],
     z: &[Vec<Pair<V>>],
     weights: &[f64],
     mut rest: Option<&mut Vec<Pair<V>>>,
     results: &mut [Result<V>],
 ) {
+    let plan = entries.plan;
     let mut norm = V::splat(0.0);
     results.fill(Result { re: Double::zero(), im: Double::zero(), radius: V::splat(0.0) });
-    for i in 0..plan.n {
-        let (mut re, mut im, mut size) = (Double::zero(), Double::zero(), V::splat(0.0));
-        for (place, value) in load {
-            if *place as usize == i {
-                (re, im, size) = point.exact(value);
-            }
-        }
-        for (j, entry) in &plan.rows[i] {
-            let (q_re, q_im, t) = point.exact(entry);
+    for (i, row) in plan.rows.iter().enumerate() {
+        let mut size = V::splat(0.0);
+        for &(j, which) in row {
+            let t = entries.size(point, which);
             for x in x {
-                let x = x[*j as usize];
-                re = re.plus_product(q_re, -x.re);
-                im = im.plus_product(q_re, -x.im);
-                if entry.c.hi != 0.0 {
-                    re = re.plus_product(q_im, x.im);
-                    im = im.plus_product(q_im, -x.re);
-                }
-                size = t.fused(x.size(), size);
+                size = t.fused(x[j as usize].size(), size);
             }
         }
-        let left = Pair { re: re.sum(), im: im.sum() };
+        let right = load.iter().find(|(place, _)| *place as usize == i).map(|(_, value)| point.exact(value));
+        if let Some(right) = &right {
+            size = size + right.size;
+        }
+        let larger = size * V::splat(4.0);
+        let start = Beside { sum: larger, rest: V::splat(0.0) };
+        let (mut re, mut im) = (start, start);
+        for &(j, which) in row {
+            let q = entries.exact(point, which);
+            for x in x {
+                let x = x[j as usize];
+                re.add(q.re.hi, x.re);
+                im.add(q.re.hi, x.im);
+                re.rest = q.re.lo.fused(x.re, re.rest);
+                im.rest = q.re.lo.fused(x.im, im.rest);
+                if entries.is_damped(which) {
+                    re.add(q.im.hi, -x.im);
+                    im.add(q.im.hi, x.re);
+                    re.rest = q.im.lo.fused(-x.im, re.rest);
+                    im.rest = q.im.lo.fused(x.re, im.rest);
+                }
+            }
+        }
+        if let Some(right) = &right {
+            let minus = V::splat(-1.0);
+            re.add(right.re.hi, minus);
+            im.add(right.im.hi, minus);
+            re.rest = re.rest - right.re.lo;
+            im.rest = im.rest - right.im.lo;
+        }
+        let left = Pair { re: -((re.sum - larger) + re.rest), im: -((im.sum - larger) + im.rest) };
         if let Some(rest) = &mut rest {
             rest[i] = left;
         }
-        let count = (plan.rows[i].len() * x.len()) as f64;
-        let lost = V::splat((12.0 * count * count + 40.0 * count + 40.0) * U * U) + point.loose;
+        let count = (row.len() * x.len()) as f64;
+        let lost = V::splat((40.0 * count * count + 22.0 * count + 40.0) * U * U) + point.loose;
         let error = size * lost;
         let bound = left.size() + error;
         norm = (bound * bound).fused(V::splat(weights[i]), norm);
@@ -441,11 +497,11 @@ fn pair<V: Vector>(
 
 /// Adds p^T x and the bound of the product of residuals.
 #[inline(always)]
-fn finish<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse, x: &[Vec<Pair<V>>], t: V) {
+fn finish<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse, x: &[&[Pair<V>]], t: V) {
     let (correction, norm) = (Pair { re: result.re.hi, im: result.im.hi }, result.re.lo);
     let (mut re, mut im, mut size) = (Double::zero(), Double::zero(), V::splat(0.0));
     for (place, entry) in reading {
-        let (p_re, p_im, t) = point.exact(entry);
+        let Entry { re: p_re, im: p_im, size: t } = point.exact(entry);
         for x in x {
             let x = x[*place as usize];
             re = re.plus_product(p_re, x.re).plus_product(p_im, -x.im);
