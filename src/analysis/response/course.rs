@@ -69,7 +69,7 @@ pub fn follow(
             if pieces > MOST_PIECES {
                 return Ok(Followed::TooLong);
             }
-            stretch.follow(&mut run, visit)?;
+            stretch.follow(&mut run, output, visit)?;
             run.now = time;
         }
         if let Stop::Event { channel, piece } = stop {
@@ -136,8 +136,9 @@ impl Stretch {
         Stretch { h, count, states, rows, norms, errors, growth, is_steady, is_free }
     }
 
-    fn follow(&self, run: &mut Run, visit: &mut dyn FnMut(&Piece) -> Next) -> Result<(), AnalysisError> {
+    fn follow(&self, run: &mut Run, output: usize, visit: &mut dyn FnMut(&Piece) -> Next) -> Result<(), AnalysisError> {
         let mechanical = run.space.mechanical;
+        let fed = run.fed(output);
         let start = run.now.clone();
         let step = run.step(&self.h)?;
         let columns: Vec<Vec<f64>> =
@@ -158,7 +159,7 @@ impl Stretch {
             let length = size(&on);
             let error = (run.error + run.source_error) * UP;
             if !skipped {
-                skipped = visit(&self.piece(&on, length, error)) == Next::Event;
+                skipped = visit(&self.piece(&on, length, error, fed)) == Next::Event;
             }
             if skipped && self.is_free {
                 return self.skip(run, &z, piece);
@@ -194,7 +195,8 @@ impl Stretch {
         run.advance(&end)
     }
 
-    fn piece(&self, on: &[f64], length: f64, error: f64) -> Piece {
+    /// The polynomial from a state of this length and error; `fed` is what the sources' own errors add to the output at once.
+    fn piece(&self, on: &[f64], length: f64, error: f64, fed: f64) -> Piece {
         let mut terms = [0.0; TERMS];
         let mut bound = 0.0;
         let rounding = (on.len() as f64 + 8.0) * f64::EPSILON;
@@ -209,7 +211,7 @@ impl Stretch {
         }
         let left_out = self.norms[TERMS] * (length + error) * self.growth;
         let to_come = if self.is_free { self.norms[0] * (length + error) * 1.7 } else { f64::INFINITY };
-        Piece { terms, error: (bound + left_out) * UP, to_come, length: self.h.to_f64() }
+        Piece { terms, error: (bound + left_out + fed) * UP, to_come, length: self.h.to_f64() }
     }
 }
 

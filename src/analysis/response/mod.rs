@@ -4,7 +4,9 @@
 //!
 //! Signals are zero before t = 0, where the initial state holds; what jumps at a time has jumped at that time.
 
+mod channel;
 pub(in crate::analysis) mod course;
+mod decoupled;
 pub(in crate::analysis) mod exponential;
 pub(in crate::analysis) mod propagator;
 pub mod signal;
@@ -12,9 +14,10 @@ pub mod signal;
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::analysis::numeric::enclosure::norm_bound;
+use crate::analysis::response::channel::{Blow, Channel, channels, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::exponential::growth;
-use crate::analysis::response::propagator::{Exogenous, StateSpace, dense};
-use crate::analysis::response::signal::{Source, order};
+use crate::analysis::response::propagator::{StateSpace, dense};
+use crate::analysis::response::signal::order;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
 use std::cmp::Ordering;
@@ -40,16 +43,6 @@ struct Step {
     from_sources: f64,
     error: f64,
     rounding: f64,
-}
-
-/// Where a source of an input stands.
-struct Channel {
-    input: usize,
-    source: Source,
-    /// Its first state.
-    first: usize,
-    /// The piece that is on.
-    active: Option<usize>,
 }
 
 /// A time at which the motion is stopped: something happens there, or it is asked for.
@@ -78,6 +71,12 @@ const UP: f64 = 1.0 + 1e-12;
 
 /// The outputs at ascending times, under a sum of signals for each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
+    let apart = if times.len() < decoupled::WORTH_IT { None } else { decoupled::respond(system, drives, times) };
+    apart.map_or_else(|| together(system, drives, times), Ok)
+}
+
+/// All coordinates at once, whatever their damping.
+fn together(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
     let mut run = Run::of(system, drives, times)?;
     let mut values = Vec::with_capacity(times.len());
     for (time, stop) in run.stops(times) {
@@ -278,8 +277,7 @@ impl<'a> Run<'a> {
     /// Errors of the sources themselves, as speeds of the state.
     fn approximation_errors(&self) -> f64 {
         let of = |channel: &Channel| -> f64 {
-            let Source::Pieces { error, .. } = &channel.source else { return 0.0 };
-            if *error == [0.0; 3] || channel.active.is_none() {
+            if channel.approximation(0) == 0.0 {
                 return 0.0;
             }
             let b = &self.system.inputs[channel.input].b;
@@ -288,9 +286,16 @@ impl<'a> Run<'a> {
                 let blow = self.space.blow(&dense(&b[k], self.system.n()), &zeros);
                 blow.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt())
             };
-            (0..3).filter(|&k| !b[k].is_empty()).map(|k| size(k) * error[k]).sum()
+            (0..3).filter(|&k| !b[k].is_empty()).map(|k| size(k) * channel.approximation(k)).sum()
         };
         self.channels.iter().map(of).sum()
+    }
+
+    /// Errors of the sources themselves in an output that they enter at once.
+    fn fed(&self, output: usize) -> f64 {
+        let mechanical = self.space.mechanical;
+        let factor = |state: usize| self.outputs[(output, mechanical + state)].magnitude() / self.space.scale[state];
+        fed_approximations(&self.channels, factor)
     }
 
     fn read(&self) -> Vec<Ball> {
@@ -304,155 +309,10 @@ impl<'a> Run<'a> {
                 let square = factor.magnitude().powi(2);
                 if j < mechanical { own += square } else { sources += square }
             }
-            y.widen((own.sqrt() * self.error + sources.sqrt() * self.source_error) * UP)
+            y.widen((own.sqrt() * self.error + sources.sqrt() * self.source_error + self.fed(row)) * UP)
         };
         (0..self.outputs.rows()).map(of).collect()
     }
-}
-
-/// What a source does at once.
-enum Blow {
-    None,
-    Impulse(Ball),
-    /// Jumps of u and u'.
-    Jump([Ball; 2]),
-}
-
-impl Channel {
-    fn states_on(&self) -> usize {
-        match (&self.source, self.active) {
-            (_, None) => 0,
-            (Source::Pieces { pieces, .. }, Some(piece)) => pieces[piece].derivatives.len(),
-            (source, Some(_)) => source.order(),
-        }
-    }
-
-    fn turn_on(&mut self, piece: usize) -> Blow {
-        let before = self.active.replace(piece);
-        match &self.source {
-            Source::Impulse { value, .. } => Blow::Impulse(*value),
-            Source::Harmonic { amplitude, omega, sine, cosine } => {
-                Blow::Jump([*amplitude * *sine, *amplitude * *omega * *cosine])
-            }
-            Source::Pieces { pieces, .. } if pieces[piece].jump => {
-                let new = &pieces[piece];
-                let old = before.map(|i| pieces[i].after(&new.at));
-                let difference = |k: usize| {
-                    let now = new.derivatives.get(k).cloned().unwrap_or(Number::ZERO);
-                    let then = old.as_ref().map_or(Number::ZERO, |old| old[k].clone());
-                    (&now - &then).to_ball()
-                };
-                Blow::Jump([difference(0), difference(1)])
-            }
-            Source::Pieces { .. } => Blow::None,
-        }
-    }
-
-    /// The states at a time, by the source's formula.
-    fn state(&self, time: &Number) -> Vec<Ball> {
-        match &self.source {
-            Source::Impulse { .. } => Vec::new(),
-            _ if self.active.is_none() => vec![Ball::ZERO; self.source.order()],
-            Source::Harmonic { omega, sine, cosine, .. } => {
-                let angle = Number::Ball(*omega * time.to_ball());
-                let unknown = (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
-                let (s, c) = angle.sin_cos().unwrap_or(unknown);
-                let (s, c) = (s.to_ball(), c.to_ball());
-                vec![s * *cosine + c * *sine, c * *cosine - s * *sine]
-            }
-            Source::Pieces { order, pieces, .. } => {
-                let mut state = self.active.map_or(Vec::new(), |i| pieces[i].at_time(time));
-                state.resize(*order, Ball::ZERO);
-                state
-            }
-        }
-    }
-}
-
-fn channels(
-    system: &LinearSystem,
-    drives: &[Vec<Signal>],
-    step: Option<&Number>,
-) -> Result<Vec<Channel>, AnalysisError> {
-    let mut channels = Vec::new();
-    let mut first = 0;
-    for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
-        for signal in signals {
-            let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
-            let states = source.order();
-            channels.push(Channel { input, source, first, active: None });
-            first += states;
-        }
-    }
-    Ok(channels)
-}
-
-/// The longest way between stops while a channel has more than one state on (a single one stands still).
-fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
-    let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
-    stops.extend(times.iter().map(Number::to_f64));
-    stops.push(0.0);
-    stops.sort_by(f64::total_cmp);
-    let last = times.iter().map(Number::to_f64).fold(0.0, f64::max);
-    let of = |channel: &Channel| {
-        let end = match &channel.source {
-            Source::Pieces { pieces, order, .. } if *order > 1 => pieces
-                .last()
-                .filter(|piece| piece.derivatives.len() == 1)
-                .map_or(last, |piece| piece.at.to_f64().min(last)),
-            _ => last,
-        };
-        stops.windows(2).filter(|w| w[0] < end).map(|w| w[1].min(last) - w[0]).fold(0.0, f64::max)
-    };
-    channels.iter().map(of).map(|longest| if longest > 0.0 { longest } else { 1.0 }).collect()
-}
-
-/// u, u' and u'' of a source as rows over its states.
-fn derivatives(source: &Source) -> [Vec<(usize, Ball)>; 3] {
-    match source {
-        Source::Harmonic { amplitude, omega, .. } => {
-            let speed = *amplitude * *omega;
-            [vec![(0, *amplitude)], vec![(1, speed)], vec![(0, -(speed * *omega))]]
-        }
-        Source::Pieces { order, .. } => [0, 1, 2].map(|k| if k < *order { vec![(k, Ball::ONE)] } else { Vec::new() }),
-        Source::Impulse { .. } => Default::default(),
-    }
-}
-
-fn exogenous(system: &LinearSystem, channels: &[Channel], times: &[Number]) -> Exogenous {
-    let count = channels.iter().map(|channel| channel.source.order()).sum();
-    let mut sources = Exogenous {
-        count,
-        generator: Vec::new(),
-        force: Vec::new(),
-        longest: Vec::with_capacity(count),
-        chained: vec![false; count],
-        paired: vec![false; count],
-    };
-    for (channel, longest) in channels.iter().zip(longest_steps(channels, times)) {
-        let first = channel.first;
-        sources.longest.extend(std::iter::repeat_n(longest, channel.source.order()));
-        match &channel.source {
-            Source::Harmonic { omega, .. } => {
-                sources.generator.extend([(first, first + 1, *omega), (first + 1, first, -*omega)]);
-                sources.paired[first + 1] = true;
-            }
-            Source::Pieces { order, .. } => {
-                for k in 1..*order {
-                    sources.generator.push((first + k - 1, first + k, Ball::ONE));
-                    sources.chained[first + k] = true;
-                }
-            }
-            Source::Impulse { .. } => {}
-        }
-        for (b, row) in system.inputs[channel.input].b.iter().zip(derivatives(&channel.source)) {
-            for (i, value) in b {
-                let forces = row.iter().map(|&(k, factor)| (i.index(), first + k, value.to_ball() * factor));
-                sources.force.extend(forces);
-            }
-        }
-    }
-    sources
 }
 
 /// Every output as a row over z.

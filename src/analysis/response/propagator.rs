@@ -359,7 +359,7 @@ fn finish(
 
 /// Powers of two W that bring what the sources do to the system near 1 / T, T the longest time they act by themselves, and
 /// the states of a chain to the same size.
-fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
+pub fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
     let natural = |j: usize| {
         let size = coupling.column(j).iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt();
         if size > 0.0 { 1.0 / (size * sources.longest[j]) } else { f64::INFINITY }

@@ -22,8 +22,8 @@ pub struct Piece {
 pub enum Source {
     /// amplitude sin(omega t + phase)
     Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball },
-    /// Zero before the first piece. `error` bounds |u - piece|, |u' - piece'| and |u'' - piece''|.
-    Pieces { order: usize, pieces: Vec<Piece>, error: [f64; 3] },
+    /// Zero before the first piece. `error` bounds |u - piece|, and `rise` times as much the next derivative's difference.
+    Pieces { order: usize, pieces: Vec<Piece>, error: f64, rise: f64 },
     /// A blow at one time.
     Impulse { value: Ball, at: Number },
 }
@@ -60,6 +60,14 @@ impl Source {
             Source::Harmonic { .. } => 2,
             Source::Pieces { order, .. } => *order,
             Source::Impulse { .. } => 0,
+        }
+    }
+
+    /// A bound of what the k-th derivative of its pieces is off by.
+    pub fn approximation(&self, k: usize) -> f64 {
+        match self {
+            Source::Pieces { error, rise, .. } if *error > 0.0 => error * rise.powi(k as i32),
+            _ => 0.0,
         }
     }
 
@@ -118,7 +126,7 @@ fn polynomial(pieces: Vec<Piece>) -> Source {
         kept.clear();
         kept.push(Piece { at: at_zero, derivatives, jump: true });
     }
-    Source::Pieces { order, pieces: kept, error: [0.0; 3] }
+    Source::Pieces { order, pieces: kept, error: 0.0, rise: 1.0 }
 }
 
 fn ramp(value: &Number, from: &Number, to: &Number) -> Source {
@@ -175,7 +183,7 @@ fn chirp(
     // The derivatives of the remainder lose a factor 16 / h each.
     let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;
     let rise = 17.0 / length.to_f64();
-    Ok(Source::Pieces { order: CHIRP_DEGREE + 1, pieces, error: [lost, lost * rise, lost * rise * rise] })
+    Ok(Source::Pieces { order: CHIRP_DEGREE + 1, pieces, error: lost, rise })
 }
 
 /// A length not above `most` that divides the step, or the duration.

@@ -1,0 +1,185 @@
+//! A source of an input as it stands: which piece of it is on, what it does at once when that changes, and what it is to the
+//! equations of motion: states with a generator of their own, forces, and rows for the outputs that it enters.
+
+use super::propagator::Exogenous;
+use super::signal::Source;
+use crate::analysis::error::AnalysisError;
+use crate::base::{Ball, Number};
+use crate::system::{LinearSystem, Signal};
+
+/// Where a source of an input stands.
+pub struct Channel {
+    pub input: usize,
+    pub source: Source,
+    /// Its first state.
+    pub first: usize,
+    /// The piece that is on.
+    pub active: Option<usize>,
+}
+
+/// What a source does at once.
+pub enum Blow {
+    None,
+    Impulse(Ball),
+    /// Jumps of u and u'.
+    Jump([Ball; 2]),
+}
+
+impl Channel {
+    /// A bound of what the k-th derivative of the input is off by.
+    pub fn approximation(&self, k: usize) -> f64 {
+        match (&self.source, self.active) {
+            // A constant is what it is.
+            (Source::Pieces { pieces, .. }, Some(piece)) if pieces[piece].derivatives.len() == 1 => 0.0,
+            (source, Some(_)) => source.approximation(k),
+            (_, None) => 0.0,
+        }
+    }
+
+    pub fn states_on(&self) -> usize {
+        match (&self.source, self.active) {
+            (_, None) => 0,
+            (Source::Pieces { pieces, .. }, Some(piece)) => pieces[piece].derivatives.len(),
+            (source, Some(_)) => source.order(),
+        }
+    }
+
+    pub fn turn_on(&mut self, piece: usize) -> Blow {
+        let before = self.active.replace(piece);
+        match &self.source {
+            Source::Impulse { value, .. } => Blow::Impulse(*value),
+            Source::Harmonic { amplitude, omega, sine, cosine } => {
+                Blow::Jump([*amplitude * *sine, *amplitude * *omega * *cosine])
+            }
+            Source::Pieces { pieces, .. } if pieces[piece].jump => {
+                let new = &pieces[piece];
+                let old = before.map(|i| pieces[i].after(&new.at));
+                let difference = |k: usize| {
+                    let now = new.derivatives.get(k).cloned().unwrap_or(Number::ZERO);
+                    let then = old.as_ref().map_or(Number::ZERO, |old| old[k].clone());
+                    (&now - &then).to_ball()
+                };
+                Blow::Jump([difference(0), difference(1)])
+            }
+            Source::Pieces { .. } => Blow::None,
+        }
+    }
+
+    /// The states at a time, by the source's formula.
+    pub fn state(&self, time: &Number) -> Vec<Ball> {
+        match &self.source {
+            Source::Impulse { .. } => Vec::new(),
+            _ if self.active.is_none() => vec![Ball::ZERO; self.source.order()],
+            Source::Harmonic { omega, sine, cosine, .. } => {
+                let angle = Number::Ball(*omega * time.to_ball());
+                let unknown = (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
+                let (s, c) = angle.sin_cos().unwrap_or(unknown);
+                let (s, c) = (s.to_ball(), c.to_ball());
+                vec![s * *cosine + c * *sine, c * *cosine - s * *sine]
+            }
+            Source::Pieces { order, pieces, .. } => {
+                let mut state = self.active.map_or(Vec::new(), |i| pieces[i].at_time(time));
+                state.resize(*order, Ball::ZERO);
+                state
+            }
+        }
+    }
+}
+
+pub fn channels(
+    system: &LinearSystem,
+    drives: &[Vec<Signal>],
+    step: Option<&Number>,
+) -> Result<Vec<Channel>, AnalysisError> {
+    let mut channels = Vec::new();
+    let mut first = 0;
+    for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
+        for signal in signals {
+            let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
+            let states = source.order();
+            channels.push(Channel { input, source, first, active: None });
+            first += states;
+        }
+    }
+    Ok(channels)
+}
+
+/// What the sources' own approximations do to an output that they enter at once, by these factors of their states.
+pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -> f64 {
+    let of = |channel: &Channel| -> f64 {
+        if channel.approximation(0) == 0.0 {
+            return 0.0;
+        }
+        let fed = (0..channel.states_on()).map(|k| (k, factor(channel.first + k)));
+        fed.filter(|(_, factor)| *factor > 0.0).map(|(k, factor)| factor * channel.approximation(k)).sum()
+    };
+    channels.iter().map(of).sum()
+}
+
+/// The longest way between stops while a channel has more than one state on (a single one stands still).
+fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
+    let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
+    stops.extend(times.iter().map(Number::to_f64));
+    stops.push(0.0);
+    stops.sort_by(f64::total_cmp);
+    let last = times.iter().map(Number::to_f64).fold(0.0, f64::max);
+    let of = |channel: &Channel| {
+        let end = match &channel.source {
+            Source::Pieces { pieces, order, .. } if *order > 1 => pieces
+                .last()
+                .filter(|piece| piece.derivatives.len() == 1)
+                .map_or(last, |piece| piece.at.to_f64().min(last)),
+            _ => last,
+        };
+        stops.windows(2).filter(|w| w[0] < end).map(|w| w[1].min(last) - w[0]).fold(0.0, f64::max)
+    };
+    channels.iter().map(of).map(|longest| if longest > 0.0 { longest } else { 1.0 }).collect()
+}
+
+/// u, u' and u'' of a source as rows over its states.
+pub fn derivatives(source: &Source) -> [Vec<(usize, Ball)>; 3] {
+    match source {
+        Source::Harmonic { amplitude, omega, .. } => {
+            let speed = *amplitude * *omega;
+            [vec![(0, *amplitude)], vec![(1, speed)], vec![(0, -(speed * *omega))]]
+        }
+        Source::Pieces { order, .. } => [0, 1, 2].map(|k| if k < *order { vec![(k, Ball::ONE)] } else { Vec::new() }),
+        Source::Impulse { .. } => Default::default(),
+    }
+}
+
+pub fn exogenous(system: &LinearSystem, channels: &[Channel], times: &[Number]) -> Exogenous {
+    let count = channels.iter().map(|channel| channel.source.order()).sum();
+    let mut sources = Exogenous {
+        count,
+        generator: Vec::new(),
+        force: Vec::new(),
+        longest: Vec::with_capacity(count),
+        chained: vec![false; count],
+        paired: vec![false; count],
+    };
+    for (channel, longest) in channels.iter().zip(longest_steps(channels, times)) {
+        let first = channel.first;
+        sources.longest.extend(std::iter::repeat_n(longest, channel.source.order()));
+        match &channel.source {
+            Source::Harmonic { omega, .. } => {
+                sources.generator.extend([(first, first + 1, *omega), (first + 1, first, -*omega)]);
+                sources.paired[first + 1] = true;
+            }
+            Source::Pieces { order, .. } => {
+                for k in 1..*order {
+                    sources.generator.push((first + k - 1, first + k, Ball::ONE));
+                    sources.chained[first + k] = true;
+                }
+            }
+            Source::Impulse { .. } => {}
+        }
+        for (b, row) in system.inputs[channel.input].b.iter().zip(derivatives(&channel.source)) {
+            for (i, value) in b {
+                let forces = row.iter().map(|&(k, factor)| (i.index(), first + k, value.to_ball() * factor));
+                sources.force.extend(forces);
+            }
+        }
+    }
+    sources
+}

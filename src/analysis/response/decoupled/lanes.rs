@@ -1,0 +1,186 @@
+//! The loops over samples: eight steps of every oscillator, then the outputs at these eight times side by side. Which
+//! vectors the processor has changes nothing: no lane depends on its neighbours, and an output is summed over the
+//! oscillators in their order.
+
+use super::step::Step;
+use crate::analysis::transfer::lanes::{Double, MOST, Vector, side_by_side};
+use crate::base::Dd;
+
+/// Numbers side by side, with room for whole vectors.
+#[derive(Clone, Debug)]
+pub struct Lanes {
+    pub hi: Vec<f64>,
+    pub lo: Vec<f64>,
+}
+
+/// z of every oscillator.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub z: [Lanes; 2],
+}
+
+/// An output as a row over the state: (2 i + component, factor).
+pub type Row = Vec<(u32, Dd)>;
+
+/// Samples at equal steps.
+pub struct Batch<'a> {
+    /// `None` for one sample of the state as it is.
+    pub step: Option<&'a Step>,
+    pub count: usize,
+    /// The states of the sources that are on, at the beginning of each step.
+    pub sources: &'a [Dd],
+    pub rows: &'a [Row],
+}
+
+/// What the samples come to.
+#[derive(Clone, Debug, Default)]
+pub struct Samples {
+    /// By sample, then output.
+    pub values: Vec<Dd>,
+    /// |z|^2 after each step.
+    pub squares: Vec<f64>,
+}
+
+impl Lanes {
+    pub fn zeros(count: usize) -> Lanes {
+        let room = count.next_multiple_of(MOST);
+        Lanes { hi: vec![0.0; room], lo: vec![0.0; room] }
+    }
+
+    pub fn of(values: impl Iterator<Item = Dd>) -> Lanes {
+        let (mut hi, mut lo): (Vec<f64>, Vec<f64>) = values.map(|x| (x.hi, x.lo)).unzip();
+        let room = hi.len().next_multiple_of(MOST);
+        hi.resize(room, 0.0);
+        lo.resize(room, 0.0);
+        Lanes { hi, lo }
+    }
+
+    pub fn get(&self, i: usize) -> Dd {
+        Dd { hi: self.hi[i], lo: self.lo[i] }
+    }
+
+    pub fn set(&mut self, i: usize, x: Dd) {
+        (self.hi[i], self.lo[i]) = (x.hi, x.lo);
+    }
+
+    /// The vector that begins at `i`.
+    #[inline(always)]
+    pub fn at<V: Vector>(&self, i: usize) -> Double<V> {
+        Double { hi: load(&self.hi[i..i + V::WIDTH]), lo: load(&self.lo[i..i + V::WIDTH]) }
+    }
+
+    #[inline(always)]
+    pub fn put<V: Vector>(&mut self, i: usize, x: Double<V>) {
+        self.hi[i..i + V::WIDTH].copy_from_slice(&x.hi.store()[..V::WIDTH]);
+        self.lo[i..i + V::WIDTH].copy_from_slice(&x.lo.store()[..V::WIDTH]);
+    }
+}
+
+#[inline(always)]
+fn load<V: Vector>(x: &[f64]) -> V {
+    let mut all = [0.0; MOST];
+    all[..V::WIDTH].copy_from_slice(x);
+    V::load(&all)
+}
+
+/// The state at eight times: of each number first the leading parts, then the others.
+type Times = [[f64; MOST]; 2];
+
+side_by_side! {
+    /// Goes through the samples; the state is that of the last one afterwards.
+    pub fn run<V>(batch: &Batch, state: &mut State) -> Samples {
+        let outputs = batch.rows.len();
+        let mut samples =
+            Samples { values: vec![Dd::ZERO; batch.count * outputs], squares: vec![0.0; batch.count] };
+        let mut times: Vec<Times> = vec![[[0.0; MOST]; 2]; 2 * state.z[0].hi.len()];
+        for start in (0..batch.count).step_by(MOST) {
+            let count = MOST.min(batch.count - start);
+            match batch.step {
+                Some(step) => steps::<V>(batch, step, state, start, count, &mut times),
+                None => stand(state, &mut times),
+            }
+            for (row, output) in batch.rows.iter().zip(0..) {
+                let (hi, lo) = outputs_at::<V>(row, &times);
+                for t in 0..count {
+                    samples.values[(start + t) * outputs + output] = Dd { hi: hi[t], lo: lo[t] };
+                }
+            }
+            let squares = squares_at::<V>(&times);
+            samples.squares[start..start + count].copy_from_slice(&squares[..count]);
+        }
+        samples
+    }
+}
+
+/// Up to eight steps.
+#[inline(always)]
+fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize, count: usize, times: &mut [Times]) {
+    let on = step.phi.len();
+    for at in (0..state.z[0].hi.len()).step_by(V::WIDTH) {
+        let f: [Double<V>; 4] = [0, 1, 2, 3].map(|i| step.f[i].at(at));
+        let mut z: [Double<V>; 2] = [state.z[0].at(at), state.z[1].at(at)];
+        for t in 0..count {
+            let mut next = [Double::zero(); 2];
+            let from = (start + t) * on;
+            for (phi, &w) in step.phi.iter().zip(&batch.sources[from..from + on]) {
+                let w = Double::splat(w);
+                next = [next[0].plus_double(phi[0].at(at), w), next[1].plus_double(phi[1].at(at), w)];
+            }
+            z = [
+                next[0].plus_double(f[0], z[0]).plus_double(f[1], z[1]).normalised(),
+                next[1].plus_double(f[2], z[0]).plus_double(f[3], z[1]).normalised(),
+            ];
+            for (component, z) in z.iter().enumerate() {
+                let (hi, lo) = (z.hi.store(), z.lo.store());
+                for lane in 0..V::WIDTH {
+                    let number = &mut times[2 * (at + lane) + component];
+                    (number[0][t], number[1][t]) = (hi[lane], lo[lane]);
+                }
+            }
+        }
+        state.z[0].put(at, z[0]);
+        state.z[1].put(at, z[1]);
+    }
+}
+
+/// The state as it is, at the first time.
+fn stand(state: &State, times: &mut [Times]) {
+    for (component, z) in state.z.iter().enumerate() {
+        for i in 0..z.hi.len() {
+            let number = &mut times[2 * i + component];
+            (number[0][0], number[1][0]) = (z.hi[i], z.lo[i]);
+        }
+    }
+}
+
+/// An output at eight times.
+#[inline(always)]
+fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; MOST], [f64; MOST]) {
+    let (mut hi, mut lo) = ([0.0; MOST], [0.0; MOST]);
+    for at in (0..MOST).step_by(V::WIDTH) {
+        let mut sum = Double::<V>::zero();
+        for (index, factor) in row {
+            let [high, low] = &times[*index as usize];
+            let z = Double { hi: load(&high[at..at + V::WIDTH]), lo: load(&low[at..at + V::WIDTH]) };
+            sum = sum.plus_double(Double::splat(*factor), z);
+        }
+        let sum = sum.normalised();
+        hi[at..at + V::WIDTH].copy_from_slice(&sum.hi.store()[..V::WIDTH]);
+        lo[at..at + V::WIDTH].copy_from_slice(&sum.lo.store()[..V::WIDTH]);
+    }
+    (hi, lo)
+}
+
+/// |z|^2 at eight times.
+#[inline(always)]
+fn squares_at<V: Vector>(times: &[Times]) -> [f64; MOST] {
+    let mut squares = [0.0; MOST];
+    for at in (0..MOST).step_by(V::WIDTH) {
+        let sum = times.iter().fold(V::splat(0.0), |sum, number| {
+            let z: V = load(&number[0][at..at + V::WIDTH]);
+            z.fused(z, sum)
+        });
+        squares[at..at + V::WIDTH].copy_from_slice(&sum.store()[..V::WIDTH]);
+    }
+    squares
+}

@@ -1,0 +1,560 @@
+//! The motion of a system whose damping does not join its modes: each mode is an oscillator of its own, so a step takes
+//! two by two numbers a mode instead of a full matrix, and several modes and several times go side by side. In: a system,
+//! signals, times. Out: what the general road gives, with bounds as good, or nothing where that cannot be proven here.
+//! Clause: spec.md, "Response" 11b.4a.
+//!
+//! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
+//! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and what they do grows in
+//! the norm of z = (s eta, eta'), s^2 near |k|, by no more than the logarithmic norm of the oscillators allows.
+
+mod lanes;
+mod oscillators;
+mod step;
+
+use super::channel::{Blow, Channel, channels};
+use super::{History, UP};
+use crate::analysis::response::signal::Source;
+use crate::base::{Ball, Dd, Number};
+use crate::system::{LinearSystem, Signal};
+use lanes::{Batch, Lanes, Row, Samples, State};
+use oscillators::{Oscillators, Output};
+use std::rc::Rc;
+use step::Step;
+
+/// Fewer samples are not worth the modes.
+pub const WORTH_IT: usize = 16;
+/// Samples between two evaluations of the harmonic sources' formulas.
+const MOST_AT_ONCE: usize = 128;
+/// Different steps that are kept ready.
+const STEPS_KEPT: usize = 8;
+/// Times this near to equal steps are taken as such; the difference is in the bound.
+const EVEN: f64 = 1.0 / (1u128 << 95) as f64;
+/// A bound is good where it is 2^-60 of the output's largest value, or some hundred roundings of what the state could make.
+const GOOD: f64 = 1.0 / (1u64 << 60) as f64;
+const GOOD_OF_CHIRPS: f64 = 1e-14;
+const AS_GOOD_AS_ANY: f64 = 1e-27;
+
+/// As [`super::respond`]; `None` where another road is due: modes that damping joins, bounds that are not good enough, and
+/// whatever is to be refused.
+pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Option<History> {
+    let mut run = Run::of(system, drives, times)?;
+    let moments: Vec<Moment> = times.iter().map(Moment::of).collect();
+    let mut values = Vec::with_capacity(times.len());
+    let mut events = run.events().into_iter().peekable();
+    while values.len() < times.len() {
+        let first = values.len();
+        while let Some(event) = events.next_if(|event| event.at.seconds <= moments[first].seconds) {
+            run.go_to(&event.at)?;
+            run.event(event.channel, event.piece)?;
+        }
+        let before = events.peek().map_or(f64::INFINITY, |event| event.at.seconds);
+        run.samples(&moments[first..], before, &mut values)?;
+    }
+    run.is_good(&values).then(|| History { times: times.to_vec(), values })
+}
+
+/// A time in all forms.
+struct Moment {
+    number: Number,
+    ball: Ball,
+    seconds: f64,
+}
+
+/// Something happens to a source.
+struct Event {
+    at: Moment,
+    channel: usize,
+    piece: usize,
+}
+
+struct Run<'a> {
+    system: &'a LinearSystem,
+    oscillators: Oscillators,
+    channels: Vec<Channel>,
+    outputs: Vec<Output>,
+    rows: Vec<Row>,
+    steps: Vec<Rc<Step>>,
+    state: State,
+    /// |z|^2, and a bound of what z is off by.
+    square: f64,
+    error: f64,
+    now: Number,
+    /// For each sample and output: what the state could make.
+    scales: Vec<f64>,
+}
+
+/// The sources that are on, from the beginning of a batch to its end.
+struct Driving {
+    /// By time, one more than there are steps, then by state.
+    states: Vec<Dd>,
+    /// Their norms, and a bound of what any of them is off by.
+    norms: Vec<f64>,
+    error: f64,
+    on: usize,
+}
+
+impl Moment {
+    fn of(number: &Number) -> Moment {
+        Moment { ball: number.to_ball(), seconds: number.to_f64(), number: number.clone() }
+    }
+}
+
+impl<'a> Run<'a> {
+    fn of(system: &'a LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Option<Run<'a>> {
+        let step = match times {
+            [first, second, ..] => Some(second - first).filter(Number::is_positive),
+            _ => None,
+        };
+        let channels = channels(system, drives, step.as_ref()).ok()?;
+        let oscillators = Oscillators::of(system, &channels, times)?;
+        let outputs = oscillators.outputs(system, &channels);
+        let n = oscillators.count();
+        let rows = outputs.iter().map(|output| output.row.clone()).collect();
+        let state = State { z: [Lanes::zeros(n), Lanes::zeros(n)] };
+        let now = Number::ZERO;
+        let (steps, scales) = (Vec::new(), Vec::new());
+        let mut run =
+            Run { system, oscillators, channels, outputs, rows, steps, state, square: 0.0, error: 0.0, now, scales };
+        let (eta, rate) = run.oscillators.start(system);
+        run.add(&eta, &rate);
+        Some(run)
+    }
+
+    /// In order; those of one time in that of the channels.
+    fn events(&self) -> Vec<Event> {
+        let mut events: Vec<Event> = Vec::new();
+        for (channel, c) in self.channels.iter().enumerate() {
+            for (piece, at) in c.source.events().into_iter().enumerate() {
+                events.push(Event { at: Moment::of(&at), channel, piece });
+            }
+        }
+        events.sort_by(|a, b| a.at.seconds.total_cmp(&b.at.seconds));
+        events
+    }
+
+    /// Adds displacements and velocities of the modes, known to the disturbances.
+    fn add(&mut self, eta: &[Ball], rate: &[Ball]) {
+        let of = &self.oscillators;
+        let (mut radii, mut square, mut size) = (0.0, 0.0, 0.0);
+        for i in 0..of.count() {
+            let changes = [Ball::exact(of.s[i]) * eta[i], rate[i]];
+            for (z, change) in self.state.z.iter_mut().zip(changes) {
+                let sum = Ball::exact(z.get(i)) + change;
+                z.set(i, sum.mid);
+                radii += sum.rad * sum.rad;
+                square += sum.mid.hi * sum.mid.hi;
+            }
+            size += eta[i].magnitude().powi(2);
+        }
+        let rates = rate.iter().map(|v| v.magnitude().powi(2)).sum::<f64>();
+        self.square = square;
+        self.error = (self.error + radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP;
+    }
+
+    /// Moves on without looking at the outputs.
+    fn go_to(&mut self, time: &Moment) -> Option<()> {
+        let rows = std::mem::take(&mut self.rows);
+        let done = self.advance(std::slice::from_ref(time), &mut Vec::new());
+        self.rows = rows;
+        done
+    }
+
+    /// The samples from the first on that come before an event and lie at equal steps, as many as go at once.
+    fn samples(&mut self, moments: &[Moment], before: f64, values: &mut Vec<Vec<Ball>>) -> Option<()> {
+        let first = &moments[0];
+        let h = (&first.number - &self.now).to_ball().mid;
+        let is_even = |(steps, moment): &(usize, &Moment)| {
+            let reached = first.ball.mid + h * (*steps as f64);
+            moment.seconds < before && (moment.ball.mid - reached).abs().hi <= 0.5 * EVEN * moment.seconds
+        };
+        let more = (1..).zip(&moments[1..]).take(MOST_AT_ONCE - 1).take_while(is_even).count();
+        let count = if first.number == self.now { 1 } else { 1 + more };
+        self.advance(&moments[..count], values)
+    }
+
+    /// Goes through samples at equal steps.
+    fn advance(&mut self, moments: &[Moment], values: &mut Vec<Vec<Ball>>) -> Option<()> {
+        let h = &moments[0].number - &self.now;
+        let step = if h.is_zero() { None } else { Some(self.step(&h)?) };
+        let count = moments.len();
+        let driving = self.driving(step.as_deref(), moments);
+        let batch =
+            Batch { step: step.as_deref(), count, sources: &driving.states[..count * driving.on], rows: &self.rows };
+        let samples = lanes::run(&batch, &mut self.state);
+        let last = &moments[count - 1];
+        // What the last time is off by when reached in equal steps.
+        let slack = if count > 1 { EVEN * last.seconds } else { 0.0 };
+        self.read(step.as_deref(), &driving, &samples, slack, values);
+        self.now = last.number.clone();
+        self.square = samples.squares[count - 1];
+        Some(())
+    }
+
+    fn step(&mut self, h: &Number) -> Option<Rc<Step>> {
+        if !h.is_positive() {
+            return None;
+        }
+        let on = self.on();
+        if let Some(step) = self.steps.iter().find(|step| step.h == *h && step.on == on) {
+            return Some(step.clone());
+        }
+        let step = Rc::new(Step::of(&self.oscillators, &on, h)?);
+        if self.steps.len() == STEPS_KEPT {
+            self.steps.remove(0);
+        }
+        self.steps.push(step.clone());
+        Some(step)
+    }
+
+    /// The states of the sources that are on.
+    fn on(&self) -> Vec<usize> {
+        self.channels.iter().flat_map(|c| c.first..c.first + c.states_on()).collect()
+    }
+
+    /// The sources' states at the beginning of a batch and at each of its times: harmonics turn, from their formula at the
+    /// beginning; a constant stays; other polynomials are evaluated.
+    fn driving(&self, step: Option<&Step>, moments: &[Moment]) -> Driving {
+        let on = self.on();
+        let count = moments.len();
+        let mut driving = Driving {
+            states: vec![Dd::ZERO; (count + 1) * on.len()],
+            norms: Vec::with_capacity(count + 1),
+            error: 0.0,
+            on: on.len(),
+        };
+        let mut place = 0;
+        for channel in self.channels.iter().filter(|channel| channel.states_on() > 0) {
+            let states = channel.states_on();
+            let scale: Vec<f64> = (0..states).map(|k| 1.0 / self.oscillators.scale[channel.first + k]).collect();
+            let error = match &channel.source {
+                Source::Harmonic { .. } => {
+                    let now = channel.state(&self.now);
+                    turn(&now, scale[0], step, &mut driving, place, count)
+                }
+                _ => polynomial(channel, self.now.to_ball(), moments, &scale, &mut driving, place),
+            };
+            driving.error = (driving.error + error) * UP;
+            place += states;
+        }
+        for states in 0..=count {
+            let range = states * on.len()..(states + 1) * on.len();
+            let square: f64 = driving.states[range].iter().map(|w| w.hi * w.hi).sum();
+            driving.norms.push(square.sqrt() * UP);
+        }
+        driving
+    }
+
+    /// Carries the bound through the samples, and puts their outputs down.
+    fn read(
+        &mut self,
+        step: Option<&Step>,
+        driving: &Driving,
+        samples: &Samples,
+        slack: f64,
+        values: &mut Vec<Vec<Ball>>,
+    ) {
+        let of = &self.oscillators;
+        let approximations = of.approximations(self.system, &self.channels);
+        let fed: Vec<f64> =
+            self.outputs.iter().map(|output| output.approximations(&self.channels, &of.scale)).collect();
+        let outputs = self.rows.len();
+        let mut size = self.square.sqrt() * UP;
+        for (sample, square) in samples.squares.iter().enumerate() {
+            let from = if step.is_some() { sample } else { sample + 1 };
+            if let Some(step) = step {
+                self.error = of.error_after(step, self.error, size, driving.norms[from], driving.error, approximations);
+            }
+            size = square.sqrt() * UP;
+            let at = sample + 1;
+            let sources = driving.norms[at] + driving.error;
+            // A time that is off by the slack moves z by its rate.
+            let moved = slack * (of.norm * (size + self.error) + of.force_norm * sources);
+            if outputs > 0 {
+                let w = &driving.states[at * driving.on..(at + 1) * driving.on];
+                let row = self.outputs.iter().zip(&samples.values[sample * outputs..]).zip(&fed).map(
+                    |((output, &value), fed)| {
+                        let value = output.with_sources(value, w, &self.channels);
+                        let off = Off {
+                            z: size,
+                            error: self.error + moved,
+                            w: driving.norms[at],
+                            w_error: driving.error + slack * of.norm * sources,
+                            acceleration: of.defect * (size + self.error) + of.force_defect * sources,
+                        };
+                        Ball::new(value, (output.radius(&off, value) + fed) * UP)
+                    },
+                );
+                values.push(row.collect());
+                self.scales.extend(self.outputs.iter().map(|output| output.scale(size, driving.norms[at])));
+            }
+            if sample + 1 == samples.squares.len() {
+                self.error = (self.error + moved) * UP;
+            }
+        }
+    }
+
+    /// What happens at an event, as in the general road.
+    fn event(&mut self, channel: usize, piece: usize) -> Option<()> {
+        let input = &self.system.inputs[self.channels[channel].input];
+        let of = &self.oscillators;
+        let zeros = || vec![Ball::ZERO; of.count()];
+        let times = |x: Vec<Ball>, value: Ball| -> Vec<Ball> { x.into_iter().map(|x| x * value).collect() };
+        let (eta, mut rate) = match self.channels[channel].turn_on(piece) {
+            Blow::None => return Some(()),
+            Blow::Impulse(value) => {
+                if !(input.b[1].is_empty() && input.b[2].is_empty()) {
+                    return None;
+                }
+                (zeros(), times(of.participation(&input.b[0]), value))
+            }
+            Blow::Jump([u, speed]) => {
+                let (b1, b2) = (of.participation(&input.b[1]), of.participation(&input.b[2]));
+                let kick = b1.iter().zip(&b2).map(|(&b1, &b2)| b1 * u + b2 * speed).collect();
+                (times(b2, u), kick)
+            }
+        };
+        if eta.iter().chain(&rate).all(Ball::is_zero) {
+            return Some(());
+        }
+        for (rate, (c, eta)) in rate.iter_mut().zip(of.c.iter().zip(&eta)) {
+            *rate = *rate - Ball::exact(*c) * *eta;
+        }
+        self.add(&eta, &rate);
+        Some(())
+    }
+
+    /// Whether all bounds are good enough for this road.
+    fn is_good(&self, values: &[Vec<Ball>]) -> bool {
+        let outputs = self.outputs.len();
+        // What a chirp is off by is so on every road.
+        let good = if self.channels.iter().any(|c| c.source.approximation(0) > 0.0) { GOOD_OF_CHIRPS } else { GOOD };
+        (0..outputs).all(|output| {
+            let largest = values.iter().map(|row| row[output].mid.hi.abs()).fold(0.0, f64::max);
+            let scales = self.scales.iter().skip(output).step_by(outputs.max(1));
+            values.iter().zip(scales).all(|(row, scale)| {
+                let bound = row[output].rad;
+                bound <= good * largest || bound <= AS_GOOD_AS_ANY * scale
+            })
+        })
+    }
+}
+
+/// What an output's parts are off by.
+struct Off {
+    z: f64,
+    error: f64,
+    w: f64,
+    w_error: f64,
+    /// Of the modes' accelerations, by the disturbances.
+    acceleration: f64,
+}
+
+/// The sine and cosine of a harmonic at each time; what they are off by at most.
+fn turn(now: &[Ball], scale: f64, step: Option<&Step>, driving: &mut Driving, place: usize, count: usize) -> f64 {
+    let mut state = [now[0].mid.scale(scale), now[1].mid.scale(scale)];
+    let size = state.map(|x| x.hi.abs()).iter().sum::<f64>();
+    let rotation = step.map(|step| [0, 1, 2, 3].map(|i| step.r[(place + i / 2, place + i % 2)]));
+    for time in 0..=count {
+        let to = time * driving.on + place;
+        driving.states[to..to + 2].copy_from_slice(&state);
+        if let Some([a, b, c, d]) = rotation {
+            state = [a * state[0] + b * state[1], c * state[0] + d * state[1]];
+        }
+    }
+    let start = (now[0].rad + now[1].rad) * scale;
+    let each = step.map_or(0.0, |step| step.error_of_r + 16.0 * Dd::EPSILON);
+    // A rotation lengthens nothing; the steps' errors add up.
+    (start + each * count as f64 * (size + start) * 1.5) * UP
+}
+
+/// A polynomial's states at each time; what they are off by at most.
+fn polynomial(
+    channel: &Channel,
+    now: Ball,
+    moments: &[Moment],
+    scale: &[f64],
+    driving: &mut Driving,
+    place: usize,
+) -> f64 {
+    let Source::Pieces { pieces, .. } = &channel.source else { return 0.0 };
+    let Some(piece) = channel.active.map(|i| &pieces[i]) else { return 0.0 };
+    let derivatives: Vec<Ball> = piece.derivatives.iter().map(Number::to_ball).collect();
+    let start = piece.at.to_ball();
+    let mut error: f64 = 0.0;
+    for (time, ball) in std::iter::once(now).chain(moments.iter().map(|moment| moment.ball)).enumerate() {
+        let t = ball - start;
+        let mut radii = 0.0;
+        for k in 0..derivatives.len() {
+            let value = taylor(&derivatives[k..], t);
+            driving.states[time * driving.on + place + k] = value.mid.scale(scale[k]);
+            radii += value.rad * scale[k];
+        }
+        error = error.max(radii);
+    }
+    error
+}
+
+/// sum d_k t^k / k!
+fn taylor(derivatives: &[Ball], t: Ball) -> Ball {
+    let mut sum = Ball::ZERO;
+    for (k, d) in derivatives.iter().enumerate().rev() {
+        sum = sum * t / Ball::from(k as f64 + 1.0) + *d;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::response::together;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::CoordinateId;
+
+    fn n(text: &str) -> Number {
+        Number::from(text)
+    }
+
+    /// A chain with its first mass held, or free, damped in proportion to its springs; displacement, velocity and
+    /// acceleration of each mass as outputs.
+    fn chain(size: usize, held: bool, damping: &str) -> LinearSystem {
+        let mut system = blank(size);
+        for i in 0..size {
+            push(&mut system.m, "1.3", i, None);
+            if i > 0 || held {
+                let j = i.checked_sub(1);
+                push(&mut system.k, "1000", i, j);
+                push(&mut system.c, damping, i, j);
+            }
+        }
+        for i in 0..size {
+            for power in [1, 2] {
+                let mut output = system.outputs[i].clone();
+                output.p.swap(0, power);
+                system.outputs.push(output);
+            }
+        }
+        system
+    }
+
+    /// Both roads, whose balls have to meet; what the bounds are relative to the largest value of each output.
+    fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
+        let apart = respond(system, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
+        let whole = together(system, drives, times).expect("a motion");
+        let mut worst: f64 = 0.0;
+        for output in 0..system.outputs.len() {
+            let column = || apart.values.iter().map(|row| row[output]);
+            let largest = column().map(|y| y.mid.hi.abs()).fold(0.0, f64::max);
+            for ((a, b), t) in column().zip(&whole.values).zip(times) {
+                let b = b[output];
+                assert!((a - b).contains_zero(), "{what}, output {output}, t = {}: {a:?} {b:?}", t.to_f64());
+                if largest > 0.0 {
+                    worst = worst.max(a.rad / largest);
+                }
+            }
+        }
+        worst
+    }
+
+    fn grid(until: &str, step: &str) -> Vec<Number> {
+        crate::analysis::grid(&n(until), &n(step))
+    }
+
+    fn harmonic(hertz: &str, phase: &str) -> Signal {
+        Signal::Harmonic { value: n("2"), frequency: n(hertz), phase: n(phase) }
+    }
+
+    #[test]
+    fn all_signals_move_a_chain_as_the_whole_matrix_does() {
+        let numbers = |list: &[&str]| list.iter().map(|&text| n(text)).collect::<Vec<_>>();
+        let (times, values) = (numbers(&["0", "0.7", "2", "2.05"]), numbers(&["0.1", "2.1", "6", "1"]));
+        let signals = [
+            vec![harmonic("1.5", "0.3"), harmonic("40", "0")],
+            vec![Signal::Step { value: n("3"), at: n("0.33") }, Signal::Impulse { value: n("7"), at: n("1") }],
+            vec![Signal::Ramp { value: n("4"), from: n("0.1"), to: n("1.7") }],
+            vec![Signal::Pulse { value: n("4"), from: n("0.4"), to: n("0.45") }],
+            vec![Signal::Table { times: times.clone(), values: values.clone(), spline: false }],
+            vec![Signal::Table { times, values, spline: true }],
+            vec![Signal::Chirp { value: n("2"), from: n("1"), to: n("10"), duration: n("1.5") }],
+        ];
+        for (size, held) in [(1, true), (3, true), (9, true), (3, false)] {
+            let mut system = chain(size, held, "0.7");
+            system.initial = vec![(CoordinateId(0), n("0.01"), -&n("0.2"))];
+            for (which, signal) in signals.iter().enumerate() {
+                let mut drives = vec![Vec::new(); size];
+                drives[size - 1] = signal.clone();
+                let bound = meets(&format!("{size} {held} {which}"), &system, &drives, &grid("2.5", "0.0625"));
+                assert!(bound < 1e-18, "{size} {held} {which}: {bound:e}");
+            }
+        }
+    }
+
+    /// A base that moves: through spring, damper and inertia, and added to the outputs.
+    #[test]
+    fn a_base_moves_a_chain_as_the_whole_matrix_does() {
+        let mut system = chain(3, true, "0.7");
+        let at = |value: &str| vec![(CoordinateId(0), n(value))];
+        system.inputs[0].b = [at("1000"), at("0.7"), at("0.2")];
+        for (output, power) in [(0, 0), (1, 1), (2, 2)] {
+            system.outputs[output].d[power].push((0, -&n("1.5")));
+        }
+        for signal in [
+            harmonic("3", "0.9"),
+            Signal::Step { value: n("0.1"), at: n("0.5") },
+            Signal::Ramp { value: n("0.1"), from: n("0.5"), to: n("1.1") },
+            Signal::Chirp { value: n("0.1"), from: n("4"), to: n("0"), duration: n("2") },
+        ] {
+            let bound = meets(&format!("{signal:?}"), &system, &[vec![signal]], &grid("2.5", "0.03125"));
+            // A chirp's second derivative, which inertia and accelerations see, is known to some 1e-16.
+            assert!(bound < 1e-15, "{bound:e}");
+        }
+    }
+
+    /// Resonance without damping, critical and overcritical damping, growth, and times that are not even.
+    #[test]
+    fn hard_oscillators_move_as_the_whole_matrix_says() {
+        let oscillator = |c: &str, k: &str| {
+            let mut system = blank(1);
+            push(&mut system.m, "1", 0, None);
+            for (form, text) in [(&mut system.c, c), (&mut system.k, k)] {
+                let source = form.source(system.inputs[0].name);
+                let size = n(text.trim_start_matches('-'));
+                let weight = if text.starts_with('-') { -&size } else { size };
+                form.push(source, crate::system::Nature::Property, weight, [(CoordinateId(0), Number::ONE)]);
+            }
+            system.initial = vec![(CoordinateId(0), n("1"), n("0.5"))];
+            system
+        };
+        let own = Signal::Harmonic { value: n("1"), frequency: Number::pi().recip().expect("not zero"), phase: n("0") };
+        let mut uneven: Vec<Number> = (1..40).map(|i| &n("7") / &Number::from(41 - i)).collect();
+        uneven.insert(0, Number::ZERO);
+        for times in [grid("20", "0.25"), uneven] {
+            for (c, k) in [("0", "4"), ("4", "4"), ("4.0000001", "4"), ("50", "4"), ("-0.1", "4"), ("0", "-0.25")] {
+                let bound = meets(&format!("{c} {k}"), &oscillator(c, k), &[vec![own.clone()]], &times);
+                assert!(bound < 1e-19, "{c} {k}: {bound:e}");
+            }
+        }
+    }
+
+    /// Damping that joins the modes has no such road.
+    #[test]
+    fn joined_modes_are_refused() {
+        let mut system = chain(3, true, "0.7");
+        push(&mut system.c, "5", 2, None);
+        assert!(respond(&system, &[], &grid("2", "0.1")).is_none());
+    }
+
+    /// A long run in many batches against one step of the whole matrix.
+    #[test]
+    fn ten_thousand_steps_keep_their_digits() {
+        let mut system = chain(4, true, "0.0001");
+        system.initial = vec![(CoordinateId(3), n("1"), n("0"))];
+        let drives = [vec![harmonic("4", "0.5")]];
+        let times = grid("1000", "0.1");
+        let apart = respond(&system, &drives, &times).expect("modes apart");
+        let whole = together(&system, &drives, &times[10_000..]).expect("a motion");
+        for (a, b) in apart.values[10_000].iter().zip(&whole.values[0]) {
+            assert!((*a - *b).contains_zero(), "{a:?} {b:?}");
+            assert!(a.relative_error() < 1e-19, "{a:?}");
+        }
+    }
+}

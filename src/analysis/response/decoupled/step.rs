@@ -1,0 +1,312 @@
+//! exp(A h) of every oscillator at once, side by side in the lanes of a vector, with the sources that act on it. In: the
+//! oscillators, the states of the sources that are on, h. Out: two by two numbers an oscillator, two a source, and what
+//! they are off by. Clause: spec.md, "Response" 11b.4a.
+//!
+//! A = [[A_i, B_i], [0, G]]: A_i = [[0, s], [-k/s, -c]], B_i the sources' forces on z_2, G their generator. The blocks
+//! F = exp(A_i h), Phi and R = exp(G h) are made by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by Horner's
+//! scheme, and squaring: F <- F F, Phi <- F Phi + Phi R, R <- R R.
+
+use super::lanes::Lanes;
+use super::oscillators::Oscillators;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::response::exponential::growth;
+use crate::analysis::transfer::lanes::{Double, MOST, Vector, side_by_side};
+use crate::base::{Ball, Dd, Number};
+
+/// exp(A h) for one h.
+#[derive(Clone, Debug)]
+pub struct Step {
+    pub h: Number,
+    /// States of the sources that are on.
+    pub on: Vec<usize>,
+    /// F by rows.
+    pub f: [Lanes; 4],
+    /// Both entries of Phi for each state that is on.
+    pub phi: Vec<[Lanes; 2]>,
+    /// R
+    pub r: Matrix<Dd>,
+    /// Bounds of |F| and |Phi|, over all oscillators.
+    pub own: f64,
+    pub from_sources: f64,
+    /// Bounds of the errors of F, Phi and R.
+    pub error: f64,
+    pub error_of_sources: f64,
+    pub error_of_r: f64,
+    /// What applying it loses, relative to |z| and |w|.
+    pub rounding: f64,
+    pub rounding_of_sources: f64,
+    /// |h|, and bounds of |exp(A_i t)| and |exp(G t)| up to it.
+    pub length: f64,
+    pub growth: f64,
+    pub growth_of_sources: f64,
+}
+
+/// Degree of the polynomial.
+const DEGREE: usize = 24;
+/// What the polynomial leaves out.
+const LEFT_OUT: f64 = 1e-32;
+/// Twice the relative error of one operation.
+const UNIT: f64 = 2.0 * Dd::EPSILON;
+/// (2^-53)^2
+const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
+const UP: f64 = 1.0 + 1e-12;
+/// A time of 2^100 over the fastest rate is more than any that is worth a number.
+const MOST_SQUARINGS: usize = 100;
+
+/// What the lanes compute with.
+struct Task<'a> {
+    /// s h, -k/s h and -c h, scaled down.
+    a: [Lanes; 3],
+    /// B h, scaled down: the place among the states that are on, and its entries.
+    b: Vec<(usize, Lanes)>,
+    /// The sums of Horner's scheme for exp(G h), from the highest down, then the powers that are squared.
+    horner: &'a [Matrix<Dd>],
+    powers: &'a [Matrix<Dd>],
+    size: usize,
+}
+
+/// Blocks of all oscillators, and the squares of their norms at each squaring.
+struct Blocks {
+    f: [Lanes; 4],
+    phi: Vec<[Lanes; 2]>,
+    /// By squaring, then by oscillator: |F|^2 and |Phi|^2 of the computed blocks, Frobenius's norm.
+    squares: Vec<[Vec<f64>; 2]>,
+}
+
+impl Step {
+    /// `None` where the exponent is out of range.
+    pub fn of(of: &Oscillators, on: &[usize], h: &Number) -> Option<Step> {
+        let t = h.to_ball();
+        let m = on.len();
+        let generator = of.generator_of(on);
+        let mut squarings = 0;
+        while of.norm * t.magnitude() * 2.0 > 2f64.powi(squarings as i32) {
+            squarings += 1;
+            if squarings > MOST_SQUARINGS {
+                return None;
+            }
+        }
+        let scaled = Ball::new(t.mid.scale(0.5f64.powi(squarings as i32)), t.rad * 0.5f64.powi(squarings as i32));
+        let times = |values: &[Dd]| Lanes::of(values.iter().map(|&x| x * scaled.mid));
+        let minus = |values: &[Dd]| Lanes::of(values.iter().map(|&x| -(x * scaled.mid)));
+        let forces = on.iter().enumerate().filter(|&(_, &state)| of.force[state].iter().any(|b| !b.is_zero()));
+        let b = forces.map(|(place, &state)| (place, Lanes::of(of.force[state].iter().map(|b| b.mid * scaled.mid))));
+        let b: Vec<(usize, Lanes)> = b.collect();
+        let (horner, powers) = exponential_of_sources(&generator, m, scaled.mid, squarings);
+        let task = Task {
+            a: [times(&of.s), minus(&of.back), minus(&of.c)],
+            b,
+            horner: &horner,
+            powers: &powers,
+            size: of.count(),
+        };
+        let blocks = blocks(&task);
+        // Horner's scheme: a stage loses (size + 4) operations of sums that in absolute value are below 2 sqrt(size), and
+        // what a stage is off by enters the next one with |A h| / k: all of them together less than twice the last.
+        let size = (m + 2) as f64;
+        let uncertain = (of.radius * scaled.magnitude() + of.norm * scaled.rad) * 2.0;
+        let start = (4.0 * (size + 4.0) * size.sqrt() * UNIT + LEFT_OUT + uncertain) * UP;
+        let errors = Errors::of(of, &blocks, &powers, start, t.magnitude(), squarings);
+        let finite = errors.own.is_finite() && errors.from_sources.is_finite();
+        if !finite || !blocks.f.iter().all(|f| f.hi.iter().all(|x| x.is_finite())) {
+            return None;
+        }
+        let products = (size + 3.0) * (size + 3.0) * SQUARE * UP;
+        let last = &blocks.squares[squarings];
+        let largest = last[0].iter().copied().fold(0.0, f64::max).sqrt();
+        let all = last[1].iter().sum::<f64>().sqrt();
+        let step = Step {
+            h: h.clone(),
+            on: on.to_vec(),
+            f: blocks.f,
+            phi: blocks.phi,
+            r: powers[squarings].clone(),
+            own: errors.own,
+            from_sources: errors.from_sources,
+            error: errors.f,
+            error_of_sources: errors.phi,
+            error_of_r: errors.r,
+            rounding: products * largest,
+            rounding_of_sources: products * all,
+            length: t.magnitude(),
+            growth: growth(of.rate * t.magnitude()),
+            growth_of_sources: growth(of.rate_of_sources * t.magnitude()),
+        };
+        Some(step)
+    }
+}
+
+/// Bounds of norms and errors after all squarings.
+struct Errors {
+    own: f64,
+    from_sources: f64,
+    f: f64,
+    phi: f64,
+    r: f64,
+}
+
+impl Errors {
+    /// With F = exp + e, |F^2 - exp^2| <= 2 |exp| |e| + |e|^2 + rounding, and so for the other blocks.
+    fn of(of: &Oscillators, blocks: &Blocks, powers: &[Matrix<Dd>], start: f64, time: f64, squarings: usize) -> Errors {
+        let n = of.count();
+        let m = powers[0].columns() as f64;
+        let (mut f, mut phi, mut r) = (vec![start; n], vec![start; n], start);
+        let (mut own, mut from_sources) = (vec![0.0; n], vec![0.0; n]);
+        for (level, power) in powers.iter().enumerate() {
+            let time = time * 0.5f64.powi((squarings - level) as i32);
+            let (allowed, allowed_r) = (growth(of.rate * time), growth(of.rate_of_sources * time));
+            let computed_r = frobenius(power);
+            let norm_r = allowed_r.min(computed_r + r);
+            let [f_squares, phi_squares] = &blocks.squares[level];
+            for i in 0..n {
+                let (f_size, phi_size) = (f_squares[i].sqrt() * UP, phi_squares[i].sqrt() * UP);
+                own[i] = allowed.min(f_size + f[i]) * UP;
+                from_sources[i] = (phi_size + phi[i]) * UP;
+                if level == squarings {
+                    continue;
+                }
+                let lost = UNIT * (m + 4.0) * (f_size * phi_size + phi_size * computed_r);
+                phi[i] =
+                    (own[i] * phi[i] + f[i] * (phi_size + phi[i]) + phi[i] * (norm_r + r) + phi_size * r + lost) * UP;
+                f[i] = (2.0 * own[i] * f[i] + f[i] * f[i] + UNIT * 4.0 * f_size * f_size) * UP;
+            }
+            if level < squarings {
+                r = (2.0 * norm_r * r + r * r + UNIT * (m + 2.0) * computed_r * computed_r) * UP;
+            }
+        }
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let together = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt() * UP;
+        Errors { own: largest(&own), from_sources: together(&from_sources), f: largest(&f), phi: together(&phi), r }
+    }
+}
+
+fn frobenius(a: &Matrix<Dd>) -> f64 {
+    (0..a.columns()).flat_map(|j| a.column(j)).map(|x| x.hi * x.hi).sum::<f64>().sqrt() * UP
+}
+
+/// The sums of Horner's scheme for exp(G h / 2^squarings), and its powers by squaring.
+fn exponential_of_sources(
+    generator: &[(usize, usize, Dd)],
+    m: usize,
+    h: Dd,
+    squarings: usize,
+) -> (Vec<Matrix<Dd>>, Vec<Matrix<Dd>>) {
+    let mut horner = vec![Matrix::identity(m)];
+    for k in (1..=DEGREE).rev() {
+        let last = &horner[horner.len() - 1];
+        let factor = h / Dd::from(k as f64);
+        let mut next = Matrix::identity(m);
+        for &(i, j, value) in generator {
+            let scaled = value * factor;
+            for column in 0..m {
+                if !last[(j, column)].is_zero() {
+                    next[(i, column)] += scaled * last[(j, column)];
+                }
+            }
+        }
+        horner.push(next);
+    }
+    let mut powers = vec![horner[DEGREE].clone()];
+    for k in 0..squarings {
+        let r = &powers[k];
+        let square = Matrix::from_fn(m, m, |i, j| {
+            (0..m)
+                .filter(|&l| !r[(i, l)].is_zero() && !r[(l, j)].is_zero())
+                .fold(Dd::ZERO, |sum, l| sum + r[(i, l)] * r[(l, j)])
+        });
+        powers.push(square);
+    }
+    (horner, powers)
+}
+
+side_by_side! {
+    fn blocks<V>(task: &Task) -> Blocks {
+        let m = task.horner[0].columns();
+        let squarings = task.powers.len() - 1;
+        let zeros = || Lanes::zeros(task.size);
+        let mut blocks = Blocks {
+            f: [zeros(), zeros(), zeros(), zeros()],
+            phi: (0..m).map(|_| [zeros(), zeros()]).collect(),
+            squares: (0..=squarings).map(|_| [vec![0.0; task.size], vec![0.0; task.size]]).collect(),
+        };
+        let mut phi: Vec<[Double<V>; 2]> = vec![[Double::zero(); 2]; m];
+        let mut next = phi.clone();
+        for at in (0..task.size).step_by(V::WIDTH) {
+            let mut f = taylor::<V>(task, at, &mut phi);
+            for level in 0..=squarings {
+                norms(&f, &phi, at, &mut blocks.squares[level]);
+                if level < squarings {
+                    square(&mut f, &mut phi, &mut next, &task.powers[level]);
+                }
+            }
+            blocks.f.iter_mut().zip(f).for_each(|(to, f)| to.put(at, f));
+            for (to, phi) in blocks.phi.iter_mut().zip(&phi) {
+                to.iter_mut().zip(phi).for_each(|(to, phi)| to.put(at, *phi));
+            }
+        }
+        blocks
+    }
+}
+
+/// P <- 1 + A h P / k for k from the degree down to one; the first block of sources' into `phi`.
+#[inline(always)]
+fn taylor<V: Vector>(task: &Task, at: usize, phi: &mut [[Double<V>; 2]]) -> [Double<V>; 4] {
+    let one = Double::splat(Dd::ONE);
+    let mut f = [one, Double::zero(), Double::zero(), one];
+    phi.fill([Double::zero(); 2]);
+    for (stage, sums) in task.horner[..DEGREE].iter().enumerate() {
+        let share = Double::splat(Dd::ONE / Dd::from((DEGREE - stage) as f64));
+        let [up, back, damp] = [0, 1, 2].map(|i| task.a[i].at::<V>(at).times(share));
+        f = [
+            one.plus(up.times(f[2])),
+            up.times(f[3]),
+            back.times(f[0]).plus(damp.times(f[2])),
+            one.plus(back.times(f[1]).plus(damp.times(f[3]))),
+        ];
+        for (column, phi) in phi.iter_mut().enumerate() {
+            let mut second = back.times(phi[0]).plus(damp.times(phi[1]));
+            for (place, b) in &task.b {
+                let sum = sums[(*place, column)];
+                if !sum.is_zero() {
+                    second = second.plus(b.at::<V>(at).times(share).times(Double::splat(sum)));
+                }
+            }
+            *phi = [up.times(phi[1]), second];
+        }
+    }
+    f
+}
+
+#[inline(always)]
+fn square<V: Vector>(f: &mut [Double<V>; 4], phi: &mut [[Double<V>; 2]], next: &mut [[Double<V>; 2]], r: &Matrix<Dd>) {
+    for (column, next) in next.iter_mut().enumerate() {
+        let [a, b] = phi[column];
+        let mut sums = [f[0].times(a).plus(f[1].times(b)), f[2].times(a).plus(f[3].times(b))];
+        for (l, phi) in phi.iter().enumerate() {
+            let factor = r[(l, column)];
+            if !factor.is_zero() {
+                let factor = Double::splat(factor);
+                sums = [sums[0].plus(phi[0].times(factor)), sums[1].plus(phi[1].times(factor))];
+            }
+        }
+        *next = sums;
+    }
+    phi.copy_from_slice(next);
+    let [a, b, c, d] = *f;
+    let cross = b.times(c);
+    *f = [a.times(a).plus(cross), a.times(b).plus(b.times(d)), c.times(a).plus(d.times(c)), cross.plus(d.times(d))];
+}
+
+/// Squares of Frobenius's norms.
+#[inline(always)]
+fn norms<V: Vector>(f: &[Double<V>; 4], phi: &[[Double<V>; 2]], at: usize, squares: &mut [Vec<f64>; 2]) {
+    let zero = V::splat(0.0);
+    let of_f = f.iter().fold(zero, |sum, x| x.hi.fused(x.hi, sum)).store();
+    let of_phi = phi.iter().flatten().fold(zero, |sum, x| x.hi.fused(x.hi, sum)).store();
+    for lane in 0..V::WIDTH.min(squares[0].len() - at) {
+        (squares[0][at + lane], squares[1][at + lane]) = (of_f[lane], of_phi[lane]);
+    }
+}
+
+/// The widest vector divides the room of all lanes.
+const _: () = assert!(MOST.is_multiple_of(4));
