@@ -63,6 +63,11 @@ impl<'a> Check<'a> {
         let id = self.solved_parameter(parameter, environment);
         let measured = self.measure(measure, environment).map(|measured| (measured, self.tree.expr(measure).span));
         let (id, declared) = id?;
+        let name = self.definitions[id.0 as usize].name;
+        if let Some(span) = self.overrides.named_at(name) {
+            let word = self.words.display(name);
+            return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved: parameter.span });
+        }
         let low_value = self.like_parameter(low, &declared, environment);
         let high_value = self.like_parameter(high, &declared, environment)?.si;
         let like = low_value?;

@@ -52,6 +52,13 @@ enum Written {
     Other(Span),
 }
 
+impl Given {
+    /// Where a value is given for a parameter.
+    pub fn named_at(&self, name: Name) -> Option<Span> {
+        self.names.iter().find(|(known, _)| *known == name).map(|(_, span)| *span)
+    }
+}
+
 impl<'a> Check<'a> {
     /// Reads both; what the arguments say wins.
     pub fn overrides(&mut self, overrides: &Overrides) {

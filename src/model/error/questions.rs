@@ -26,6 +26,7 @@ pub enum QuestionError {
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
     ModeNumber { span: Span },
     RangeReversed { span: Span },
+    GivenAndSolved { span: Span, word: String, solved: Span },
     RequireWhat { span: Span },
     Unused { span: Span, name: String, kind: DefinitionKind },
     Idle { span: Span, name: String, word: &'static str, why: &'static str },
@@ -97,6 +98,12 @@ impl QuestionError {
             }
             RangeReversed { span } => {
                 error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
+            }
+            GivenAndSolved { span, word, solved } => {
+                let message = format!("`{word}` is solved for: a value from outside would not be used");
+                error("vib::setting::solved", span, message)
+                    .related(solved, "solved for here")
+                    .help("leave this setting out, or take the `solve` line out of the model")
             }
             RequireWhat { span } => error("vib::require::form", span, "a comparison of a measure is expected here")
                 .help("write `require frequency(1) > 2 Hz` or `require stable`"),
