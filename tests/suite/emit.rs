@@ -250,7 +250,7 @@ const SPRINGS: &str = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody 
                        initial b { x = 0.1 m }\noutput xa = a.x\noutput acc = b.ax\noutput f = s.force\n";
 
 /// A model over a parameter.
-fn parameterised(text: &str, name: &str) -> Result<Parameterised, String> {
+pub fn parameterised(text: &str, name: &str) -> Result<Parameterised, String> {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
     vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1

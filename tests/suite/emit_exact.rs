@@ -6,7 +6,7 @@ use super::systems::{Builder, HardCase, number};
 use super::transfer::with_every_pair;
 use std::process::Command;
 use tempfile::TempDir;
-use vibc::analysis::discrete::{DiscreteSystem, Hold, Options, Precision};
+use vibc::analysis::discrete::{DiscreteSystem, Hold, Options, Precision, Why};
 use vibc::analysis::{self, History, Signal, discretise, respond};
 use vibc::backend::emit::{self, Language, Program};
 use vibc::base::{Number, SourceFile, SourceKind, Sources};
@@ -99,11 +99,25 @@ fn check(name: &str, system: &LinearSystem, drives: &[Vec<Signal>], step: &str) 
 }
 
 fn check_as(name: &str, system: &LinearSystem, drives: &[Vec<Signal>], step: &str, options: &Options, most: f64) {
+    check_for(100_001, name, system, drives, step, options, most);
+}
+
+fn check_for(
+    samples: u64,
+    name: &str,
+    system: &LinearSystem,
+    drives: &[Vec<Signal>],
+    step: &str,
+    options: &Options,
+    most: f64,
+) {
     let modes = analysis::modes(system).expect("modes");
     let discrete = discretise(system, &modes, options).expect("a discrete system");
     let step = number(step);
-    let printed = printed(name, &discrete, &Program { step: step.clone(), samples: 100_001 });
+    let printed = printed(name, &discrete, &Program { step: step.clone(), samples });
     let history = |times: &[Number]| respond(system, drives, times).expect("a motion");
+    let wrong = printed.rows.iter().enumerate().find(|(k, row)| row[0] != (&step * &Number::from(*k as i64)).to_f64());
+    assert_eq!(wrong, None, "{name}: a time that is not rounded once");
     for (output, error) in errors(&printed, history, &step).into_iter().enumerate() {
         assert!(error <= most, "{name}, output {output}: {error:e} in {}", discrete.method);
     }
@@ -181,14 +195,20 @@ fn hard_cases_are_exact_after_1e5_steps() {
 fn programs_print_what_simulate_does() {
     let solving = "param k = 1 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
                    spring s: ground -- a { k = k }\nspring t: a -- b { k = 3 * k }\ndamper d: a -- b { c = 0.3 N*s/m }\n\
-                   force F: a along x = pulse(4 N, 0.105 s, 0.4 s)\ninitial b { x = 2 cm }\noutput xa = a.x\n\
+                   force F: a along x = pulse(4 N, 0.105 s, 0.4 s) + step(1 N, 0 s) + ramp(2 N, 0 s, 1.003 s)\n\
+                   force G: b along x = impulse(1 N*s, 0 s) + impulse(-2 N*s, 0.7042 s)\nbody far { mass = 1 kg, moves x }\n\
+                   spring u: ground -- far { k = 9000 N/m }\nforce unfelt: far along x = step(1 N, 0.05 s)\n\
+                   force H: a along x = ramp(1 N, 0.2 s, 0.9 s)\ninitial b { x = 2 cm, vx = 0.1 m/s }\noutput xa = a.x\n\
                    output ab = b.ax\nsolve k in 1 N/m .. 1e4 N/m: frequency(1) = 2 Hz\n";
     let all = examples().into_iter().chain([("solving".to_string(), solving.to_string())]);
     let step = number("0.01");
-    for (name, text) in all.filter(|(_, text)| text.contains(" = harmonic(") || text.contains("solve ")) {
+    let has_signal =
+        |line: &str| ["force", "torque", "base"].iter().any(|kind| line.starts_with(kind)) && line.contains(" = ");
+    for (name, text) in all.filter(|(_, text)| text.lines().any(has_signal)) {
         let wanted = Options { built_in: true, ..options("0.01") };
         let emitted = emission(&name, &text, &wanted);
-        let printed = printed(&name, &emitted.system, &Program { step: step.clone(), samples: 301 });
+        let program = Program { step: step.clone(), samples: 301 };
+        let printed = printed(&name, &emitted.system, &program);
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.into_bytes()));
         let simulate = |times: &[Number]| {
@@ -199,6 +219,53 @@ fn programs_print_what_simulate_does() {
             assert!(error <= 1e-12, "{name}, output {output}: {error:e}");
         }
     }
+}
+
+/// What comes after the end of the motion is not built in, and what comes before it is.
+#[test]
+fn signals_end_with_the_motion() {
+    let text = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 9 N/m }\n\
+                force F: a along x = pulse(1 N, 1 s, 2 s) + pulse(1 N, 3 s, 5 s) + impulse(1 N*s, 4 s) + impulse(1 N*s, 1.5 s)\n\
+                output x = a.x\n";
+    let ticks = |until: Option<&str>| -> Vec<u64> {
+        let wanted = Options { built_in: true, until: until.map(number), ..options("0.01") };
+        emission("ends", text, &wanted).system.events.iter().map(|event| event.tick).collect()
+    };
+    assert_eq!(ticks(None), [100, 150, 200, 300, 400, 500]);
+    assert_eq!(ticks(Some("3.5")), [100, 150, 200, 300]);
+    assert_eq!(ticks(Some("1.2")), [100]);
+}
+
+/// Steps of a quarter turn and more, beyond the fastest that samples can tell apart, and ones in which a motion is all but gone:
+/// the step is exact whatever it is.
+#[test]
+fn steps_are_exact_however_long() {
+    // A step of 0.1 s; k and c of oscillators of 1 kg, side by side.
+    let cases = [
+        ("144", "0"),      // 1.2 rad
+        ("400", "0"),      // 2 rad: past a quarter turn
+        ("841", "1"),      // 2.9 rad
+        ("400", "16"),     // past a quarter turn, with a fifth left
+        ("100", "15"),     // a fifth left, before a quarter turn
+        ("2025", "0.5"),   // 4.5 rad: past half a turn
+        ("3600", "0"),     // 6 rad
+        ("100", "101"),    // rates 1 / s and 100 / s
+        ("0", "5"),        // free, held back
+        ("0", "0"),        // free
+        ("100", "20"),     // critical
+        ("100000", "400"), // nothing left after a step
+    ];
+    let mut b = Builder::numbered(cases.len());
+    for (i, (k, c)) in cases.into_iter().enumerate() {
+        b.mass(i, &Number::ONE);
+        b.spring(None, i, &number(k));
+        b.damper(None, i, &number(c));
+    }
+    let mut system = observed(&b.finish());
+    system.initial = (0..cases.len()).map(|i| (CoordinateId(i as u32), number("0.3"), number("-2"))).collect();
+    let drives = signals(system.inputs.len(), "0.1");
+    let wanted = Options { built_in: true, internal: drives.clone(), ..options("0.1") };
+    check_for(1001, "steps", &system, &drives, "0.1", &wanted, 1e-12);
 }
 
 fn single(m: &str, c: &str, k: &str) -> LinearSystem {
@@ -320,6 +387,69 @@ fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
     assert_eq!(fewer.states(), 2);
     let text = emit::whole("fewer", &fewer, Language::C);
     assert!(text.contains("its static part is kept"), "{text}");
+}
+
+/// A fast mode whose static part is twice that of the slow one: left out for a tolerance, what is left of it keeps the motion
+/// under a force that is held within the tolerance; and all that is left out together is below it.
+#[test]
+fn what_is_left_out_stays_below_the_tolerance() {
+    let mut b = Builder::numbered(3);
+    b.mass(0, &Number::ONE);
+    b.spring(None, 0, &number("100"));
+    b.damper(None, 0, &number("0.5"));
+    for i in [1, 2] {
+        b.mass(i, &number(["", "1e-6", "2e-6"][i]));
+        b.spring(Some(0), i, &number("50"));
+        b.damper(Some(0), i, &number("1e-3"));
+    }
+    let mut system = with_every_pair(b.finish());
+    system.inputs.drain(..1);
+    let modes = analysis::modes(&system).expect("modes");
+    let of = |tolerance| {
+        let step = vec![Signal::Step { value: Number::ONE, at: Number::ZERO }];
+        let wanted = Options { tolerance, built_in: true, internal: vec![step.clone(), step], ..options("0.01") };
+        discretise(&system, &modes, &wanted).expect("a system")
+    };
+    let share = |system: &DiscreteSystem| -> f64 {
+        let shares = system.left.iter().map(|left| match left.why {
+            Why::Small(share) => share,
+            Why::Unreached | Why::Unseen => 0.0,
+        });
+        shares.sum()
+    };
+    let both = of(Some(0.01));
+    assert_eq!(both.left.len(), 2);
+    let together = share(&both);
+    assert!((1e-6..0.01).contains(&together), "{together:e}");
+    let one = of(Some(0.9 * together));
+    assert_eq!(one.left.len(), 1);
+    assert!(share(&one) <= 0.9 * together);
+    let program = Program { step: number("0.01"), samples: 501 };
+    let (whole, fewer) = (printed("whole", &of(None), &program), printed("fewer", &both, &program));
+    // The largest gain is that of the slow mode at its resonance, Q / k = 20 / 100; a fast mode takes 0.05 s to die.
+    let most = together * 0.2 * 2.0;
+    for (a, b) in whole.rows.iter().zip(&fewer.rows).skip(10) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= most), "{a:?} {b:?}");
+    }
+}
+
+/// A mode that no input reaches is kept where the motion starts in it.
+#[test]
+fn an_initial_state_keeps_what_no_input_reaches() {
+    let mut b = Builder::numbered(2);
+    for i in 0..2 {
+        b.mass(i, &Number::ONE);
+        b.spring(None, i, &number("30"));
+    }
+    b.spring(Some(0), 1, &number("20"));
+    let mut system = observed(&b.finish());
+    system.inputs.truncate(1);
+    system.inputs[0].b[0] = vec![(CoordinateId(0), Number::ONE), (CoordinateId(1), Number::ONE)];
+    let modes = analysis::modes(&system).expect("modes");
+    let states = |system: &LinearSystem| discretise(system, &modes, &options("0.01")).expect("a system").states();
+    assert_eq!(states(&system), 2);
+    system.initial = vec![(CoordinateId(0), Number::ONE, Number::ZERO)];
+    assert_eq!(states(&system), 4);
 }
 
 /// The compiler's own checks of undefined behaviour and of memory find nothing.

@@ -8,6 +8,7 @@ mod diagnostics;
 mod editor;
 mod emit;
 mod emit_exact;
+mod emit_state;
 mod emit_target;
 mod exact;
 mod examples;

@@ -106,6 +106,35 @@ pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
     }
 }
 
+/// The inverse by Gauss and Jordan with partial pivoting, in double-double without a bound: an enclosure of it would lose all
+/// digits where there are hundreds of rows.
+pub fn inverse(m: &Matrix<Dd>) -> Option<Matrix<Dd>> {
+    let n = m.rows();
+    let mut rows: Vec<Vec<Dd>> = (0..n)
+        .map(|i| {
+            let identity = (0..n).map(|j| if i == j { Dd::ONE } else { Dd::ZERO });
+            (0..n).map(|j| m[(i, j)]).chain(identity).collect()
+        })
+        .collect();
+    for step in 0..n {
+        let size = |i: usize| rows[i][step].hi.abs();
+        let pivot = (step..n).fold(step, |best, i| if size(i) > size(best) { i } else { best });
+        if rows[pivot][step].is_zero() || !rows[pivot][step].is_finite() {
+            return None;
+        }
+        rows.swap(step, pivot);
+        let scale = Dd::ONE / rows[step][step];
+        rows[step][step..].iter_mut().for_each(|x| *x = *x * scale);
+        let top = rows[step].clone();
+        for row in rows.iter_mut().enumerate().filter(|(i, row)| *i != step && !row[step].is_zero()).map(|(_, row)| row)
+        {
+            let factor = row[step];
+            row[step..].iter_mut().zip(&top[step..]).for_each(|(x, &y)| *x -= factor * y);
+        }
+    }
+    Some(Matrix::from_fn(n, n, |i, j| rows[i][n + j]))
+}
+
 impl Block {
     /// The block in other coordinates: s w.
     pub fn transformed(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {

@@ -7,11 +7,12 @@
 //! T^-1 A T = D + E, E off the blocks, the step T (I + X) with D_i X_ij - X_ij D_j = -E_ij squares the error (Stewart 1973).
 
 use crate::analysis::answer::{Pole, Poles};
-use crate::analysis::discrete::block::{Block, NOTHING, Split, add, clean_product, product, sum, without_derivatives};
+use crate::analysis::discrete::block::{
+    Block, NOTHING, Split, add, clean_product, inverse, product, sum, without_derivatives,
+};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::complex::{Complex, Real};
 use crate::analysis::numeric::dense::{Matrix, dot};
-use crate::analysis::numeric::enclosure;
 use crate::analysis::response::propagator::{Exogenous, StateSpace};
 use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;
@@ -313,7 +314,6 @@ fn unit(mut x: Vec<Dd>) -> Vec<Dd> {
 /// Corrects the columns until what is left off the blocks is nothing.
 fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis> {
     let n = a.rows();
-    let exact = |m: &Matrix<Dd>| m.map(Ball::exact);
     let places: Vec<(usize, usize)> = groups
         .iter()
         .scan(0, |first, group| {
@@ -323,7 +323,7 @@ fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis>
         .collect();
     let mut last = f64::INFINITY;
     for _ in 0..MOST_STEPS {
-        let inverse = enclosure::solve(&exact(&t), &exact(&Matrix::identity(n)))?.mid();
+        let inverse = inverse(&t)?;
         let d = product(&inverse, &product(a, &t));
         let mut x = Matrix::zeros(n, n);
         let mut size = 0.0f64;
