@@ -103,3 +103,100 @@ fn powers(f: &Matrix<f64>) -> Vec<f64> {
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::discrete::hold::propagator;
+    use crate::analysis::discrete::lift::lift;
+
+    fn cell(form: Form, size: usize) -> Cell {
+        let none = || vec![Vec::new(); size];
+        let (input, output) = (none(), vec![Vec::new(); size]);
+        Cell { name: String::new(), form, input, output, to: vec![], back: vec![], start: vec![1.0; size] }
+    }
+
+    /// One step in units of the roundoff: the states after it, and the largest error of each, of coefficients, products and sums.
+    fn step(form: &Form, w: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        match form {
+            Form::Keep(r) => (vec![r * w[0]], vec![2.0 * (r * w[0]).abs()]),
+            Form::Lose(d) => (vec![w[0] - d * w[0]], vec![2.0 * (d * w[0]).abs() + (w[0] - d * w[0]).abs()]),
+            Form::Dense(rows) => {
+                let size = |row: &Vec<f64>| row.iter().zip(w).map(|(e, w)| (e * w).abs()).sum::<f64>();
+                let change = |row: &Vec<f64>| row.iter().zip(w).map(|(e, w)| e * w).sum::<f64>();
+                let next: Vec<f64> = rows.iter().zip(w).map(|(row, w)| w + change(row)).collect();
+                let of = |(row, next): (&Vec<f64>, &f64)| (1.0 + w.len() as f64) * size(row) + next.abs();
+                (next.clone(), rows.iter().zip(&next).map(of).collect())
+            }
+            Form::Pair(lift) => {
+                let (x, v) = (w[0], w[1]);
+                let (kept, lost) = match lift.decay {
+                    Decay::Lose(c) => (v - c * v, 2.0 * (c * v).abs() + (v - c * v).abs()),
+                    Decay::Keep(r) => (r * v, 2.0 * (r * v).abs()),
+                };
+                let sign = if lift.turned { -1.0 } else { 1.0 };
+                let next = kept - lift.k * x;
+                let in_v = lost + 2.0 * (lift.k * x).abs() + next.abs();
+                let moved = x + lift.p * next;
+                let in_x = 2.0 * (lift.p * next).abs() + moved.abs();
+                // What v errs by reaches x in the same step.
+                (vec![sign * moved, sign * next], vec![in_x + lift.p * in_v, in_v])
+            }
+        }
+    }
+
+    /// The error of the first state after so many steps if all roundings conspire, in units of the roundoff and of the largest
+    /// size that the state has had.
+    fn conspiring(form: &Form, start: &[f64], steps: usize) -> f64 {
+        let n = start.len();
+        let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+        let columns: Vec<Vec<f64>> = (0..n).map(|j| step(form, &unit(j)).0).collect();
+        let mut states = vec![start.to_vec()];
+        let mut errors = Vec::new();
+        for _ in 0..steps {
+            let (next, error) = step(form, &states[states.len() - 1]);
+            states.push(next);
+            errors.push(error);
+        }
+        // As if an input kept the motion as large as it has been.
+        let error: Vec<f64> = (0..n).map(|i| errors.iter().map(|error| error[i]).fold(0.0, f64::max)).collect();
+        // What a change of the states before the last steps does to the first one at the end.
+        let mut felt = unit(0);
+        let mut total = 0.0;
+        for _ in 0..steps {
+            total += felt.iter().zip(&error).map(|(a, b)| (a * b).abs()).sum::<f64>();
+            felt = columns.iter().map(|column| column.iter().zip(&felt).map(|(f, g)| f * g).sum()).collect();
+        }
+        total / states.iter().map(|w| w[0].abs()).fold(0.0, f64::max)
+    }
+
+    /// Roundings that conspire stay below the bound, and come near it: oscillators without and with damping, turning by little
+    /// and by more than a quarter, critical ones, single states, a dense step.
+    #[test]
+    fn the_bound_is_above_what_conspiring_roundings_do_and_not_far() {
+        let mut forms: Vec<(Form, Vec<f64>)> = Vec::new();
+        let oscillators = [(400.0, 0.0), (400.0, 2.0), (1e4, 0.0), (4e4, 3.0), (9e4, 0.0), (1.0, 0.0), (4e4, 100.0)];
+        for (k, c) in oscillators.into_iter().chain([(1e4, 200.0), (100.0, 20.0)]) {
+            let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
+            let f = propagator(&a, Dd::from(0.01)).expect("in range").f;
+            let lifted = lift(&f, Dd::from(-c * 0.01), None, Precision::Double).expect("a form");
+            forms.push((Form::Pair(lifted.lift), vec![1.0, 0.3]));
+        }
+        forms.extend([(Form::Keep(0.3), vec![1.0]), (Form::Lose(1e-4), vec![1.0]), (Form::Lose(0.0), vec![1.0])]);
+        let turn = vec![vec![0.1f64.cos() - 1.0, 0.1f64.sin()], vec![-0.1f64.sin(), 0.1f64.cos() - 1.0]];
+        forms.push((Form::Dense(turn), vec![1.0, 0.0]));
+        let mut ratios = Vec::new();
+        for (form, start) in &forms {
+            for steps in [1023, 65535] {
+                let bound = rounding(&[cell(form.clone(), start.len())], Precision::Double);
+                let bound = (bound.after(steps) - bound.output) / Precision::Double.unit();
+                let worst = conspiring(form, start, steps as usize);
+                let over = bound / worst;
+                assert!((1.0..100.0).contains(&over), "{form:?}, {steps}: {bound:e} for {worst:e}");
+                ratios.push(over);
+            }
+        }
+        ratios.sort_by(f64::total_cmp);
+        assert!(ratios[ratios.len() / 2] < 15.0, "{ratios:?}");
+    }
+}
