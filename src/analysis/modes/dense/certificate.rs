@@ -117,7 +117,7 @@ impl Reduced {
     /// Neighbours that are closer than their couplings go together.
     fn groups(&self, p: &Matrix<f64>, unit: f64) -> Vec<Group> {
         let n = self.theta.len();
-        let near = |i: usize, j: usize| self.distance(i, j, unit) <= 8.0 * (p[(i, j)] + p[(i, i)] + p[(j, j)]);
+        let near = |i: usize, j: usize| self.distance(i, j, unit) <= 8.0 * (p[(j, i)] + p[(i, i)] + p[(j, j)]);
         let (mut groups, mut start) = (Vec::with_capacity(n), 0);
         while start < n {
             let (mut end, mut i) = (start, start);

@@ -27,6 +27,11 @@ use crate::system::Form;
 use certificate::Reduced;
 use residual::Pencil;
 
+/// Differences of close frequencies should have as many digits as are printed.
+const SPLIT: f64 = 1e-16;
+/// Where a step has settled a repeated eigenvalue, its members' relative radius is below this: it is quadratic in errors of the
+/// vectors of some 1e-15.
+const REPEATED: f64 = 1e-22;
 /// Each step takes eight decades of stiffness further.
 const MAX_STEPS: usize = 5;
 
@@ -46,7 +51,7 @@ struct Candidate {
     radii: Vec<f64>,
 }
 
-/// All eigenpairs, ascending, and whether their bounds are within the tolerance; `None` if M is not positive definite in
+/// All eigenpairs, ascending, and whether their bounds are within the tolerance and show what is apart; `None` if M is not positive definite in
 /// binary64, or numbers ran out of range.
 pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     let (x, diagonal) = problem.first()?;
@@ -55,7 +60,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     let mut rigid = problem.rigid(best.may_be_zero().count());
     let mut worst = best.worst(rigid.dimension);
     for _ in 0..MAX_STEPS {
-        if worst <= problem.tolerance {
+        if worst <= problem.tolerance && !best.is_blurred(SPLIT) {
             break;
         }
         let Some(x) = step::improved(&best.x, &best.pencil) else { break };
@@ -73,7 +78,8 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
             break;
         }
     }
-    best.is_finite().then(|| (best.pairs(problem, &rigid), worst <= problem.tolerance))
+    let settled = worst <= problem.tolerance && !best.is_blurred(1.0);
+    best.is_finite().then(|| (best.pairs(problem, &rigid), settled))
 }
 
 /// Motions that K does not see: the dimension of their space, if it is known not to be larger, and its vectors.
@@ -179,6 +185,17 @@ impl Candidate {
         let told = (0..self.radii.len()).filter(|&i| zeros == 0 || !self.holds_zero(i));
         told.map(|i| self.radii[i] / self.pencil.theta[i].hi.abs())
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
+    }
+
+    /// Neighbours within 1 %, whose difference is told, have bounds above this part of it.
+    fn is_blurred(&self, part: f64) -> bool {
+        let size = |i: usize| self.pencil.theta[i].hi.abs();
+        (1..self.radii.len()).any(|i| {
+            let radii = self.radii[i - 1] + self.radii[i];
+            let gap = (self.pencil.theta[i] - self.pencil.theta[i - 1]).hi;
+            let told = gap <= 0.01 * size(i) && !(self.holds_zero(i - 1) && self.holds_zero(i));
+            told && radii > part * gap && radii > REPEATED * size(i)
+        })
     }
 
     /// As in [`eigen`](crate::analysis::modes::eigen): if no more eigenvalues may be zero than the null space has dimensions, all

@@ -305,29 +305,23 @@ widest! {
 
 #[inline(always)]
 fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
-    let at = |i: u32| V::load(&x[i as usize * LANES..]);
-    let add = |image: &mut [f64], i: u32, force: Words<V>| {
-        let place = &mut image[2 * i as usize * LANES..][..2 * LANES];
-        Words::load(place).plus(force).store(place);
-    };
     image.fill(0.0);
     for (t, (&weight, &kind)) in form.weights.iter().zip(&form.kinds).enumerate() {
         let range = form.starts[t] as usize..form.starts[t + 1] as usize;
         let (indices, factors) = (&form.indices[range.clone()], &form.factors[range]);
         let weight = Words::<V>::splat(weight);
         match (kind, indices) {
-            (Kind::Single, [i]) => {
-                add(image, *i, weight.times(Words { hi: at(*i), lo: V::splat(0.0) }));
-            }
+            (Kind::Single, [i]) => add(image, *i, weight.times(at(x, *i))),
             (Kind::Difference, [i, j]) => {
-                let force = weight.times(Words::difference(at(*i), at(*j)));
+                let force = weight.times(Words::difference(at::<V>(x, *i).hi, at::<V>(x, *j).hi));
                 add(image, *i, force);
                 add(image, *j, force.negated());
             }
             _ => {
-                let part = |i: u32, a: [f64; 2]| Words::splat(a).times(Words { hi: at(i), lo: V::splat(0.0) });
-                let zero = Words::<V>::splat([0.0; 2]);
-                let stretch = indices.iter().zip(factors).fold(zero, |sum, (&i, &a)| sum.plus(part(i, a)));
+                let mut stretch = Words::splat([0.0; 2]);
+                for (&i, &a) in indices.iter().zip(factors) {
+                    stretch = stretch.plus(Words::splat(a).times(at(x, i)));
+                }
                 let force = weight.times(stretch);
                 for (&i, &a) in indices.iter().zip(factors) {
                     add(image, i, Words::splat(a).times(force));
@@ -335,6 +329,19 @@ fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
             }
         }
     }
+}
+
+// Functions, not closures: what is not inlined into the kernel loses its instructions.
+
+#[inline(always)]
+fn at<V: Eight>(x: &[f64], i: u32) -> Words<V> {
+    Words { hi: V::load(&x[i as usize * LANES..]), lo: V::splat(0.0) }
+}
+
+#[inline(always)]
+fn add<V: Eight>(image: &mut [f64], i: u32, force: Words<V>) {
+    let place = &mut image[2 * i as usize * LANES..][..2 * LANES];
+    Words::load(place).plus(force).store(place);
 }
 
 widest! {

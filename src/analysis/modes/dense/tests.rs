@@ -125,6 +125,24 @@ fn repeated_frequencies_are_certified_as_a_group() {
     }
 }
 
+/// Two equal nets that are joined by springs a trillion times softer: each frequency twice, but not quite.
+#[test]
+fn close_frequencies_are_told_apart() {
+    let (half, mut digits, mut system) = (32, Digits(5), blank(64));
+    for i in 0..half {
+        let (mass, ground) = (digits.decimal(0), digits.decimal(2));
+        let springs: Vec<(usize, String)> = (0..2.min(i)).map(|_| (digits.below(i), digits.decimal(2))).collect();
+        for at in [0, half] {
+            push(&mut system.m, &mass, at + i, None);
+            push(&mut system.k, &ground, at + i, None);
+            springs.iter().for_each(|(other, k)| push(&mut system.k, k, at + other, Some(at + i)));
+        }
+        push(&mut system.k, "1e-12", i, Some(i + half));
+    }
+    compare(&system, 1e-24);
+    assert!(all(&system, 1e-12).list.iter().all(|mode| mode.cluster.is_none()));
+}
+
 /// A chain against the road for trees, whose bounds come of another argument.
 #[test]
 fn a_chain_has_the_frequencies_of_the_road_for_trees() {
