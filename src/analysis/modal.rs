@@ -6,6 +6,7 @@
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stability};
 use crate::analysis::error::AnalysisError;
+use crate::analysis::modes::linkage::{self, Linkage};
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, which_of};
@@ -35,6 +36,9 @@ pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
 
 /// The modes asked for, and what goes with them.
 pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
+    if system.is_chained() {
+        return of_chained(system, request);
+    }
     let whole = whole(system);
     if !needs_all(system, &whole)
         && let Some((modes, poles)) = some_of(system, &whole, request)?
@@ -48,13 +52,20 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
     Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
 }
 
+/// Poles are the same in all coordinates.
+fn of_chained(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
+    let Some(linkage) = Linkage::of(system) else { return modal(&linkage::written_out(system)?, request) };
+    let found = modal(&linkage.system, request)?;
+    Ok(Modal { modes: linkage.in_angles(system, found.modes), ..found })
+}
+
 /// The modes asked for and their poles; `None` if these are all and all poles can be had.
 fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
     let asked = |which| modes_as(system, &Request { which, ..*request });
-    if are_of_modes(system, whole) || system.is_chained() {
+    if are_of_modes(system, whole) {
         let modes = asked(request.which)?;
         let poles = poles_of(system, whole, &modes);
-        let told = !modes.is_complete() || system.is_chained() || largest(system) > MAX_UNASKED;
+        let told = !modes.is_complete() || largest(system) > MAX_UNASKED;
         return Ok(told.then_some((modes, poles)));
     }
     let which = which_of(system, request.which);

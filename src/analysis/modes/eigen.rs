@@ -57,6 +57,13 @@ impl Displacements {
         }
     }
 
+    pub fn into_f64(self) -> Vec<f64> {
+        match self {
+            Displacements::Precise(x) => x.iter().map(|x| x.hi()).collect(),
+            Displacements::Plain(x) => x,
+        }
+    }
+
     pub fn to_triple(&self) -> Vec<Triple> {
         match self {
             Displacements::Precise(x) => x.clone(),
@@ -70,20 +77,6 @@ impl Displacements {
             Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),
             Displacements::Plain(x) => Displacements::Plain(spread(x, coordinates, n, 0.0)),
         }
-    }
-
-    /// w (a . x)^2 of each term, in an order that keeps within the range of binary64 what the energy itself does.
-    pub fn energies(&self, terms: &Terms) -> Vec<f64> {
-        let energy = |t: usize| {
-            let stretch = match self {
-                Displacements::Precise(x) => terms.stretch(t, x).value.hi(),
-                Displacements::Plain(x) => terms.stretch_f64(t, x),
-            };
-            let weight = terms.weights[t].value.hi();
-            let root = weight.abs().sqrt() * stretch;
-            root * root * weight.signum()
-        };
-        (0..terms.len()).map(energy).collect()
     }
 }
 

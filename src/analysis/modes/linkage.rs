@@ -7,7 +7,7 @@
 //! heavy paths of a tree do: Sleator and Tarjan, J. Comput. Syst. Sci. 26 (1983) 362). The last link of a row stands for the
 //! motion of its centre. The change of coordinates is exact, and so are the terms: it moves no eigenvalue.
 //!
-//! In: a system with chained rows. Out: M and K over the new coordinates, where their rows are short; modes in the angles.
+//! In: a system with chained rows. Out: M, C and K over the new coordinates, where their rows are short; modes in the angles.
 //! Clause: spec.md 10.12a.
 
 use crate::analysis::answer::{Modes, Share};
@@ -23,17 +23,38 @@ const MOST_ENTRIES: usize = 24;
 /// Entries of M, C and K together that are written out where nothing else helps.
 const MOST_WRITTEN_OUT: u64 = 5_000_000;
 
-/// The modes asked for. Where no coordinates are found in which the rows are short, they are written out.
+/// A linkage in such coordinates.
+pub struct Linkage {
+    /// M, C and K over the new coordinates; without inputs and outputs.
+    pub system: LinearSystem,
+    places: Places,
+}
+
+impl Linkage {
+    /// `None` where no coordinates are found in which the rows are short.
+    pub fn of(system: &LinearSystem) -> Option<Linkage> {
+        let places = Places::of(system)?;
+        Some(Linkage { system: places.system(system)?, places })
+    }
+
+    /// Modes of its system as modes of the one that it was made of.
+    pub fn in_angles(&self, system: &LinearSystem, modes: Modes) -> Modes {
+        self.places.in_angles(system, modes)
+    }
+}
+
+/// The modes asked for of a system with chained rows.
 pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
-    let short = Places::of(system).and_then(|places| Some((places.system(system)?, places)));
-    if let Some((inner, places)) = short {
-        return modes_as(&inner, request).map(|modes| places.in_angles(system, modes));
+    match Linkage::of(system) {
+        Some(linkage) => modes_as(&linkage.system, request).map(|modes| linkage.in_angles(system, modes)),
+        None => modes_as(&written_out(system)?, request),
     }
+}
+
+/// The same system with rows over coordinates alone, where nothing else helps and they are not too long.
+pub fn written_out(system: &LinearSystem) -> Result<LinearSystem, AnalysisError> {
     let (count, limit, at) = (system.n(), MAX_DENSE, place(system, 0));
-    match system.clone().flattened(MOST_WRITTEN_OUT) {
-        Ok(flat) => modes_as(&flat, request),
-        Err(_) => Err(AnalysisError::NotSparse { count, limit, at }),
-    }
+    system.clone().flattened(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
 }
 
 /// Coordinates q and chained motions z over new coordinates p.
@@ -129,13 +150,13 @@ impl Places {
         Some(summed(own))
     }
 
-    /// The same system over p, without dampers, inputs and outputs.
+    /// The same system over p, without inputs and outputs.
     fn system(&self, system: &LinearSystem) -> Option<LinearSystem> {
         Some(LinearSystem {
             words: system.words.clone(),
             coordinates: system.coordinates.clone(),
             m: self.form(&system.m, system.n())?,
-            c: Form::new(),
+            c: self.form(&system.c, system.n())?,
             k: self.form(&system.k, system.n())?,
             chain: Vec::new(),
             inputs: Vec::new(),
@@ -170,7 +191,7 @@ impl Places {
             let places = std::mem::take(&mut mode.shape);
             let mut shape = q.times(&places);
             mode.kinetic = momenta.shares(&shape, &z.times(&places));
-            if shape::is_reversed(&shape, &mode.kinetic, system) {
+            if shape::is_reversed(&shape, &mode.kinetic, shape::translates(system)) {
                 shape.iter_mut().for_each(|x| *x = -*x);
             }
             mode.shape = shape;
@@ -334,6 +355,7 @@ impl Momenta {
 mod tests {
     use super::*;
     use crate::analysis::answer::Route;
+    use crate::analysis::modal;
     use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
     use crate::analysis::modes::request::Which;
     use crate::analysis::modes::terms::Terms;
@@ -378,7 +400,7 @@ mod tests {
     }
 
     fn inner(system: &LinearSystem) -> LinearSystem {
-        Places::of(system).and_then(|places| places.system(system)).expect("short rows")
+        Linkage::of(system).expect("short rows").system
     }
 
     fn dense(system: &LinearSystem) -> Vec<(crate::analysis::numeric::triple::Triple, f64)> {
@@ -422,6 +444,23 @@ mod tests {
             assert_eq!(a.kinetic[0].of, b.kinetic[0].of);
             assert!((a.kinetic[0].part - b.kinetic[0].part).abs() < 1e-12);
             assert!((a.strain[0].part - b.strain[0].part).abs() < 1e-12);
+        }
+    }
+
+    /// A damper between two links joins the modes; poles know nothing of coordinates.
+    #[test]
+    fn damped_poles_are_those_of_the_rows_written_out() {
+        let mut system = hanging(&row(9));
+        push(&mut system.c, "0.03", 4, Some(5));
+        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let of = |system: &LinearSystem| modal(system, &Request::default()).expect("poles").poles.list;
+        let (found, known) = (of(&system), of(&flat));
+        assert_eq!(found.len(), 18);
+        for (a, b) in found.iter().zip(&known) {
+            let size = b.re.mid.hi.hypot(b.im.mid.hi);
+            let error = (a.re.mid - b.re.mid).hi.hypot((a.im.mid - b.im.mid).hi) / size;
+            assert!(error <= a.relative_error + b.relative_error, "{error:e}");
+            assert!(a.relative_error < 1e-12);
         }
     }
 

@@ -34,6 +34,7 @@ use crate::analysis::modes::condense::{Condensed, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::parts::{Part, chosen, independent_chained, independent_undamped};
 use crate::analysis::modes::request::{FEW, Request, Which};
+use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::triple::Triple;
@@ -75,7 +76,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
     }
-    let report = Report { system, masses: Terms::of(&system.m), stiffness: Terms::of(&system.k) };
+    let report = Report::of(system);
     let mut local = vec![0u32; system.n()];
     let (mut pairs, mut infinite, mut before) = (Vec::new(), 0, Before::default());
     for (index, part) in parts.iter().enumerate() {
@@ -101,7 +102,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     let after = system.n() - infinite - before.count() - pairs.len();
     let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
         let x = pair.x.spread(&parts[part].coordinates, system.n());
-        report.mode(&Pair { x, ..pair }, cluster)
+        report.mode(Pair { x, ..pair }, cluster)
     });
     Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
 }
@@ -267,13 +268,29 @@ struct Report<'a> {
     system: &'a LinearSystem,
     masses: Terms,
     stiffness: Terms,
+    /// The same in binary64.
+    light: [Roots; 2],
+    /// Which coordinates are displacements.
+    translates: Vec<bool>,
 }
 
-impl Report<'_> {
-    fn mode(&self, pair: &Pair, cluster: Option<u32>) -> Mode {
-        let mut shape = pair.x.to_f64();
-        let kinetic = shape::kinetic_shares(&self.masses, &shape);
-        if shape::is_reversed(&shape, &kinetic, self.system) {
+impl<'a> Report<'a> {
+    fn of(system: &'a LinearSystem) -> Report<'a> {
+        let (masses, stiffness) = (Terms::of(&system.m), Terms::of(&system.k));
+        let light = [Roots::of(&system.m, &masses), Roots::of(&system.k, &stiffness)];
+        let translates = (0..system.n()).map(shape::translates(system)).collect();
+        Report { system, masses, stiffness, light, translates }
+    }
+
+    fn mode(&self, pair: Pair, cluster: Option<u32>) -> Mode {
+        let Pair { value, x, route } = pair;
+        let energies = match value {
+            Eigenvalue::Zero => (0.0, Vec::new()),
+            Eigenvalue::Near { .. } => self.light[1].energies(self.system.k.source_count(), &self.stiffness, &x),
+        };
+        let mut shape = x.into_f64();
+        let kinetic = shape::kinetic_shares(&self.light[0], &shape);
+        if shape::is_reversed(&shape, &kinetic, |i| self.translates[i]) {
             shape.iter_mut().for_each(|x| *x = -*x);
         }
         let rigid = Mode {
@@ -285,15 +302,16 @@ impl Report<'_> {
             input_condition: None,
             kinetic,
             strain: Vec::new(),
-            route: pair.route,
+            route,
         };
-        match pair.value {
+        match value {
             Eigenvalue::Zero => rigid,
-            Eigenvalue::Near { value, radius, positive } => self.elastic(rigid, pair, value, radius, positive),
+            Eigenvalue::Near { value, radius, positive } => self.elastic(rigid, energies, value, radius, positive),
         }
     }
 
-    fn elastic(&self, mode: Mode, pair: &Pair, lambda: Triple, radius: f64, positive: bool) -> Mode {
+    /// `energies`: the sum of the sizes of all terms', and what each source has.
+    fn elastic(&self, mode: Mode, energies: (f64, Vec<f64>), lambda: Triple, radius: f64, positive: bool) -> Mode {
         let omega_squared = certificate::ball(lambda, radius);
         let certain = if positive { lambda.hi() > 0.0 } else { !omega_squared.contains_zero() };
         let (kind, omega) = match lambda.hi() < 0.0 {
@@ -301,14 +319,13 @@ impl Report<'_> {
             true => (ModeKind::Divergence, certificate::root(-lambda, radius)),
             false => (ModeKind::Oscillation, certificate::root(lambda, radius)),
         };
-        let energies = pair.x.energies(&self.stiffness);
-        let whole: f64 = energies.iter().map(|energy| energy.abs()).sum();
+        let (whole, by_source) = energies;
         Mode {
             kind,
             omega_squared,
             omega,
             input_condition: certain.then_some(whole / lambda.hi().abs() + 1.0),
-            strain: shape::strain_shares(&self.system.k, &energies),
+            strain: shape::strain_shares(&self.system.k, &by_source),
             ..mode
         }
     }

@@ -1,6 +1,7 @@
 //! How a mode's shape is scaled and signed, and where its energy is. Clauses: spec.md 12.4 to 12.7.
 
 use crate::analysis::answer::{Mode, Share};
+use crate::analysis::modes::eigen::Displacements;
 use crate::analysis::modes::terms::Terms;
 use crate::system::{CoordinateId, CoordinateKind, Form, Label, LinearSystem};
 
@@ -29,7 +30,7 @@ pub fn normalise(mode: &Mode, system: &LinearSystem, how: Normalise) -> Vec<f64>
     let shape = &mode.shape;
     let unit = match how {
         Normalise::Mass => None,
-        Normalise::Translation => leading(shape, &mode.kinetic, system),
+        Normalise::Translation => leading(shape, &mode.kinetic, translates(system)),
         Normalise::Max => first_largest(shape, |_| true),
         Normalise::First => first_moving(shape),
     };
@@ -37,17 +38,25 @@ pub fn normalise(mode: &Mode, system: &LinearSystem, how: Normalise) -> Vec<f64>
     shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
 }
 
-/// Whether the shape has to be turned round so that its leading entry is positive.
-pub(in crate::analysis) fn is_reversed(shape: &[f64], kinetic: &[Share<CoordinateId>], system: &LinearSystem) -> bool {
-    leading(shape, kinetic, system).is_some_and(|i| shape[i] < 0.0)
+/// Whether the shape has to be turned round so that its leading entry is positive; which coordinates translate being told.
+pub(in crate::analysis) fn is_reversed(
+    shape: &[f64],
+    kinetic: &[Share<CoordinateId>],
+    translates: impl Fn(usize) -> bool,
+) -> bool {
+    leading(shape, kinetic, translates).is_some_and(|i| shape[i] < 0.0)
 }
 
 /// The leading entry: the first that is as large as the largest translation, or rotation where the translations carry
 /// nothing.
-fn leading(shape: &[f64], kinetic: &[Share<CoordinateId>], system: &LinearSystem) -> Option<usize> {
-    let translates = |i: usize| system.coordinates[i].kind == CoordinateKind::Translation;
+fn leading(shape: &[f64], kinetic: &[Share<CoordinateId>], translates: impl Fn(usize) -> bool) -> Option<usize> {
     let carried: f64 = kinetic.iter().filter(|share| translates(share.of.index())).map(|share| share.part.abs()).sum();
     first_largest(shape, |i| translates(i) == (carried >= LEAST_SHARE))
+}
+
+/// Whether a coordinate is a displacement.
+pub(in crate::analysis) fn translates(system: &LinearSystem) -> impl Fn(usize) -> bool {
+    |i| system.coordinates[i].kind == CoordinateKind::Translation
 }
 
 fn first_largest(shape: &[f64], admitted: impl Fn(usize) -> bool) -> Option<usize> {
@@ -71,17 +80,95 @@ pub(in crate::analysis) fn with_largest_one(shape: &[f64]) -> Vec<f64> {
 const COMPLETE: usize = 1000;
 const LARGEST: usize = 10;
 
+/// A form in binary64, as energies need it: millions of terms for each of many modes.
+pub(in crate::analysis) struct Roots {
+    /// The root of each weight, with its sign.
+    roots: Vec<f64>,
+    starts: Vec<u32>,
+    indices: Vec<u32>,
+    factors: Vec<f64>,
+    sources: Vec<u32>,
+}
+
+impl Roots {
+    pub fn of(form: &Form, terms: &Terms) -> Roots {
+        let mut result = Roots {
+            roots: Vec::with_capacity(terms.len()),
+            starts: Vec::with_capacity(terms.len() + 1),
+            indices: Vec::with_capacity(2 * terms.len()),
+            factors: Vec::with_capacity(2 * terms.len()),
+            sources: form.terms().iter().map(|term| term.source).collect(),
+        };
+        result.starts.push(0);
+        for t in 0..terms.len() {
+            let (indices, factors) = terms.row(t);
+            let weight = terms.weights[t].value.hi();
+            result.roots.push(weight.signum() * weight.abs().sqrt());
+            result.indices.extend_from_slice(indices);
+            result.factors.extend(factors.iter().map(|factor| factor.to_f64()));
+            result.starts.push(result.indices.len() as u32);
+        }
+        result
+    }
+
+    /// The rows of the terms: indices and factors.
+    #[inline]
+    fn rows(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
+        let row = |ends: &[u32]| {
+            let range = ends[0] as usize..ends[1] as usize;
+            (&self.indices[range.clone()], &self.factors[range])
+        };
+        self.starts.windows(2).map(row)
+    }
+
+    /// w (a . x)^2 of a term from its stretch, in an order that keeps within the range of binary64 what the energy itself does.
+    #[inline]
+    fn energy(&self, t: usize, stretch: f64) -> f64 {
+        let root = self.roots[t].abs() * stretch;
+        root * root * self.roots[t].signum()
+    }
+
+    /// The sum of all |w (a . x)^2|, and the sum of w (a . x)^2 of each of so many sources.
+    pub fn energies(&self, sources: usize, terms: &Terms, x: &Displacements) -> (f64, Vec<f64>) {
+        match x {
+            Displacements::Precise(x) => {
+                self.by_source(sources, (0..terms.len()).map(|t| terms.stretch(t, x).value.hi()))
+            }
+            Displacements::Plain(x) => self.by_source(sources, self.rows().map(|row| stretch(row, x))),
+        }
+    }
+
+    fn by_source(&self, sources: usize, stretches: impl Iterator<Item = f64>) -> (f64, Vec<f64>) {
+        let (mut whole, mut by_source) = (0.0, vec![0.0; sources]);
+        for (t, (&source, stretch)) in self.sources.iter().zip(stretches).enumerate() {
+            let energy = self.energy(t, stretch);
+            whole += energy.abs();
+            by_source[source as usize] += energy;
+        }
+        (whole, by_source)
+    }
+}
+
+/// a . x; most rows have one entry or two.
+#[inline]
+fn stretch(row: (&[u32], &[f64]), x: &[f64]) -> f64 {
+    match row {
+        ([i], [a]) => a * x[*i as usize],
+        ([i, j], [a, b]) => a * x[*i as usize] + b * x[*j as usize],
+        (indices, factors) => indices.iter().zip(factors).map(|(&i, a)| a * x[i as usize]).sum(),
+    }
+}
+
 /// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
-pub(in crate::analysis) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<Share<CoordinateId>> {
+pub(in crate::analysis) fn kinetic_shares(masses: &Roots, shape: &[f64]) -> Vec<Share<CoordinateId>> {
     let mut energy = vec![0.0; shape.len()];
-    for t in 0..masses.len() {
+    for (&root, row) in masses.roots.iter().zip(masses.rows()) {
         // The root of the mass on both sides: masses may be as small as shapes are large.
-        let weight = masses.weights[t].value.hi();
-        let root = weight.abs().sqrt();
-        let momentum = weight.signum() * (root * masses.stretch_f64(t, shape));
-        let (indices, factors) = masses.row(t);
-        for (&i, factor) in indices.iter().zip(factors) {
-            energy[i as usize] += root * shape[i as usize] * factor.to_f64() * momentum;
+        let momentum = root * stretch(row, shape);
+        let mut add = |i: u32, factor: f64| energy[i as usize] += root.abs() * shape[i as usize] * factor * momentum;
+        match row {
+            ([i], [a]) => add(*i, *a),
+            (indices, factors) => indices.iter().zip(factors).for_each(|(&i, &a)| add(i, a)),
         }
     }
     shares_of(&energy)
@@ -89,43 +176,73 @@ pub(in crate::analysis) fn kinetic_shares(masses: &Terms, shape: &[f64]) -> Vec<
 
 /// Shares of all coordinates, largest first, from what each has.
 pub(in crate::analysis) fn shares_of(energies: &[f64]) -> Vec<Share<CoordinateId>> {
-    largest_first(energies, (0..energies.len() as u32).collect(), |i| CoordinateId(i as u32))
+    largest_first(energies, |_| true, |i| CoordinateId(i as u32))
 }
 
-/// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from the energies of the terms.
-pub(in crate::analysis) fn strain_shares(form: &Form, energies: &[f64]) -> Vec<Share<Label>> {
-    let mut by_source = vec![0.0; form.source_count()];
-    for (term, energy) in form.terms().iter().zip(energies) {
-        by_source[term.source as usize] += energy;
-    }
-    let holding = (0..by_source.len() as u32).filter(|&i| by_source[i as usize] != 0.0).collect();
-    largest_first(&by_source, holding, |i| form.source_name(i as u32))
+/// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from what each source has.
+pub(in crate::analysis) fn strain_shares(form: &Form, by_source: &[f64]) -> Vec<Share<Label>> {
+    largest_first(by_source, |part| part != 0.0, |i| form.source_name(i as u32))
 }
 
 /// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order. None where parts of
 /// both signs cancel to nothing that their rounding could be told from: there is no whole to have a share of.
-fn largest_first<T>(parts: &[f64], mut chosen: Vec<u32>, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
+fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
     // Negative where the motion has negative stiffness: then the most negative part is the largest share.
     // Scaled by the largest part's power of two, so that the sum stays within range.
     let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
     let scale = if power.is_normal() { 1.0 / power } else { 1.0 };
-    let whole: f64 = parts.iter().map(|part| part * scale).sum();
-    let sizes: f64 = parts.iter().map(|part| (part * scale).abs()).sum();
+    let (whole, sizes) = sums(parts, scale);
     if whole.abs() <= parts.len() as f64 * f64::EPSILON * sizes {
         return Vec::new();
     }
     let share = |i: u32| parts[i as usize] * scale / whole;
     let order = |a: &u32, b: &u32| share(*b).total_cmp(&share(*a)).then(a.cmp(b));
-    if chosen.len() > COMPLETE {
-        chosen.select_nth_unstable_by(LARGEST, order);
-        chosen.truncate(LARGEST);
+    let all = || (0u32..).zip(parts).filter(|(_, part)| chosen(**part)).map(|(i, _)| i);
+    let many = parts.len() > COMPLETE && all().count() > COMPLETE;
+    let mut list: Vec<u32> = if many { first(&chosen, parts, whole) } else { all().collect() };
+    if many && list.len() > LARGEST {
+        list.select_nth_unstable_by(LARGEST, order);
+        list.truncate(LARGEST);
     }
-    chosen.sort_unstable_by(order);
+    list.sort_unstable_by(order);
     // What a symmetry makes equal leads in its order, not in that of last bits.
-    let tied = chosen.iter().take_while(|&&i| share(i) >= share(chosen[0]) * (1.0 - TIE)).count();
-    chosen[..tied].sort_unstable();
-    chosen.into_iter().map(|i| Share { of: of(i as usize), part: share(i) }).collect()
+    let tied = list.iter().take_while(|&&i| share(i) >= share(list[0]) * (1.0 - TIE)).count();
+    list[..tied].sort_unstable();
+    list.into_iter().map(|i| Share { of: of(i as usize), part: share(i) }).collect()
+}
+
+/// The sum of the parts and of their sizes; of many, side by side in an order that no machine changes.
+fn sums(parts: &[f64], scale: f64) -> (f64, f64) {
+    let few = if parts.len() > COMPLETE { parts.len() % 8 } else { parts.len() };
+    let (few, many) = parts.split_at(few);
+    let add = |(whole, sizes): (f64, f64), part: f64| (whole + part, sizes + part.abs());
+    let start = few.iter().fold((0.0, 0.0), |sums, part| add(sums, part * scale));
+    let mut lanes = [(0.0, 0.0); 8];
+    for chunk in many.chunks_exact(8) {
+        for (lane, part) in lanes.iter_mut().zip(chunk) {
+            *lane = add(*lane, part * scale);
+        }
+    }
+    lanes.iter().fold(start, |sums, lane| (sums.0 + lane.0, sums.1 + lane.1))
+}
+
+/// What may be among the largest parts (most negative ones where the whole is): all that are as large as the least of so
+/// many blocks' largest.
+fn first(chosen: impl Fn(f64) -> bool, parts: &[f64], whole: f64) -> Vec<u32> {
+    const BLOCK: usize = 512;
+    let size = |part: f64| if chosen(part) { part * whole.signum() } else { f64::NEG_INFINITY };
+    let largest_of = |block: &[f64]| block.iter().fold(f64::NEG_INFINITY, |largest, &part| largest.max(size(part)));
+    let largest: Vec<f64> = parts.chunks(BLOCK).map(largest_of).collect();
+    let mut descending = largest.clone();
+    descending.sort_unstable_by(|a, b| b.total_cmp(a));
+    let least = descending.get(LARGEST - 1).copied().unwrap_or(f64::NEG_INFINITY);
+    let mut list = Vec::new();
+    for (at, block) in parts.chunks(BLOCK).enumerate().filter(|(at, _)| largest[*at] >= least) {
+        let of_block = block.iter().enumerate().filter(|(_, part)| size(**part) >= least && chosen(**part));
+        list.extend(of_block.map(|(i, _)| (at * BLOCK + i) as u32));
+    }
+    list
 }
 
 #[cfg(test)]
@@ -142,18 +259,18 @@ mod tests {
     #[test]
     fn of_many_shares_the_largest_are_told() {
         let parts: Vec<f64> = (0..2000).map(|i| f64::from(i % 100)).collect();
-        let shares = largest_first(&parts, (0..2000).collect(), |i| i);
+        let shares = largest_first(&parts, |_| true, |i| i);
         let expected: Vec<usize> = (0..10).map(|i| 99 + 100 * i).collect();
         assert_eq!(shares.iter().map(|share| share.of).collect::<Vec<_>>(), expected);
     }
 
     #[test]
     fn shares_sum_to_one() {
-        let tied = largest_first(&[1.0, 4.0, 4.0 + 1e-12, 2.0], vec![0, 1, 2, 3], |i| i);
+        let tied = largest_first(&[1.0, 4.0, 4.0 + 1e-12, 2.0], |_| true, |i| i);
         assert_eq!(tied.iter().map(|share| share.of).collect::<Vec<_>>(), [1, 2, 3, 0]);
-        let shares = largest_first(&[3.0, 5.0], vec![0, 1], |i| i);
+        let shares = largest_first(&[3.0, 5.0], |_| true, |i| i);
         assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
-        let negative = largest_first(&[1.0, -5.0], vec![0, 1], |i| i);
+        let negative = largest_first(&[1.0, -5.0], |_| true, |i| i);
         assert_eq!((negative[0].of, negative[0].part, negative[1].part), (1, 1.25, -0.25));
     }
 }

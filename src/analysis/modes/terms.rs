@@ -4,7 +4,7 @@
 //! decimal) is in the radii and so in every bound.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
-use crate::base::Dd;
+use crate::base::{Dd, Number, Rational};
 use crate::system::Form;
 
 /// The squares `w a a^T` of a form.
@@ -38,7 +38,7 @@ impl Terms {
             terms.weights.push(Precise::of(&term.weight));
             for (coordinate, value) in form.row(term) {
                 terms.indices.push(coordinate.0);
-                terms.factors.push(Factor::of(Precise::of(value)));
+                terms.factors.push(Factor::of_number(value));
             }
             terms.starts.push(terms.indices.len() as u32);
         }
@@ -102,6 +102,14 @@ impl Terms {
 }
 
 impl Factor {
+    fn of_number(value: &Number) -> Factor {
+        match value.exact().and_then(Rational::to_fraction) {
+            Some((1, 1)) => Factor::Plus,
+            Some((-1, 1)) => Factor::Minus,
+            _ => Factor::of(Precise::of(value)),
+        }
+    }
+
     fn of(value: Precise) -> Factor {
         if value.radius > 0.0 {
             Factor::Other(value)

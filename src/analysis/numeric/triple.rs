@@ -75,6 +75,14 @@ impl Triple {
 
     /// n / d of exact double-doubles by long division.
     pub fn quotient(n: Dd, d: Dd) -> Triple {
+        if n.lo == 0.0 && d.lo == 0.0 {
+            // What a quotient leaves of a binary64 number is one too.
+            let left = |rest: f64, word: f64| (-word).mul_add(d.hi, rest);
+            let a = n.hi / d.hi;
+            let rest = left(n.hi, a);
+            let b = rest / d.hi;
+            return Triple::normalised(a, b, left(rest, b) / d.hi);
+        }
         let (divisor, mut rest, mut words) = (Triple::from(d), Triple::from(n), [0.0; 3]);
         for word in &mut words {
             *word = rest.a / d.hi;
@@ -148,18 +156,27 @@ pub struct Precise {
 
 impl Precise {
     pub fn of(number: &Number) -> Precise {
+        let Number::Exact(rational) = number else { return Precise::from(number.to_ball()) };
+        let fraction = rational.to_fraction();
+        // Only fractions of powers of two are binary numbers.
+        if let Some((n, d)) = fraction.filter(|(_, d)| d.count_ones() > 1) {
+            return Precise::near(Triple::quotient(exact(n), exact(d)));
+        }
         let ball = number.to_ball();
-        let Number::Exact(rational) = number else { return Precise::from(ball) };
         if ball.is_exact() {
             return Precise::from(ball);
         }
-        let value = match rational.to_fraction() {
+        Precise::near(match fraction {
             Some((n, d)) => Triple::quotient(exact(n), exact(d)),
             None => {
                 let rest = number - &Number::Exact(rational_sum(ball.mid));
                 Triple::from(ball.mid) + Triple::from(rest.to_f64())
             }
-        };
+        })
+    }
+
+    /// A number that three words do not hold.
+    fn near(value: Triple) -> Precise {
         Precise { value, radius: 8.0 * Triple::ERROR * value.a.abs() }
     }
 }

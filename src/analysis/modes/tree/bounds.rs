@@ -13,12 +13,14 @@
 //! A tree without ground is held by springs tau M to the ground, which add tau to every eigenvalue.
 //! Clause: spec.md 10.10.
 
+use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::taken;
 use crate::analysis::numeric::dense::Real;
 use crate::analysis::numeric::pairwise::PairwiseSum;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use std::array::from_fn;
 
 /// What bounds need to know of a tree.
 #[derive(Clone, Copy, Debug)]
@@ -69,18 +71,33 @@ impl Enclosed {
 /// Covers the few roundings of a radius computed in binary64, sums in pairs.
 const UP: f64 = 1.0 + 1e-12;
 
-/// The eigenvalue near the Rayleigh quotient of x; see the module.
-pub fn enclosed<T: Real>(nodes: &[Node<T>], x: &[T], tree: &Tree, frame: &Frame) -> Enclosed {
+/// The eigenvalues near the Rayleigh quotients of vectors side by side, with as many frames of one tree; see the module.
+pub fn enclosed<T: Real, const W: usize>(
+    nodes: &[Node<T>],
+    x: &[[T; W]],
+    tree: &Tree,
+    frames: &[Frame; W],
+) -> [Enclosed; W] {
     let energies = Energies::of(nodes, x);
     let (held, inertia) = (energies.strain.total(), energies.inertia.total());
-    let strain = held + T::of(Dd::from(frame.holding)) * inertia;
-    let shifted = strain / inertia;
+    let holding = T::of(Dd::from(frames[0].holding));
+    let strain = held + inertia * holding;
+    let mu = Beside(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
+    let residual = residual(nodes, x, mu, holding, tree);
     // Parts of M of both signs err by parts of kappa x^T M x.
-    let rounding =
-        tree.coupled * (energies.strain.relative_error() + energies.inertia.relative_error() + 12.0 * T::ERROR);
+    let sums = energies.strain.relative_error(T::ERROR) + energies.inertia.relative_error(T::ERROR);
+    let rounding = tree.coupled * (sums + 12.0 * T::ERROR);
+    from_fn(|lane| {
+        let elastic = residual.elastic.0[lane];
+        let error = elastic + residual.unbalanced.0[lane] / frames[lane].least.sqrt();
+        near(strain.0[lane], inertia.0[lane], error, rounding, tree, &frames[lane])
+    })
+}
+
+/// The eigenvalue near strain / inertia, with the error of the vector in the norm of K and the rounding of the two.
+fn near<T: Real>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
+    let shifted = strain / inertia;
     // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
-    let residual = residual(nodes, x, inertia / strain, T::of(Dd::from(frame.holding)), tree);
-    let error = residual.elastic + residual.unbalanced / frame.least.sqrt();
     let square = (error * shifted.hi()).powi(2) / strain.hi() * UP;
     let value = shifted.hi() * (1.0 - 2.0 * rounding);
     let top = shifted.hi() * (1.0 + 2.0 * rounding);
@@ -94,61 +111,76 @@ pub fn enclosed<T: Real>(nodes: &[Node<T>], x: &[T], tree: &Tree, frame: &Frame)
 }
 
 /// x^T K x and x^T M x.
-struct Energies<T> {
-    strain: PairwiseSum<T>,
-    inertia: PairwiseSum<T>,
+struct Energies<T, const W: usize> {
+    strain: PairwiseSum<Beside<T, W>>,
+    inertia: PairwiseSum<Beside<T, W>>,
 }
 
-impl<T: Real> Energies<T> {
-    fn of(nodes: &[Node<T>], x: &[T]) -> Energies<T> {
-        let mut energies = Energies { strain: PairwiseSum::new(), inertia: PairwiseSum::new() };
+impl<T: Real, const W: usize> Energies<T, W> {
+    fn of(nodes: &[Node<T>], x: &[[T; W]]) -> Energies<T, W> {
+        let sum = || PairwiseSum::from_zero(Beside::all(T::ZERO));
+        let mut energies = Energies { strain: sum(), inertia: sum() };
         for (node, &own) in nodes.iter().zip(x) {
             // The root's stiffness and coupling are zero.
-            let b = own - x[node.parent as usize];
+            let (own, parent) = (Beside(own), Beside(x[node.parent as usize]));
+            let b = own - parent;
             let (square, stretched) = (own * own, b * b);
-            energies.inertia.add(node.mass * square - node.coupling * stretched);
-            energies.strain.add(node.ground * square + node.stiffness * stretched);
+            energies.inertia.add(square * node.mass - stretched * node.coupling);
+            energies.strain.add(square * node.ground + stretched * node.stiffness);
         }
         energies
     }
 }
 
 /// Bounds of |K^-1 (M x - r) - mu x|_K and of |r|_(M^-1).
-struct Residual {
-    elastic: f64,
-    unbalanced: f64,
+struct Residual<const W: usize> {
+    elastic: Beside<f64, W>,
+    unbalanced: Beside<f64, W>,
 }
 
 /// The forces that balance M x - mu V x from the leaves to the root, and what rounding leaves unbalanced.
-fn residual<T: Real>(nodes: &[Node<T>], x: &[T], mu: T, holding: T, tree: &Tree) -> Residual {
-    let mut stack: Vec<(T, f64)> = Vec::new();
-    let (mut unbalanced, mut complementary) = (PairwiseSum::new(), PairwiseSum::new());
+fn residual<T: Real, const W: usize>(
+    nodes: &[Node<T>],
+    x: &[[T; W]],
+    mu: Beside<T, W>,
+    holding: T,
+    tree: &Tree,
+) -> Residual<W> {
+    let none = (Beside::all(T::ZERO), Beside::all(0.0));
+    let mut stack: Vec<(Beside<T, W>, Beside<f64, W>)> = Vec::new();
+    let sum = || PairwiseSum::from_zero(Beside::<f64, W>::all(0.0));
+    let (mut unbalanced, mut complementary) = (sum(), sum());
     // A balance has a product and a sum a child, and five roundings of its own.
     let rounding = (tree.breadth + 8.0) * T::ERROR;
     for (node, &own) in nodes.iter().zip(x) {
-        let (load, size) = taken(&mut stack, node.children, (T::ZERO, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        let inertia = node.mass * own;
-        let ground = mu * ((node.ground + holding * node.mass) * own);
+        let own = Beside(own);
+        let (load, size) = taken(&mut stack, node.children, none, |a, b| (a.0 + b.0, a.1 + b.1));
+        let inertia = own * node.mass;
+        let ground = mu * (own * (node.ground + holding * node.mass));
         // The force in the spring to the parent, and that of the inertia along it.
         let force = inertia - ground + load;
-        let magnitude = size + inertia.hi().abs() + ground.hi().abs();
-        let left = rounding * magnitude + if node.is_root() { force.hi().abs() } else { 0.0 };
+        let magnitude = size + inertia.sizes() + ground.sizes();
+        let mut left = magnitude * rounding;
+        if node.is_root() {
+            left = left + force.sizes();
+        }
         // M >= diag(mass) / kappa.
-        unbalanced.add(left * left / node.mass.hi() * tree.coupled);
+        unbalanced.add(left * left * (tree.coupled / node.mass.hi()));
         if node.is_root() {
             continue;
         }
-        let b = own - x[node.parent as usize];
+        let b = own - Beside(x[node.parent as usize]);
         let stiffness = node.stiffness - holding * node.coupling;
         if stiffness.hi() < 0.5 * node.stiffness.hi() {
-            return Residual { elastic: f64::INFINITY, unbalanced: f64::INFINITY };
+            let unknown = Beside::all(f64::INFINITY);
+            return Residual { elastic: unknown, unbalanced: unknown };
         }
-        let (elastic, inertial) = (mu * (stiffness * b), node.coupling * b);
-        let slip = 8.0 * T::ERROR * (force.hi().abs() + elastic.hi().abs() + inertial.hi().abs());
-        let difference = (force - inertial - elastic).hi().abs() + slip;
-        complementary.add(difference * difference / stiffness.hi());
-        stack.push((force, force.hi().abs()));
+        let (elastic, inertial) = (mu * (b * stiffness), b * node.coupling);
+        let slip = (force.sizes() + elastic.sizes() + inertial.sizes()) * (8.0 * T::ERROR);
+        let difference = (force - inertial - elastic).sizes() + slip;
+        complementary.add(difference * difference * (1.0 / stiffness.hi()));
+        stack.push((force, force.sizes()));
     }
-    let root = |sum: PairwiseSum<f64>| (sum.total() * UP).sqrt() * UP;
+    let root = |sum: PairwiseSum<Beside<f64, W>>| Beside(sum.total().0.map(|sum| (sum * UP).sqrt() * UP));
     Residual { elastic: root(complementary), unbalanced: root(unbalanced) }
 }

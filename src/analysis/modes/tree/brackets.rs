@@ -74,7 +74,11 @@ impl<'a> Brackets<'a> {
     /// of all is enclosed within a factor too. `None` where they are too close together.
     pub fn narrow(&mut self, wanted: &Range<usize>, narrow: f64) -> Option<Vec<Bracket>> {
         let (from, to) = (self.rigid + wanted.start as i64, self.rigid + wanted.end as i64);
-        self.count(&[self.highest * LEAST, self.highest])?;
+        if self.points.len() < LANES {
+            let (low, high) = (self.highest * LEAST, self.highest);
+            let places: Vec<f64> = (0..LANES).map(|at| between(low, high, at as f64 / (LANES - 1) as f64)).collect();
+            self.count(&places)?;
+        }
         if self.points[0].1 != self.rigid {
             return None;
         }
@@ -158,14 +162,20 @@ impl<'a> Brackets<'a> {
 
     /// Shifts within the intervals, all lanes used.
     fn places(&self, open: &[(usize, usize)]) -> Vec<f64> {
-        let looked_for: usize = open.iter().map(|(_, count)| count).sum();
-        let lanes = (SHIFTS * looked_for).next_multiple_of(LANES);
+        let share = |&(i, count): &(usize, usize)| match self.points[i + 1].0 > FAR * self.points[i].0 {
+            // Where they are is not known at all.
+            true => (SHIFTS * count).min(LANES),
+            false => SHIFTS * count,
+        };
+        let wanted: usize = open.iter().map(share).sum();
+        let lanes = wanted.next_multiple_of(LANES);
         let mut places = Vec::with_capacity(lanes + open.len());
         let (mut seen, mut given) = (0, 0);
-        for &(i, count) in open {
-            seen += count;
-            let share = (lanes * seen / looked_for - given).max(1);
+        for interval in open {
+            seen += share(interval);
+            let share = (lanes * seen / wanted - given).max(1);
             given += share;
+            let i = interval.0;
             let (low, high) = (self.points[i].0, self.points[i + 1].0);
             places.extend((1..=share).map(|part| between(low, high, part as f64 / (share + 1) as f64)));
         }

@@ -8,6 +8,7 @@
 //!
 //! Clause: spec.md 10.10.
 
+pub mod beside;
 pub mod bounds;
 pub mod brackets;
 pub mod forest;
@@ -15,13 +16,14 @@ pub mod impedance;
 
 use crate::analysis::modes::eigen::Displacements;
 use crate::analysis::modes::request::Band;
-use crate::analysis::modes::tree::bounds::{Frame, Tree, enclosed};
+use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclosed};
 use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{root, shapes, twisted};
 use crate::analysis::numeric::dense::Real;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use std::array::from_fn;
 use std::ops::Range;
 
 /// A mode of a tree.
@@ -37,6 +39,13 @@ pub struct TreeMode {
 struct Vector {
     shift: f64,
     x: Vec<f64>,
+}
+
+/// Why modes are not there.
+enum Lack {
+    /// An iteration left its bracket: a narrower one may hold it.
+    Bracket,
+    Bound,
 }
 
 /// How narrow a bracket has to be beside the distance of its neighbours; tried in turn.
@@ -103,29 +112,87 @@ impl<'a> Search<'a> {
         let first = wanted.start - bracketed.start;
         for narrow in NARROW {
             let list = brackets.narrow(&bracketed, narrow)?;
-            if let Some(vectors) = self.vectors(&list[first..first + wanted.len()]) {
-                let frame = |k: usize| brackets.frame(&list, k);
-                return (first..).zip(vectors).map(|(k, v)| self.certified(v, &frame(k), tolerance)).collect();
+            let frames: Vec<Frame> = (0..list.len()).map(|k| brackets.frame(&list, k)).collect();
+            let chosen = first..first + wanted.len();
+            match self.certified(&list[chosen.clone()], &frames[chosen], tolerance) {
+                Ok(modes) => return Some(modes),
+                Err(Lack::Bracket) => {}
+                Err(Lack::Bound) => return None,
             }
         }
         None
     }
 
-    /// Vectors of the brackets: Rayleigh quotient iteration on the elimination. `None` if one leaves its bracket.
-    fn vectors(&self, brackets: &[Bracket]) -> Option<Vec<Vector>> {
+    /// The modes in the brackets, eight at a time in binary64, and one by one where that is not enough.
+    fn certified(&self, brackets: &[Bracket], frames: &[Frame], tolerance: f64) -> Result<Vec<TreeMode>, Lack> {
         let mut all = Vec::with_capacity(brackets.len());
         let mut room = Vec::new();
-        for chunk in brackets.chunks(8) {
-            let (shifts, settled) = self.iterate(chunk);
+        for (brackets, frames) in brackets.chunks(8).zip(frames.chunks(8)) {
+            let (shifts, settled) = self.iterate(brackets);
             shapes(&self.nodes, shifts, &mut room);
-            for (lane, bracket) in chunk.iter().enumerate() {
-                all.push(match settled[lane] {
-                    true => Vector { shift: shifts[lane], x: room.iter().map(|x| x[lane]).collect() },
-                    false => self.twisted(bracket)?,
+            let last = brackets.len() - 1;
+            let found = enclosed(&self.nodes, &room, &self.tree, &from_fn(|lane| frames[lane.min(last)]));
+            let good = |lane: &usize| *lane <= last && settled[*lane] && found[*lane].relative() <= tolerance;
+            let lanes: Vec<usize> = (0..8).filter(good).collect();
+            let mut shapes = self.spread(&room, &lanes, |lane| found[lane].scale.hi).into_iter();
+            for (lane, (bracket, frame)) in brackets.iter().zip(frames).enumerate() {
+                let Enclosed { lambda, radius, .. } = found[lane];
+                all.push(match (settled[lane], lanes.contains(&lane)) {
+                    (true, true) => {
+                        let x = Displacements::Plain(shapes.next().unwrap_or_default());
+                        TreeMode { lambda, radius, x }
+                    }
+                    (true, false) => self.precisely(shifts[lane], frame).ok_or(Lack::Bound)?,
+                    (false, _) => self.apart(bracket, frame, tolerance)?,
                 });
             }
         }
-        Some(all)
+        Ok(all)
+    }
+
+    /// The displacements in some of the lanes, scaled, by coordinate.
+    fn spread(&self, room: &[[f64; 8]], lanes: &[usize], scale: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let scales: Vec<f64> = lanes.iter().map(|&lane| scale(lane)).collect();
+        let mut all = vec![vec![0.0; room.len()]; lanes.len()];
+        for (node, (&coordinate, x)) in self.forest.coordinates.iter().zip(room).enumerate() {
+            let sigma = self.sigma(node).hi;
+            for ((shape, &lane), scale) in all.iter_mut().zip(lanes).zip(&scales) {
+                shape[coordinate as usize] = x[lane] * (sigma * scale);
+            }
+        }
+        all
+    }
+
+    fn sigma(&self, node: usize) -> Dd {
+        self.forest.scales.get(node).copied().unwrap_or(Dd::ONE)
+    }
+
+    /// A mode in which the root hardly moves.
+    fn apart(&self, bracket: &Bracket, frame: &Frame, tolerance: f64) -> Result<TreeMode, Lack> {
+        let Vector { shift, x } = self.twisted(bracket).ok_or(Lack::Bracket)?;
+        let room: Vec<[f64; 1]> = x.iter().map(|&x| [x]).collect();
+        let [found] = enclosed(&self.nodes, &room, &self.tree, &[*frame]);
+        if found.relative() > tolerance {
+            return self.precisely(shift, frame).ok_or(Lack::Bound);
+        }
+        let x = by_coordinate(self.forest, |i| x[i] * (self.sigma(i).hi * found.scale.hi), 0.0);
+        Ok(TreeMode { lambda: found.lambda, radius: found.radius, x: Displacements::Plain(x) })
+    }
+
+    /// A mode near a shift in double-double.
+    fn precisely(&self, shift: f64, frame: &Frame) -> Option<TreeMode> {
+        let nodes = self.forest.nodes_in::<Dd>();
+        let (mut shift, mut at) = (Dd::from(shift), None);
+        for _ in 0..2 {
+            let next = twisted(&nodes, shift, at);
+            shift += next.residual / inertia(&nodes, &next.x);
+            at = Some(next.at);
+        }
+        let x: Vec<[Dd; 1]> = twisted(&nodes, shift, at).x.into_iter().map(|x| [x]).collect();
+        let [found] = enclosed(&nodes, &x, &self.tree, &[*frame]);
+        let x = by_coordinate(self.forest, |i| Triple::from(x[i][0] * (self.sigma(i) * found.scale)), Triple::ZERO);
+        let x = Displacements::Precise(x);
+        found.radius.is_finite().then_some(TreeMode { lambda: found.lambda, radius: found.radius, x })
     }
 
     /// Shifts at which v of the root is zero, in up to eight brackets, and whether each settled inside its bracket: Newton's
@@ -165,29 +232,6 @@ impl<'a> Search<'a> {
             shift = next;
         }
         None
-    }
-
-    /// A mode from its vector, in binary64 or, if that is not enough, in double-double.
-    fn certified(&self, vector: Vector, frame: &Frame, tolerance: f64) -> Option<TreeMode> {
-        let found = enclosed(&self.nodes, &vector.x, &self.tree, frame);
-        let sigma = |i: usize| self.forest.scales.get(i).copied().unwrap_or(Dd::ONE);
-        if found.relative() <= tolerance {
-            let x = by_coordinate(self.forest, |i| vector.x[i] * (sigma(i).hi * found.scale.hi), 0.0);
-            return Some(TreeMode { lambda: found.lambda, radius: found.radius, x: Displacements::Plain(x) });
-        }
-        let nodes = self.forest.nodes_in::<Dd>();
-        let mut shift = Dd::from(vector.shift);
-        let mut at = None;
-        for _ in 0..2 {
-            let next = twisted(&nodes, shift, at);
-            shift += next.residual / inertia(&nodes, &next.x);
-            at = Some(next.at);
-        }
-        let x = twisted(&nodes, shift, at).x;
-        let found = enclosed(&nodes, &x, &self.tree, frame);
-        let x = by_coordinate(self.forest, |i| Triple::from(x[i] * (sigma(i) * found.scale)), Triple::ZERO);
-        let x = Displacements::Precise(x);
-        found.radius.is_finite().then_some(TreeMode { lambda: found.lambda, radius: found.radius, x })
     }
 }
 
