@@ -65,8 +65,8 @@ pub struct Freely {
 const MAX_ENTRIES: u64 = 20_000_000;
 /// Entries that chained rows are written out to, for analyses: 200 MB, a pendulum of 2,000 links.
 pub const MAX_WRITTEN_OUT: u64 = 5_000_000;
-/// Rows of masses with so many entries together are written out: a few hundred links, which dense methods take.
-const FLAT_ENTRIES: u64 = 250_000;
+/// Rows of masses with so many entries together are written out: some hundred links, which dense methods take in a moment.
+const FLAT_ENTRIES: u64 = 20_000;
 /// Shorter rows than this, on average, gain nothing from being chained.
 const FLAT_ROW: u64 = 32;
 

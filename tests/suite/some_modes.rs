@@ -255,6 +255,20 @@ fn a_pendulum_of_many_links_has_its_lowest_modes() {
     assert_eq!(numbers(&usual, "modes", "omega"), found);
 }
 
+/// Shorter rows, which are written out for all modes, have their lowest ones by the same road, and they are the same modes.
+#[test]
+fn a_pendulum_of_some_links_has_the_lowest_of_all_its_modes() {
+    let model = hanging(150, "spring s: m[40] -- m[41] { k = 2 kN*m/rad }");
+    let (all, _) = asked(&model, Which::All);
+    let (some, _) = asked(&model, Which::Lowest(5));
+    assert_eq!(some["not_computed"]["modes_above"], 145);
+    let known = numbers(&all, "modes", "omega");
+    let bounds = numbers(&some, "modes", "omega_error_bound");
+    for ((found, known), bound) in numbers(&some, "modes", "omega").iter().zip(&known).zip(bounds) {
+        assert!((found - known).abs() <= (bound + 1e-12) * known && bound < 1e-12, "{found} {known} {bound:e}");
+    }
+}
+
 #[test]
 fn damping_of_a_pendulum_of_many_links_is_told() {
     let (some, _) = asked(&hanging(600, "damper d: m[1] -- m[2] { c = 3 N*m*s/rad }"), Which::Lowest(3));
