@@ -111,7 +111,7 @@ impl<T: Real> Neg for Complex<T> {
 
 impl<T: Real> Add for Complex<T> {
     type Output = Complex<T>;
-    #[inline]
+    #[inline(always)]
     fn add(self, b: Complex<T>) -> Complex<T> {
         Complex { re: self.re + b.re, im: self.im + b.im }
     }
@@ -119,7 +119,7 @@ impl<T: Real> Add for Complex<T> {
 
 impl<T: Real> Sub for Complex<T> {
     type Output = Complex<T>;
-    #[inline]
+    #[inline(always)]
     fn sub(self, b: Complex<T>) -> Complex<T> {
         Complex { re: self.re - b.re, im: self.im - b.im }
     }
@@ -127,7 +127,7 @@ impl<T: Real> Sub for Complex<T> {
 
 impl<T: Real> Mul for Complex<T> {
     type Output = Complex<T>;
-    #[inline]
+    #[inline(always)]
     fn mul(self, b: Complex<T>) -> Complex<T> {
         Complex { re: self.re * b.re - self.im * b.im, im: self.re * b.im + self.im * b.re }
     }

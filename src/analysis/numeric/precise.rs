@@ -46,7 +46,7 @@ impl Neg for Precise {
 
 impl Add for Precise {
     type Output = Precise;
-    #[inline]
+    #[inline(always)]
     fn add(self, y: Precise) -> Precise {
         if self.is_zero() {
             return y;
@@ -70,7 +70,8 @@ impl Sub for Precise {
 
 impl Mul for Precise {
     type Output = Precise;
-    #[inline]
+    // A call would leave the processor's fused instruction behind (see `fused`).
+    #[inline(always)]
     fn mul(self, y: Precise) -> Precise {
         if self.is_zero() || y.is_zero() {
             return Precise::ZERO;

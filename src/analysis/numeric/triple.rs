@@ -116,7 +116,7 @@ impl Neg for Triple {
 
 impl Add for Triple {
     type Output = Triple;
-    #[inline]
+    #[inline(always)]
     fn add(self, y: Triple) -> Triple {
         let (s0, e0) = two_sum(self.a, y.a);
         let (s1, e1) = two_sum(self.b, y.b);
@@ -135,7 +135,7 @@ impl Sub for Triple {
 
 impl Mul for Triple {
     type Output = Triple;
-    #[inline]
+    #[inline(always)]
     fn mul(self, y: Triple) -> Triple {
         let (p, e) = two_prod(self.a, y.a);
         let (q1, e1) = two_prod(self.a, y.b);

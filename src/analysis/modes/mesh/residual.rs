@@ -4,6 +4,7 @@
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::numeric::fused::fused;
 use crate::base::Dd;
 
 /// A x of a form, and a bound of each entry's error.
@@ -33,7 +34,13 @@ impl<'a> Multiplier<'a> {
         Multiplier { terms, weights, most: f64::from(counts.into_iter().max().unwrap_or(0)) }
     }
 
+    /// A x.
     pub fn apply(&self, x: &[Dd]) -> Image {
+        image(self, x)
+    }
+
+    #[inline(always)]
+    fn image(&self, x: &[Dd]) -> Image {
         let mut value = vec![Dd::ZERO; x.len()];
         let mut error = vec![0.0; x.len()];
         let mut energy = Dd::ZERO;
@@ -64,6 +71,13 @@ impl<'a> Multiplier<'a> {
     }
 }
 
+fused! {
+    fn image(form: &Multiplier, x: &[Dd]) -> Image {
+        form.image(x)
+    }
+}
+
+#[inline(always)]
 fn radius(factor: &Factor) -> f64 {
     match factor {
         Factor::Other(a) => a.radius + 2.0 * Dd::EPSILON * a.value.hi().abs(),
@@ -72,6 +86,7 @@ fn radius(factor: &Factor) -> f64 {
 }
 
 /// a . x and a bound of its error.
+#[inline(always)]
 fn stretch(indices: &[u32], factors: &[Factor], x: &[Dd]) -> (Dd, f64) {
     let (mut sum, mut slip) = (Dd::ZERO, 0.0);
     for (at, (&i, factor)) in indices.iter().zip(factors).enumerate() {

@@ -12,6 +12,7 @@ use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::Image;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::fused::fused;
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::{Application, Pencil, Squares};
@@ -235,15 +236,17 @@ fn sizes_of_forces(squares: &Squares<Precise>, stretches: &[Complex<Precise>], n
     sizes
 }
 
-/// A bound of |x . f|.
-fn dot(x: &[f64], f: &Image) -> f64 {
-    let (mut sum, mut error) = (Dd::ZERO, 0.0);
-    for (x, (f, radius)) in x.iter().zip(f.value.iter().zip(&f.error)) {
-        sum += *f * *x;
-        // Sums of a million products in double-double err by less than 1e-24 of their parts.
-        error += x.abs() * (radius + 1e-24 * f.hi.abs());
+fused! {
+    /// A bound of |x . f|.
+    fn dot(x: &[f64], f: &Image) -> f64 {
+        let (mut sum, mut error) = (Dd::ZERO, 0.0);
+        for (x, (f, radius)) in x.iter().zip(f.value.iter().zip(&f.error)) {
+            sum += *f * *x;
+            // Sums of a million products in double-double err by less than 1e-24 of their parts.
+            error += x.abs() * (radius + 1e-24 * f.hi.abs());
+        }
+        (sum.hi.abs() + error) * UP
     }
-    (sum.hi.abs() + error) * UP
 }
 
 /// sum |x| f

@@ -18,6 +18,7 @@ use crate::analysis::modes::mesh::residual::{Image, Multiplier};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::fused::fused;
 use crate::analysis::numeric::triple::Triple;
 use crate::analysis::poles::targeted::elimination::Networks;
 use crate::base::Dd;
@@ -217,13 +218,16 @@ fn norm_of(u: &[Dd], image: &Image) -> f64 {
     ((energy.hi.abs() + doubt * UP) * UP).sqrt() * UP
 }
 
-/// f <- f - factor g
-fn subtract(f: &mut Image, factor: f64, g: &Image) {
-    for (i, value) in f.value.iter_mut().enumerate() {
-        let part = g.value[i] * factor;
-        let sizes = value.hi.abs() + part.hi.abs();
-        *value -= part;
-        f.error[i] = (f.error[i] + factor.abs() * g.error[i] + 2.0 * Dd::EPSILON * sizes) * (1.0 + 1e-15);
+fused! {
+    /// f <- f - factor g
+    fn subtract(f: &mut Image, factor: f64, g: &Image) {
+        let given = g.value.iter().zip(&g.error);
+        for ((value, error), (&g, g_error)) in f.value.iter_mut().zip(&mut f.error).zip(given) {
+            let part = g * factor;
+            let sizes = value.hi.abs() + part.hi.abs();
+            *value -= part;
+            *error = (*error + factor.abs() * g_error + 2.0 * Dd::EPSILON * sizes) * (1.0 + 1e-15);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
-//! From an undamped mode to the pole that it becomes: residual inverse iteration, x <- x - Q(sigma)^-1 Q(s) x with s from
+//! From a rough start to a pole: residual inverse iteration, x <- x - Q(sigma)^-1 Q(s) x with s from
 //! Rayleigh's quotient (Neumaier, SIAM J. Numer. Anal. 22 (1985) 914), residuals of the terms in double-double. In: networks,
-//! terms, a mode. Out: s and x; how good they are is the discs' business. Clause: spec.md 11.11.
+//! terms, a start. Out: s and x; how good they are is the discs' business. Clause: spec.md 11.11.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::pencil::{Pencil, Vector};
@@ -16,14 +16,21 @@ const SETTLED: f64 = 1e-10;
 /// A change of the vector above this deserves a new factorisation.
 const ROUGH: f64 = 1e-6;
 
-/// A pole farther than this part of omega from i omega belongs to no mode in particular.
-const FAR: f64 = 0.7;
+/// A pole farther than this part of it from the start is another one.
+const FAR: f64 = 0.5;
 
-/// The pole near i omega of the mode x (x^T M x = 1); `None` where nothing settles near it.
-pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, omega: f64, x: &[f64]) -> Option<Pair> {
-    let re = x.iter().map(|&x| Dd::from(x)).collect();
-    let start = Complex::new(0.0, omega);
-    let mut pair = Pair { s: start.into(), x: Vector { re, im: vec![Dd::ZERO; x.len()] } };
+/// Where a pole is about, and its vector.
+pub struct Start {
+    pub s: Complex<f64>,
+    pub x: Vec<Complex<f64>>,
+    /// The mode that has the largest part in it.
+    pub mode: usize,
+}
+
+/// The pole near a start (x of the size of x^T M x = 1); `None` where nothing settles near it.
+pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, start: &Start) -> Option<Pair> {
+    let n = start.x.len();
+    let mut pair = Pair { s: start.s.into(), x: words(&start.x) };
     let mut factors = None;
     for _ in 0..MOST_STEPS {
         let mut applied = pencil.apply(pair.s, &pair.x);
@@ -31,7 +38,7 @@ pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, omega: f64, x: &[f64]) -
         let s = pair.s + (-(applied.energy.to_f64() * slope.recip())).into();
         pencil.shift(&mut applied, pair.s, s);
         pair.s = s;
-        if (s.to_f64() - start).abs().partial_cmp(&(FAR * omega)) != Some(Ordering::Less) {
+        if (s.to_f64() - start.s).abs().partial_cmp(&(FAR * start.s.abs())) != Some(Ordering::Less) {
             return None;
         }
         let Some(factors) = &factors else {
@@ -40,14 +47,13 @@ pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, omega: f64, x: &[f64]) -
             let momentum = pencil.slope_force(s, &applied);
             let found = new.solve(&momentum);
             let product =
-                |y: &dyn Fn(usize) -> Complex<f64>| (0..x.len()).fold(Complex::ZERO, |sum, i| sum + momentum[i] * y(i));
+                |y: &dyn Fn(usize) -> Complex<f64>| (0..n).fold(Complex::ZERO, |sum, i| sum + momentum[i] * y(i));
             let before = product(&|i| pair.x.entry(i).to_f64());
             let scale = before * product(&|i| found[i]).recip();
             let next: Vec<Complex<f64>> = found.iter().map(|&y| y * scale).collect();
-            let size = (0..x.len()).map(|i| (next[i] - pair.x.entry(i).to_f64()).one_norm()).fold(0.0, f64::max);
+            let size = (0..n).map(|i| (next[i] - pair.x.entry(i).to_f64()).one_norm()).fold(0.0, f64::max);
             let rough = size > ROUGH * norm(&next);
-            let words = |of: fn(&Complex<f64>) -> f64| next.iter().map(|z| Dd::from(of(z))).collect();
-            pair.x = Vector { re: words(|z| z.re), im: words(|z| z.im) };
+            pair.x = words(&next);
             factors = (!rough).then_some(new);
             continue;
         };
@@ -63,6 +69,11 @@ pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, omega: f64, x: &[f64]) -
         }
     }
     None
+}
+
+fn words(x: &[Complex<f64>]) -> Vector {
+    let of = |part: fn(&Complex<f64>) -> f64| x.iter().map(|z| Dd::from(part(z))).collect();
+    Vector { re: of(|z| z.re), im: of(|z| z.im) }
 }
 
 fn norm(x: &[Complex<f64>]) -> f64 {

@@ -1,0 +1,61 @@
+//! Q in the span of the lowest undamped modes: a small dense problem, whose eigenvalues are starts. In: the frame of the modes.
+//! Out: where poles are about. Nothing here is printed. Clause: spec.md 11.11.
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::poles::refinement::Factors;
+use crate::analysis::poles::targeted::frame::Frame;
+use crate::analysis::poles::targeted::iteration::Start;
+use nalgebra::{DMatrix, Schur};
+
+/// Below this part of its size an imaginary part is rounding.
+const REAL: f64 = 1e-9;
+
+/// So many starts of least |s| in the upper half plane; `None` where the QR method does not end.
+pub fn projected(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
+    let count = frame.x.len();
+    // Modes are orthonormal to binary64: M^ is one. Energies as in `companion`, where omega^2 > 0.
+    let omega = |i: usize| frame.k[(i, i)].value.max(0.0).sqrt();
+    let matrix = DMatrix::from_fn(2 * count, 2 * count, |i, j| match (i < count, j < count) {
+        (true, false) if i == j - count => omega(i),
+        (false, true) if i - count == j => -omega(j),
+        (false, false) => -frame.c[(i - count, j - count)].value,
+        _ => 0.0,
+    });
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let values = Schur::try_new(matrix, f64::EPSILON, 100 * count)?.complex_eigenvalues();
+    let mut values: Vec<Complex<f64>> =
+        values.iter().map(|z| Complex::new(z.re, z.im)).filter(|z| z.im > REAL * z.abs()).collect();
+    values.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+    let starts = values.into_iter().take(wanted).enumerate().map(|(seed, s)| start(frame, s, seed));
+    starts.collect()
+}
+
+/// The vector of an eigenvalue by two steps of inverse iteration from a scrambled one.
+fn start(frame: &Frame, s: Complex<f64>, seed: usize) -> Option<Start> {
+    let count = frame.x.len();
+    let entry = |i: usize, j: usize| {
+        let inertia = if i == j { s * s + Complex::real(frame.k[(i, i)].value) } else { Complex::ZERO };
+        inertia + s.scale(frame.c[(i, j)].value)
+    };
+    let factors = Factors::of(Matrix::from_fn(count, count, entry))?;
+    let golden = |i: usize| ((i + 1 + 977 * seed) as f64 * 0.618_033_988_749_894_9).fract() + 0.5;
+    let mut y: Vec<Complex<f64>> = (0..count).map(|i| Complex::real(golden(i))).collect();
+    for _ in 0..2 {
+        factors.solve(&mut y);
+        let largest = largest(&y);
+        let scale = y[largest].recip();
+        y.iter_mut().for_each(|z| *z = *z * scale);
+    }
+    let mut x = vec![Complex::ZERO; frame.x[0].len()];
+    for (shape, &y) in frame.x.iter().zip(&y) {
+        x.iter_mut().zip(shape).for_each(|(x, &shape)| *x = *x + y.scale(shape));
+    }
+    Some(Start { s, x, mode: largest(&y) })
+}
+
+fn largest(y: &[Complex<f64>]) -> usize {
+    (1..y.len()).fold(0, |best, i| if y[i].one_norm() > y[best].one_norm() { i } else { best })
+}
