@@ -127,6 +127,9 @@ pub fn eigenpairs_of(
     if !(masses.is_finite() && stiffness.is_finite()) {
         return Err(Failure::Range);
     }
+    if let Some(at) = mass::doubtful(masses, n) {
+        return Err(Failure::Mass(at));
+    }
     if n >= MIN_DENSE
         && let Some((pairs, within)) = dense::eigenpairs(&dense::Problem { n, form, stiffness, masses, tolerance })
         && (within || n > MAX_SLOW)

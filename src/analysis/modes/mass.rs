@@ -19,6 +19,23 @@ pub fn assembled(terms: &Terms, n: usize) -> Matrix<Dd> {
     matrix
 }
 
+/// A coordinate whose inertia holds not one digit: of weights and factors that may as well be zero.
+pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
+    let (mut size, mut doubt) = (vec![0.0; n], vec![0.0; n]);
+    for t in 0..terms.len() {
+        let (indices, factors) = terms.row(t);
+        let weight = terms.weights[t];
+        for (&i, factor) in indices.iter().zip(factors) {
+            let (a, slip) = (factor.to_f64().abs(), factor.radius());
+            size[i as usize] += weight.value.hi() * a * a;
+            doubt[i as usize] +=
+                weight.radius * (a + slip) * (a + slip) + weight.value.hi().abs() * slip * (2.0 * a + slip);
+        }
+    }
+    // An entry without any inertia is for the factorisation to find.
+    (0..n).find(|&i| doubt[i] > 0.0 && doubt[i] >= size[i].abs())
+}
+
 /// Cholesky's factor, below the diagonal; the coordinate at which M turns out not to be positive definite to working
 /// accuracy.
 pub fn factor(mut l: Matrix<Dd>) -> Result<Matrix<Dd>, usize> {
@@ -69,6 +86,9 @@ pub fn is_diagonal(matrix: &Matrix<Dd>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::base::{Ball, Number};
+    use crate::system::{CoordinateId, Nature};
 
     #[test]
     fn the_inverse_transpose_makes_m_the_unit_matrix() {
@@ -83,6 +103,19 @@ mod tests {
             }
         }
         assert!(!is_diagonal(&m) && is_diagonal(&Matrix::identity(2)));
+    }
+
+    /// Wherever the midpoint of its enclosure happens to be.
+    #[test]
+    fn a_mass_that_may_be_zero_is_found() {
+        for (mid, found) in [(1e-32, Some(1)), (-1e-32, Some(1)), (0.0, Some(1)), (1e-20, None)] {
+            let mut system = blank(2);
+            push(&mut system.m, "1", 0, None);
+            let source = system.m.source(system.coordinates[0].name);
+            let mass = Number::Ball(Ball::new(Dd::from(mid), 1e-31));
+            system.m.push(source, Nature::Property, mass, [(CoordinateId(1), Number::ONE)]);
+            assert_eq!(doubtful(&Terms::of(&system.m), 2), found, "{mid:e}");
+        }
     }
 
     #[test]

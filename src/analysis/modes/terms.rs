@@ -122,6 +122,15 @@ impl Factor {
         }
     }
 
+    /// What its words leave open.
+    #[inline]
+    pub fn radius(self) -> f64 {
+        match self {
+            Factor::Other(x) => x.radius,
+            Factor::Plus | Factor::Minus => 0.0,
+        }
+    }
+
     #[inline]
     pub fn to_triple(self) -> Triple {
         match self {

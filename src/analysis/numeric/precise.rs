@@ -4,7 +4,7 @@
 use crate::analysis::numeric::complex::Real;
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Covers the roundings of a radius, and what a word of lower order may lose of a leading one.
 const UP: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
@@ -18,6 +18,22 @@ impl Precise {
     #[inline]
     pub fn is_zero(&self) -> bool {
         self.value.is_zero() && self.radius == 0.0
+    }
+
+    /// Square root of what is positive; the part below zero is cut off.
+    pub fn sqrt(self) -> Precise {
+        if self.is_zero() {
+            return Precise::ZERO;
+        }
+        // r + (x - r^2) / 2r for the root r in double-double: r^2 and the difference err by ERROR x each, what Newton's step
+        // leaves is below 2^-200.
+        let root = self.value.dd().abs().sqrt();
+        let words = Triple::from(root);
+        let rest = self.value - words * words;
+        let value = words + Triple::from(rest.hi() / (2.0 * root.hi));
+        // |sqrt(x) - sqrt(m)| <= |x - m| / sqrt(m), also where x is cut off at 0; never more than sqrt(|x - m|).
+        let spread = if self.radius == 0.0 { 0.0 } else { (self.radius / root.hi).min(self.radius.sqrt()) };
+        Precise { value, radius: (spread + 8.0 * Triple::ERROR * root.hi + UNDERFLOW) * UP }
     }
 }
 
@@ -82,6 +98,25 @@ impl Mul for Precise {
     }
 }
 
+impl Div for Precise {
+    type Output = Precise;
+    /// Of infinite radius where the divisor may be zero.
+    fn div(self, y: Precise) -> Precise {
+        if self.is_zero() && !y.is_zero() {
+            return Precise::ZERO;
+        }
+        let least = y.value.hi().abs() * (2.0 - UP) - y.radius;
+        if least.is_nan() || least <= 0.0 {
+            return Precise { value: Triple::ZERO, radius: f64::INFINITY };
+        }
+        let value = Triple::ratio(self.value, y.value);
+        // |n/d - n'/d'| <= (|dn| + |n'/d'| |dd|) / |d|
+        let size = value.hi().abs() * UP;
+        let spread = (self.radius + size * y.radius) / least;
+        Precise { value, radius: (spread + 8.0 * Triple::ERROR * size + UNDERFLOW) * UP }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,6 +139,7 @@ mod tests {
                 let (a, b) = (Precise::of(x), Precise::of(y));
                 assert!(encloses(a + b, &(x + y)) && encloses(a - b, &(x - y)) && encloses(a * b, &(x * y)));
                 assert!((a * b).radius <= 1e-43 * (x * y).to_f64());
+                assert!(encloses(a / b, &(x / y)) && (a / b).radius <= 1e-43 * (x / y).to_f64());
             }
         }
     }
@@ -113,5 +149,16 @@ mod tests {
         let third = Precise::of(&(&Number::ONE / &Number::from(3)));
         assert!((third * Precise::ZERO).is_zero());
         assert_eq!(third + Precise::ZERO, third);
+    }
+
+    /// The square of the root encloses the number, and hardly more.
+    #[test]
+    fn roots_enclose_the_true_values() {
+        for text in ["2", "3", "0.7", "1e-40", "123456789.987654321"] {
+            let x = Number::from(text);
+            let root = Precise::of(&x).sqrt();
+            assert!(encloses(root * root, &x), "{text}");
+            assert!(root.radius <= 1e-44 * x.to_f64().sqrt(), "{text}");
+        }
     }
 }

@@ -10,7 +10,8 @@
 //! barring underflow. (Sharper bounds of sharper algorithms: Fabiano, Muller and Picot, IEEE Trans. Comput. 68 (2019) 1573.)
 
 use crate::base::number::dd::{two_prod, two_sum};
-use crate::base::{Ball, Dd, Number};
+use crate::base::number::surd::Surd;
+use crate::base::{Ball, Dd, Number, Rational};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// An unevaluated sum a + b + c of falling size.
@@ -83,10 +84,15 @@ impl Triple {
             let b = rest / d.hi;
             return Triple::normalised(a, b, left(rest, b) / d.hi);
         }
-        let (divisor, mut rest, mut words) = (Triple::from(d), Triple::from(n), [0.0; 3]);
+        Triple::ratio(n.into(), d.into())
+    }
+
+    /// n / d by long division, to 8 ERROR of itself: the first remainder errs by 2 ERROR of n, the later ones are small.
+    pub fn ratio(n: Triple, d: Triple) -> Triple {
+        let (mut rest, mut words) = (n, [0.0; 3]);
         for word in &mut words {
-            *word = rest.a / d.hi;
-            rest = rest - divisor * Triple::from(*word);
+            *word = rest.a / d.a;
+            rest = rest - d * Triple::from(*word);
         }
         Triple::normalised(words[0], words[1], words[2])
     }
@@ -155,21 +161,44 @@ pub struct Precise {
 }
 
 impl Precise {
+    /// Circle constant: what three words leave of it is below 1.2e-49.
+    const PI: Precise =
+        Precise { value: Triple { a: Dd::PI.hi, b: Dd::PI.lo, c: -2.9947698097183397e-33 }, radius: 2e-49 };
+
     pub fn of(number: &Number) -> Precise {
-        let Number::Exact(rational) = number else { return Precise::from(number.to_ball()) };
+        match number {
+            Number::Exact(rational) => Precise::of_rational(rational),
+            Number::OfPi(fraction) => Precise::of_rational(fraction) * Precise::PI,
+            Number::Surd(surd) => Precise::of_surd(surd),
+            Number::Ball(ball) => Precise::from(*ball),
+        }
+    }
+
+    /// a + b sqrt(d); where the two parts nearly cancel, (a² - b² d) / (a - b sqrt(d)).
+    fn of_surd(surd: &Surd) -> Precise {
+        let root = Precise { value: Triple::from(f64::from(surd.root)), radius: 0.0 }.sqrt();
+        let sum = |surd: &Surd| Precise::of_rational(&surd.rational) + Precise::of_rational(&surd.factor) * root;
+        if surd.rational.signum() * surd.factor.signum() < 0 {
+            Precise::of_rational(&surd.norm()) / sum(&surd.conjugate())
+        } else {
+            sum(surd)
+        }
+    }
+
+    fn of_rational(rational: &Rational) -> Precise {
         let fraction = rational.to_fraction();
         // Only fractions of powers of two are binary numbers.
         if let Some((n, d)) = fraction.filter(|(_, d)| d.count_ones() > 1) {
             return Precise::near(Triple::quotient(exact(n), exact(d)));
         }
-        let ball = number.to_ball();
+        let ball = rational.to_ball();
         if ball.is_exact() {
             return Precise::from(ball);
         }
         Precise::near(match fraction {
             Some((n, d)) => Triple::quotient(exact(n), exact(d)),
             None => {
-                let rest = number - &Number::Exact(rational_sum(ball.mid));
+                let rest = rational - &rational_sum(ball.mid);
                 Triple::from(ball.mid) + Triple::from(rest.to_f64())
             }
         })
@@ -192,8 +221,7 @@ fn exact(n: i64) -> Dd {
     Dd::new(hi, (i128::from(n) - hi as i128) as f64)
 }
 
-fn rational_sum(x: Dd) -> crate::base::Rational {
-    use crate::base::Rational;
+fn rational_sum(x: Dd) -> Rational {
     let part = |x: f64| Rational::from_f64(x).unwrap_or(Rational::ZERO);
     &part(x.hi) + &part(x.lo)
 }
@@ -237,6 +265,22 @@ mod tests {
             assert!(precise.radius <= 1e-40 * x.to_f64());
         }
         assert_eq!(Precise::of(&Number::from("0.375")), Precise { value: Triple::from(0.375), radius: 0.0 });
+    }
+
+    /// (a + b sqrt d)² = a² + b² d + 2 a b sqrt d, also where a and b sqrt(d) nearly cancel.
+    #[test]
+    fn numbers_with_a_root_are_held_to_three_words() {
+        let root = Number::from(2).sqrt().expect("positive");
+        for rational in ["0", "1.5", "1.41421356237309504880168872", "3"] {
+            let x = &root - &Number::from(rational);
+            let (precise, square) = (Precise::of(&x), Precise::of(&x.square()));
+            let difference = precise * precise - square;
+            assert!(difference.value.hi().abs() <= difference.radius, "{rational}");
+            assert!(precise.radius <= 1e-43 * x.to_f64().abs(), "{rational}: {precise:?}");
+        }
+        let whole = Precise::of(&Number::pi())
+            - Precise::of(&(&Number::pi() / &Number::from(3))) * Precise::of(&Number::from(3));
+        assert!(whole.value.hi().abs() <= whole.radius && whole.radius < 1e-43);
     }
 
     #[test]
