@@ -17,7 +17,7 @@ use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::{Application, Pencil, Squares};
 use crate::analysis::poles::refinement::{Factors, Pair};
-use crate::analysis::poles::targeted::frame::Frame;
+use crate::analysis::poles::targeted::frame::{Frame, Level};
 use crate::base::{Ball, Dd};
 
 /// Circles tried, each twice as large.
@@ -29,31 +29,71 @@ pub fn disc(frame: &Frame, pencil: &Pencil<Precise>, pair: &Pair, from: usize, t
     let applied = pencil.apply(pair.s, &pair.x);
     let s = pair.s.to_f64();
     let slope = Slope::of(pencil, s, &applied);
-    let stiffness = frame.stiffness(s, 0.0);
+    let stiffness = frame.stiffness(frame.top, s, 0.0);
     if !(slope.least() > 0.0 && stiffness > 0.0) {
         return None;
     }
     let enough = 0.1 * (tolerance * s.abs() * slope.least() * stiffness).sqrt();
-    let star = Star::of(frame, pencil, pair, &applied, from, enough)?;
-    // Rayleigh's quotient moves the centre by -rho / d.
-    let rho = applied.energy.to_f64();
-    let step = -(rho * slope.value.recip());
-    let doubt = Complex::new(applied.energy.re.radius, applied.energy.im.radius).abs()
-        + 1e-15 * rho.abs()
-        + step.abs() * slope.error;
-    let misplaced = doubt / slope.least() * UP;
-    let offset = step.abs() * UP + misplaced;
-    let mut radius = (offset * offset * slope.inertia + star.share(frame, s, offset)?) / slope.least() * 2.0;
-    radius = radius.max(f64::MIN_POSITIVE);
-    for _ in 0..MOST_CIRCLES {
-        let reach = (offset + radius) * UP;
-        let rest = (reach * reach * slope.inertia + star.share(frame, s, reach)?) * UP;
-        if slope.least() * radius > rest {
-            return around(pair, step, (radius + misplaced) * UP).filter(|disc| disc.s.im.mid.hi > disc.s.im.rad);
+    let found = Found { frame, pair, s, slope, star: Star::of(frame, pencil, pair, &applied, enough)?, from };
+    let rho = [applied.energy.re, applied.energy.im];
+    // Fewer modes beside it mean fewer that damping joins to the rest, and a nearer mu.
+    let fewer = [1, 2, 4, 8].map(|more| from + more).into_iter().filter(|&count| count < frame.top.count);
+    let levels = std::iter::once(Some(frame.top)).chain(fewer.map(|count| frame.level(count)));
+    levels.flatten().find_map(|level| found.circle(level, rho))
+}
+
+/// All that is known of a pair.
+struct Found<'a> {
+    frame: &'a Frame<'a>,
+    pair: &'a Pair,
+    s: Complex<f64>,
+    slope: Slope,
+    star: Star,
+    from: usize,
+}
+
+impl Found<'_> {
+    /// The least of some circles on which the slope exceeds the rest.
+    fn circle(&self, level: Level, [re, im]: [Precise; 2]) -> Option<Disc> {
+        let slope = &self.slope;
+        // Rayleigh's quotient moves the centre by -rho / d.
+        let rho = Complex::new(re, im).to_f64();
+        let step = -(rho * slope.value.recip());
+        let doubt = Complex::new(re.radius, im.radius).abs() + 1e-15 * rho.abs() + step.abs() * slope.error;
+        let misplaced = doubt / slope.least() * UP;
+        let offset = step.abs() * UP + misplaced;
+        let rest = |reach: f64| Some((reach * reach * slope.inertia + self.share(level, reach)?) * UP);
+        let mut radius = (rest(offset)? / slope.least() * 2.0).max(f64::MIN_POSITIVE);
+        for _ in 0..MOST_CIRCLES {
+            if slope.least() * radius > rest((offset + radius) * UP)? {
+                let disc = around(self.pair, step, (radius + misplaced) * UP);
+                return disc.filter(|disc| disc.s.im.mid.hi > disc.s.im.rad);
+            }
+            radius *= 2.0;
         }
-        radius *= 2.0;
+        None
     }
-    None
+
+    /// A bound of |u^T (R^T Q R)^-1 u| for all s within `reach` of s_0; `None` where R^T Q R may be singular.
+    ///
+    /// On Y, Q is at least eta (|y^H Q y| >= eta |y|_P^2), so the Schur complement of X' in it differs from A = X'^T Q X' by
+    /// E Q_YY^-1 E^T; rows and columns of A are scaled by D = diag |A_ii|.
+    fn share(&self, level: Level, reach: f64) -> Option<f64> {
+        let (frame, s) = (self.frame, self.s);
+        let modes: Vec<usize> = (0..level.count).filter(|&i| i != self.from).collect();
+        let eta = frame.stiffness(level, s, reach);
+        let size = (s.abs() + reach) * UP;
+        let of = |[r, q, m]: [f64; 3]| (r + reach * q + reach * reach * m) * UP;
+        let block = Block::of(frame, &modes, s, reach)?;
+        let (mut p, mut e) = (0.0, 0.0);
+        for (&i, &scale) in modes.iter().zip(&block.scale) {
+            p += of(self.star.along[i]).powi(2) / scale;
+            e += frame.coupling(level, i, size).powi(2) / scale;
+        }
+        let (p, e, q) = ((p * UP).sqrt() * UP, (e * UP).sqrt() * UP, of(self.star.outside));
+        let rest = block.least - e * e / eta * UP;
+        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).powi(2) / rest) * UP)
+    }
 }
 
 /// The disc about s_0 + step; what double-double cannot hold of the centre goes to the radius.
@@ -104,8 +144,7 @@ fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Comple
 
 /// What couples x to the rest of the basis.
 struct Star {
-    modes: Vec<usize>,
-    /// |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x| at the most, for the modes X'.
+    /// |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x| at the most.
     along: Vec<[f64; 3]>,
     /// The same outside, in the norm of P^-1.
     outside: [f64; 3],
@@ -117,10 +156,8 @@ impl Star {
         pencil: &Pencil<Precise>,
         pair: &Pair,
         applied: &Application<Precise>,
-        from: usize,
         enough: f64,
     ) -> Option<Star> {
-        let modes: Vec<usize> = (0..frame.x.len()).filter(|&i| i != from).collect();
         let part = |of: fn(&Complex<Precise>) -> Precise| Image {
             value: applied.force.iter().map(|f| of(f).value.dd()).collect(),
             error: applied.force.iter().map(|f| of(f).radius + 1e-31 * of(f).value.hi().abs()).collect(),
@@ -131,34 +168,13 @@ impl Star {
         let drag = sizes_of_forces(&pencil.c, &applied.c_stretch, pencil.n);
         let size = 2.0 * pair.s.to_f64().abs() * UP;
         let slope: Vec<f64> = momentum.iter().zip(&drag).map(|(m, c)| (size * m + c) * UP).collect();
-        let products = |&i: &usize| {
-            let x = &frame.x[i];
+        let products = |x: &Vec<f64>| {
             let [r, q, m] = [dot(x, &re).hypot(dot(x, &im)), sizes_dot(x, &slope), sizes_dot(x, &momentum)];
             [r * UP, q, m]
         };
-        let along: Vec<[f64; 3]> = modes.iter().map(products).collect();
+        let along: Vec<[f64; 3]> = frame.x.iter().map(products).collect();
         let outside = [frame.dual(&re, &im, enough), frame.rough_dual(&slope), frame.rough_dual(&momentum)];
-        outside.iter().all(|x| x.is_finite()).then_some(Star { modes, along, outside })
-    }
-
-    /// A bound of |u^T (R^T Q R)^-1 u| for all s within `reach` of s_0; `None` where R^T Q R may be singular.
-    ///
-    /// On Y, Q is at least eta (|y^H Q y| >= eta |y|_P^2), so the Schur complement of X' in it differs from A = X'^T Q X' by
-    /// E Q_YY^-1 E^T; rows and columns of A are scaled by D = diag |A_ii|.
-    fn share(&self, frame: &Frame, s: Complex<f64>, reach: f64) -> Option<f64> {
-        let eta = frame.stiffness(s, reach);
-        let along = &self.along;
-        let size = (s.abs() + reach) * UP;
-        let of = |[r, q, m]: [f64; 3]| (r + reach * q + reach * reach * m) * UP;
-        let block = Block::of(frame, &self.modes, s, reach)?;
-        let (mut p, mut e) = (0.0, 0.0);
-        for ((&i, &along), &scale) in self.modes.iter().zip(along).zip(&block.scale) {
-            p += of(along).powi(2) / scale;
-            e += frame.coupling(i, size).powi(2) / scale;
-        }
-        let (p, e, q) = ((p * UP).sqrt() * UP, (e * UP).sqrt() * UP, of(self.outside));
-        let rest = block.least - e * e / eta * UP;
-        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).powi(2) / rest) * UP)
+        outside.iter().all(|x| x.is_finite()).then_some(Star { along, outside })
     }
 }
 
@@ -208,6 +224,13 @@ impl Block {
             product - Complex::real(if i == j { 1.0 } else { 0.0 })
         });
         let theta = norm(&left) + gamma * (size_a * size_b + 1.0) + (doubt * UP).sqrt() * size_b * UP;
+        // |B|_2² is at most the largest row sum times the largest column sum.
+        let sum = |of: &dyn Fn(usize, usize) -> f64| {
+            (0..count).map(|i| (0..count).map(|j| of(i, j)).sum::<f64>()).fold(0.0, f64::max)
+        };
+        let rows = sum(&|i, j| inverse[(i, j)].abs()) * UP;
+        let columns = sum(&|i, j| inverse[(j, i)].abs()) * UP;
+        let size_b = size_b.min((rows * columns).sqrt() * UP);
         (theta < 0.5).then(|| Block { scale, least: (1.0 - theta) / size_b / UP })
     }
 }

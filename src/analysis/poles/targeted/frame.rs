@@ -37,10 +37,19 @@ pub struct Entry {
     pub error: f64,
 }
 
+/// The first `count` modes of a frame, beside which every y has y^T K y >= mu y^T M y.
+#[derive(Clone, Copy, Debug)]
+pub struct Level {
+    pub count: usize,
+    mu: f64,
+}
+
 pub struct Frame<'a> {
+    networks: &'a Networks,
     norm: DualNorm<'a>,
     pub x: Vec<Vec<f64>>,
-    pub mu: f64,
+    /// All its modes.
+    pub top: Level,
     theta: Vec<f64>,
     /// X^T K X, X^T C X, X^T M X.
     pub k: Matrix<Entry>,
@@ -76,20 +85,24 @@ impl<'a> Frame<'a> {
         let n = networks.k.n();
         let basis = Matrix::from_fn(n, count, |i, j| Triple::from(x[j][i]));
         let [k, c, m] = [&forms.k, &forms.c, &forms.m].map(|form| entries(&Gram::of(form, &basis)));
-        let frame = Frame { norm, x, mu, theta, k, c, m, damping: Vec::new(), residual: Vec::new() };
-        frame.is_below().then(|| frame.coupled(forms))
+        let top = Level { count, mu };
+        let frame = Frame { networks, norm, x, top, theta, k, c, m, damping: Vec::new(), residual: Vec::new() };
+        frame.is_below(top).then(|| frame.coupled(forms))
+    }
+
+    /// So many of its modes alone, where a gap follows them.
+    pub fn level(&self, count: usize) -> Option<Level> {
+        let (below, above) = (self.theta[count - 1], *self.theta.get(count)?);
+        let mu = in_gap(self.networks, count, below, above)?;
+        Some(Level { count, mu }).filter(|&level| self.is_below(level))
     }
 
     /// X^T (K - mu M) X is negative definite (Gershgorin).
-    fn is_below(&self) -> bool {
+    fn is_below(&self, Level { count, mu }: Level) -> bool {
         let entry = |i: usize, j: usize| {
             let (k, m) = (self.k[(i, j)], self.m[(i, j)]);
-            (
-                k.value - self.mu * m.value,
-                (k.error + self.mu * m.error) * UP + 1e-15 * (k.value.abs() + self.mu * m.value.abs()),
-            )
+            (k.value - mu * m.value, (k.error + mu * m.error) * UP + 1e-15 * (k.value.abs() + mu * m.value.abs()))
         };
-        let count = self.theta.len();
         (0..count).all(|i| {
             let others: f64 = (0..count).filter(|&j| j != i).map(|j| entry(i, j).0.abs() + entry(i, j).1).sum();
             entry(i, i).0 + entry(i, i).1 + others * UP < 0.0
@@ -102,12 +115,12 @@ impl<'a> Frame<'a> {
         let c = Multiplier::of(&forms.c, n);
         let words: Vec<Vec<Dd>> = self.x.iter().map(|x| x.iter().map(|&x| Dd::from(x)).collect()).collect();
         let momenta: Vec<Image> = words.iter().map(|x| self.norm.m.apply(x)).collect();
-        let gap = self.theta.windows(2).map(|pair| pair[1] - pair[0]).fold(self.mu, f64::min).max(0.0);
-        let enough = 1e-2 * gap / self.mu;
+        let gap = self.theta.windows(2).map(|pair| pair[1] - pair[0]).fold(self.top.mu, f64::min).max(0.0);
+        let enough = 1e-2 * gap / self.top.mu;
         for (i, x) in words.iter().enumerate() {
             let mut rest = self.norm.k.apply(x);
             subtract(&mut rest, self.theta[i], &momenta[i]);
-            self.residual.push(self.norm.of_image(&rest, enough * gap / self.mu.sqrt()));
+            self.residual.push(self.norm.of_image(&rest, enough * gap / self.top.mu.sqrt()));
             let mut rest = c.apply(x);
             for (l, momentum) in momenta.iter().enumerate() {
                 subtract(&mut rest, self.c[(i, l)].value, momentum);
@@ -119,20 +132,28 @@ impl<'a> Frame<'a> {
 
     /// |y^H Q(s) y| is at least this times |y|_P^2 on Y, for every s within `radius` of this one, in the upper half plane: with
     /// m, c, k = y^H (M, C, K) y real, im(y^H Q(s) y / s) = im s (m - k / |s|^2), and m <= k / mu.
-    pub fn stiffness(&self, s: Complex<f64>, radius: f64) -> f64 {
+    pub fn stiffness(&self, level: Level, s: Complex<f64>, radius: f64) -> f64 {
         let (size, height) = ((s.abs() + radius) * UP, s.im - radius);
         let slack = 1.0 + 1e-12;
-        let part = 1.0 - size * size * slack / self.mu;
-        height / size * part / (1.0 + self.norm.tau / self.mu) / slack
+        let part = 1.0 - size * size * slack / level.mu;
+        height / size * part / (1.0 + self.norm.tau / level.mu) / slack
     }
 
-    /// A bound of |X_i^T Q(s) y| / |y|_P on Y, |s| <= size.
-    pub fn coupling(&self, i: usize, size: f64) -> f64 {
+    /// A bound of |X_i^T Q(s) y| / |y|_P on Y, |s| <= size. Modes beyond the level are in Y: F has what damping gives them, and
+    /// (theta + tau) M x = P x - R.
+    pub fn coupling(&self, level: Level, i: usize, size: f64) -> f64 {
         let through = |l: usize| {
-            let own = if l == i { size * size + self.mu } else { 0.0 };
-            (size * self.c[(i, l)].value.abs() + own) * self.residual[l] / (self.mu - self.theta[l])
+            let own = if l == i { size * size + level.mu } else { 0.0 };
+            (size * self.c[(i, l)].value.abs() + own) * self.residual[l] / (level.mu - self.theta[l])
         };
-        (size * self.damping[i] + (0..self.theta.len()).map(through).sum::<f64>()) * UP
+        let beyond = |l: usize| {
+            let (k, m) = (self.k[(l, l)], self.m[(l, l)]);
+            let energy = k.value + k.error + self.norm.tau * (m.value + m.error);
+            let momentum = ((energy * UP).sqrt() * UP + self.residual[l]) / (self.theta[l] + self.norm.tau);
+            size * self.c[(i, l)].value.abs() * momentum
+        };
+        let inside: f64 = (0..level.count).map(through).sum();
+        (size * self.damping[i] + inside + (level.count..self.theta.len()).map(beyond).sum::<f64>()) * UP
     }
 
     /// |f|_(P^-1) of a complex vector, by its parts.
@@ -245,14 +266,18 @@ fn gap(networks: &Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<(u
     let mut counts: Vec<usize> = (wanted.max(1)..modes.len()).collect();
     counts.sort_by(|&a, &b| room(b).total_cmp(&room(a)));
     for count in counts.into_iter().take(3) {
-        let (below, above) = (modes[count - 1].0, modes[count].0);
-        for part in [0.9, 0.5] {
-            let mu = below + part * (above - below);
-            let most = networks.pattern.count(&networks.k, &networks.m, mu, Rounding::Down);
-            if mu > below && most.is_some_and(|most| most <= count) {
-                return Some((count, mu));
-            }
+        if let Some(mu) = in_gap(networks, count, modes[count - 1].0, modes[count].0) {
+            return Some((count, mu));
         }
     }
     None
+}
+
+/// A number in a gap below which no more than so many omega^2 lie.
+fn in_gap(networks: &Networks, count: usize, below: f64, above: f64) -> Option<f64> {
+    let holds = |mu: f64| {
+        let most = networks.pattern.count(&networks.k, &networks.m, mu, Rounding::Down);
+        mu > below && most.is_some_and(|most| most <= count)
+    };
+    [0.9, 0.5].into_iter().map(|part| below + part * (above - below)).find(|&mu| holds(mu))
 }
