@@ -53,8 +53,8 @@ fn numbers(folder: &TempDir, main: &str, sources: &[String]) -> Vec<f64> {
     text.split_whitespace().map(|x| x.parse().expect("a number")).collect()
 }
 
-/// Displacements, then velocities, of all coordinates at a time, the base moved by 0.3 from t = 0 on.
-fn moved(system: &LinearSystem, time: &str) -> Vec<f64> {
+/// Displacements, then velocities, of all coordinates at a time, as a signal moves the base.
+fn moved(system: &LinearSystem, signal: &Signal, time: &str) -> Vec<f64> {
     let mut system = system.clone();
     let output = system.outputs[0].clone();
     system.outputs.clear();
@@ -67,39 +67,50 @@ fn moved(system: &LinearSystem, time: &str) -> Vec<f64> {
             system.outputs.push(own);
         }
     }
-    let step = Signal::Step { value: number("0.3"), at: Number::ZERO };
-    let history = respond(&system, &[vec![step]], &[number(time)]).expect("a motion");
+    let history = respond(&system, &[vec![signal.clone()]], &[number(time)]).expect("a motion");
     history.values[0].iter().map(|x| x.to_f64()).collect()
 }
 
 /// `get_state` is the exact motion at the coming sample, and `set_state` with it changes nothing: neither the motion then nor
-/// what follows.
+/// what follows. So with an input that is given, held or along lines, and with a signal that is part of the state.
 #[test]
 fn a_state_is_read_and_set_in_the_models_coordinates() {
     let floor = |dampers: &str| String::from(FLOOR) + dampers;
     let models =
         [("coupled", floor(COUPLED)), ("uncoupled", floor(UNCOUPLED)), ("carried", CARRIED.into()), ("long", long(23))];
+    let held = Signal::Step { value: number("0.3"), at: Number::ZERO };
+    let shaken = Signal::Harmonic { value: number("0.3"), frequency: number("1.1"), phase: number("0.4") };
     let folder = tempfile::tempdir().expect("a folder");
     let (mut sources, mut exact) = (Vec::new(), Vec::new());
     let (mut includes, mut main) = (String::new(), String::new());
     for (name, text) in &models {
         let system = linear(text);
-        for (hold, held) in [(Hold::Zero, "held"), (Hold::First, "line")] {
-            let emission = emission(name, text, &Options { hold, unpruned: true, ..options("0.01") });
-            let name = format!("{name}_{held}");
+        let given = "u.floor = 0.3;";
+        let variants = [
+            ("held", Hold::Zero, &held, given),
+            ("line", Hold::First, &held, given),
+            ("inside", Hold::Zero, &shaken, ""),
+        ];
+        for (variant, hold, signal, set) in variants {
+            let built_in = set.is_empty();
+            let moving = "base floor { moves x } = harmonic(0.3 m, 1.1 Hz, 0.4 rad)";
+            let text = if built_in { text.replace("base floor { moves x }", moving) } else { text.clone() };
+            let emission = emission(name, &text, &Options { hold, built_in, unpruned: true, ..options("0.01") });
+            let name = format!("{name}_{variant}");
             write(&folder, &emit::files(&name, &emission.system, Language::C, None));
             sources.push(format!("{name}.c"));
             includes += &format!("#include \"{name}.h\"\n");
+            let (inputs, input) = if built_in { (String::new(), "") } else { (format!("{name}_inputs u; "), "&u, ") };
             main += &format!(
-                "{{ {name}_state s; {name}_inputs u; {name}_outputs y; {name}_motion m; int k; u.floor = 0.3; {name}_init(&s);\n\
-                 for (k = 0; k <= 80; k++) {{ {name}_step(&s, &u, &y);\n\
+                "{{ {name}_state s; {name}_outputs y; {name}_motion m; int k; {inputs}{set} {name}_init(&s);\n\
+                 for (k = 0; k <= 80; k++) {{ {name}_step(&s, {input}&y);\n\
                  if (k == 39) {{ {name}_get_state(&s, &m); show(m.displacement, {n}); show(m.velocity, {n}); {name}_set_state(&s, &m);\n\
                  {name}_get_state(&s, &m); show(m.displacement, {n}); show(m.velocity, {n}); }} }}\n\
                  {name}_get_state(&s, &m); show(m.displacement, {n}); show(m.velocity, {n}); }}\n",
                 n = system.n()
             );
-            let first = moved(&system, "0.4");
-            exact.push((name, [first.clone(), first, moved(&system, "0.81")]));
+            let first = moved(&system, signal, "0.4");
+            exact.push((name, [first.clone(), first, moved(&system, signal, "0.81")]));
         }
     }
     let main = format!(
@@ -153,7 +164,7 @@ fn an_output_follows_the_rate_of_an_input() {
 }
 
 /// A parameter that couples masses, with a base as input, velocities as outputs and a state that is set: the motion of the model
-/// with that value.
+/// with that value, at both ends of the range and between, in steps as long as the fastest motion.
 #[test]
 fn a_parameter_moves_masses_and_what_outputs_see() {
     let text = "param m = 2 kg\nbase floor { moves x }\nbody cart { mass = m, moves x }\n\
@@ -163,17 +174,21 @@ fn a_parameter_moves_masses_and_what_outputs_see() {
                 output q = rod.angle\noutput f = s.force\noutput a = rod.alpha\n";
     let system = parameterised(text, "m").expect("a polynomial");
     let folder = tempfile::tempdir().expect("a folder");
-    write(&folder, &emit::parameter_files("par", &system, 0.001, Precision::Double, Language::C));
-    let main = "#include \"par.h\"\n#include <stdio.h>\nint main(void) { par_state s; par_inputs u; par_outputs y; par_motion m; int k;\n\
-                u.floor = 0.02; par_init(&s); par_set_parameter(&s, 5.0); for (k = 0; k <= 1000; k++) { par_step(&s, &u, &y);\n\
-                if (k == 500) { par_get_state(&s, &m); par_reset(&s); par_set_parameter(&s, 5.0); par_set_state(&s, &m); } }\n\
-                printf(\"%.17g %.17g %.17g %.17g\\n\", y.v, y.q, y.f, y.a); return 0; }\n";
+    write(&folder, &emit::parameter_files("par", &system, 0.05, Precision::Double, Language::C));
+    let main = "#include \"par.h\"\n#include <stdio.h>\nint main(void) { const double values[3] = {0.125, 5.0, 32.0}; par_state s;\n\
+                par_inputs u; par_outputs y; par_motion m; int i, k; u.floor = 0.02; for (i = 0; i < 3; i++) {\n\
+                par_init(&s); par_set_parameter(&s, values[i]); for (k = 0; k <= 20; k++) { par_step(&s, &u, &y);\n\
+                if (k == 10) { par_get_state(&s, &m); par_reset(&s); par_set_parameter(&s, values[i]); par_set_state(&s, &m); } }\n\
+                printf(\"%.17g %.17g %.17g %.17g\\n\", y.v, y.q, y.f, y.a); } return 0; }\n";
     let found = numbers(&folder, main, &["par.c".to_string()]);
-    let exact = linear(&text.replace("param m = 2 kg", "param m = 5 kg"));
-    let step = Signal::Step { value: number("0.02"), at: Number::ZERO };
-    let exact = respond(&exact, &[vec![step]], &[Number::ONE]).expect("a motion");
-    assert_eq!(found.len(), 4);
-    for (value, exact) in found.iter().zip(&exact.values[0]) {
-        assert!((value - exact.to_f64()).abs() < 1e-12 * exact.to_f64().abs().max(1.0), "{value} {}", exact.to_f64());
+    assert_eq!(found.len(), 12);
+    for (found, value) in found.chunks(4).zip(["0.125", "5", "32"]) {
+        let exact = linear(&text.replace("param m = 2 kg", &format!("param m = {value} kg")));
+        let step = Signal::Step { value: number("0.02"), at: Number::ZERO };
+        let exact = respond(&exact, &[vec![step]], &[Number::ONE]).expect("a motion");
+        for (found, exact) in found.iter().zip(&exact.values[0]) {
+            let exact = exact.to_f64();
+            assert!((found - exact).abs() < 1e-12 * exact.abs().max(1.0), "{value}: {found} {exact}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 mod c;
 mod equations;
+mod groups;
 mod header;
 mod motion;
 mod names;

@@ -1,7 +1,7 @@
 //! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out where they are few, by tables
 //! where they are many. Clause: spec.md, "Simulation code".
 
-use super::plan::{Array, Expression, Factor, Index, Start, Statement, Table, Target, plus, product, sum, total};
+use super::plan::{Array, Expression, Factor, Index, Statement, Table, Target, plus, product, sum, total};
 use super::planner::Slot;
 use crate::analysis::discrete::{DiscreteSystem, Operand};
 
@@ -109,12 +109,17 @@ impl Motion<'_> {
         let (i, j) = (Index::Of("i"), Index::Of("j"));
         let mut sums = [Vec::new(), Vec::new()];
         for array in arrays {
-            let Start::Numbers(numbers) = &array.start else { continue };
             let mut states: Vec<&State> = self.states.iter().filter(|state| state.slot.array == array.name).collect();
             if states.is_empty() {
                 continue;
             }
             states.sort_by_key(|state| state.slot.at);
+            // Those of signals, which are not set, come before them.
+            let (count, first) = (states.len(), states[0].slot.at);
+            let at = |index: &'static str| match first {
+                0 => Index::Of(index),
+                _ => Index::Text(format!("{first} + {index}")),
+            };
             let upper = array.name.to_uppercase();
             let mut body = vec![Statement::Variable("sum".into(), Expression::Number(0.0))];
             for (part, letter) in ["Q", "V"].into_iter().enumerate() {
@@ -133,15 +138,14 @@ impl Motion<'_> {
                     .flat_map(|row| states.iter().map(move |state| state.back()[part * self.n + row]))
                     .collect();
                 if values.iter().any(|value| *value != 0.0) {
-                    let columns = numbers.len();
-                    tables.push(Table { name: name.clone(), columns, values, note: "for get_state".into() });
-                    let read = Expression::state(&array.name, j.clone());
+                    tables.push(Table { name: name.clone(), columns: count, values, note: "for get_state".into() });
+                    let read = Expression::state(&array.name, at("j"));
                     let term = product(Expression::Entry(name, i.clone(), j.clone()), read);
-                    sums[part].push(add_up("j", columns, ["q", "v"][part], term));
+                    sums[part].push(add_up("j", count, ["q", "v"][part], term));
                 }
             }
-            body.push(Statement::Assign(Target::state(&array.name, i.clone()), Expression::local("sum")));
-            set.push(Statement::Loop("i", numbers.len(), body));
+            body.push(Statement::Assign(Target::state(&array.name, at("i")), Expression::local("sum")));
+            set.push(Statement::Loop("i", count, body));
         }
         for (index, state) in self.states.iter().enumerate() {
             let place = || Index::At(state.slot.at);

@@ -2,6 +2,7 @@
 //! and a smaller one for what is left, which compilers turn into vector instructions without changing the order of any sum;
 //! all others are written out. Clause: spec.md, "Simulation code".
 
+use super::groups::{LANES, groups};
 use super::header::header;
 use super::motion;
 use super::names::{identifier, identifiers};
@@ -57,81 +58,8 @@ fn fields(ports: &[Port]) -> Vec<Field> {
     identifiers.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
 }
 
-/// Lanes of a block: as many as the widest vectors have doubles.
-const LANES: usize = 8;
 /// Longer arrays are changed by a loop.
 const LOOP: usize = 8;
-
-/// The lanes of the loops for pairs that are left beyond whole blocks; what they leave stands alone. Five or seven are no loop
-/// of their own: without wide vectors, compilers leave odd loops of that length one by one (measured in benches/README.md).
-fn lanes_of_rest(rest: usize) -> &'static [usize] {
-    match rest {
-        2 => &[2],
-        3 => &[3],
-        4 | 5 => &[4],
-        6 => &[6],
-        7 => &[4, 3],
-        _ => &[],
-    }
-}
-
-/// Cells that are alike, in groups that become loops, and the others.
-fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
-    let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
-    let mut single = Vec::new();
-    for (i, cell) in cells.iter().enumerate().skip(signals) {
-        let Some(kind) = Kind::of(cell) else {
-            single.push(i);
-            continue;
-        };
-        match kinds.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, members)) => members.push(i),
-            None => kinds.push((kind, vec![i])),
-        }
-    }
-    let mut loops = Vec::new();
-    for (_, members) in kinds {
-        let whole = members.len() / LANES * LANES;
-        let lengths = [whole].into_iter().chain(lanes_of_rest(members.len() - whole).iter().copied());
-        let mut rest = members.as_slice();
-        for length in lengths.filter(|&length| length > 0) {
-            let (group, others) = rest.split_at(length);
-            loops.push(group.to_vec());
-            rest = others;
-        }
-        single.extend(rest);
-    }
-    single.sort_unstable();
-    (loops, single)
-}
-
-/// What a pair of states needs: pairs of one kind share a loop.
-#[derive(Clone, Debug, PartialEq)]
-struct Kind {
-    turned: bool,
-    loses: bool,
-    keeps: bool,
-    has_k: bool,
-    unit_p: bool,
-    /// Operands of x and of v, and whether the factor is one.
-    input: [Vec<(Operand, bool)>; 2],
-    output: [Vec<usize>; 2],
-}
-
-impl Kind {
-    fn of(cell: &Cell) -> Option<Kind> {
-        let Form::Pair(lift) = &cell.form else { return None };
-        Some(Kind {
-            turned: lift.turned,
-            loses: matches!(lift.decay, Decay::Lose(c) if c != 0.0),
-            keeps: matches!(lift.decay, Decay::Keep(_)),
-            has_k: lift.k != 0.0,
-            unit_p: lift.p == 1.0,
-            input: [0, 1].map(|i| cell.input[i].iter().map(|&(operand, g)| (operand, g == 1.0)).collect()),
-            output: [0, 1].map(|i| cell.output[i].iter().map(|&(output, _)| output).collect()),
-        })
-    }
-}
 
 struct Planner<'a> {
     system: &'a DiscreteSystem,
