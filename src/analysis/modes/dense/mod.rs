@@ -27,6 +27,8 @@ use crate::system::Form;
 use certificate::Reduced;
 use residual::Pencil;
 
+/// Bounds that leave all digits of a binary64 number: steps are taken for them, other roads only for the tolerance.
+const PRINTED: f64 = 1e-17;
 /// Differences of close frequencies should have as many digits as are printed.
 const SPLIT: f64 = 1e-16;
 /// Where a step has settled a repeated eigenvalue, its members' relative radius is below this: it is quadratic in errors of the
@@ -60,7 +62,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     let mut rigid = problem.rigid(best.may_be_zero().count());
     let mut worst = best.worst(rigid.dimension);
     for _ in 0..MAX_STEPS {
-        if worst <= problem.tolerance && !best.is_blurred(SPLIT) {
+        if worst <= problem.tolerance.min(PRINTED) && !best.is_blurred(SPLIT) {
             break;
         }
         let Some(x) = step::improved(&best.x, &best.pencil) else { break };
