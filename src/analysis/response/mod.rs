@@ -71,7 +71,8 @@ const UP: f64 = 1.0 + 1e-12;
 
 /// The outputs at ascending times, under a sum of signals for each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
-    let apart = if times.len() < decoupled::WORTH_IT { None } else { decoupled::respond(system, drives, times) };
+    let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
+    let apart = if is_worth_it { decoupled::respond(system, drives, times) } else { None };
     apart.map_or_else(|| together(system, drives, times), Ok)
 }
 

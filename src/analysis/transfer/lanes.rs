@@ -57,7 +57,78 @@ pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
 }
 
 /// Lanes of the widest vector.
-pub const MOST: usize = 8;
+pub const MOST: usize = 16;
+
+/// Two vectors as one: while one waits the other goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Twice<V>([V; 2]);
+
+macro_rules! twice {
+    ($trait:ident, $name:ident) => {
+        impl<V: Vector> $trait for Twice<V> {
+            type Output = Twice<V>;
+            #[inline(always)]
+            fn $name(self, b: Twice<V>) -> Twice<V> {
+                Twice([self.0[0].$name(b.0[0]), self.0[1].$name(b.0[1])])
+            }
+        }
+    };
+}
+
+twice!(Add, add);
+twice!(Sub, sub);
+twice!(Mul, mul);
+
+impl<V: Vector> Neg for Twice<V> {
+    type Output = Twice<V>;
+    #[inline(always)]
+    fn neg(self) -> Twice<V> {
+        Twice([-self.0[0], -self.0[1]])
+    }
+}
+
+impl<V: Vector> Vector for Twice<V> {
+    const WIDTH: usize = 2 * V::WIDTH;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Twice<V> {
+        Twice([V::splat(x), V::splat(x)])
+    }
+
+    #[inline(always)]
+    fn load(x: &[f64; MOST]) -> Twice<V> {
+        let mut second = [0.0; MOST];
+        second[..V::WIDTH].copy_from_slice(&x[V::WIDTH..2 * V::WIDTH]);
+        Twice([V::load(x), V::load(&second)])
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f64; MOST] {
+        let (mut x, second) = (self.0[0].store(), self.0[1].store());
+        x[V::WIDTH..2 * V::WIDTH].copy_from_slice(&second[..V::WIDTH]);
+        x
+    }
+
+    #[inline(always)]
+    fn fused(self, b: Twice<V>, c: Twice<V>) -> Twice<V> {
+        Twice([self.0[0].fused(b.0[0], c.0[0]), self.0[1].fused(b.0[1], c.0[1])])
+    }
+
+    #[inline(always)]
+    fn over(self, b: Twice<V>) -> Twice<V> {
+        Twice([self.0[0].over(b.0[0]), self.0[1].over(b.0[1])])
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Twice<V> {
+        Twice([self.0[0].abs(), self.0[1].abs()])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Twice<V> {
+        Twice([self.0[0].sqrt(), self.0[1].sqrt()])
+    }
+}
 
 impl Vector for f64 {
     const WIDTH: usize = 1;

@@ -13,6 +13,9 @@ pub struct Lanes {
     pub lo: Vec<f64>,
 }
 
+/// Oscillators, or times, that go side by side: as many as the widest vector has lanes.
+const ROOM: usize = 8;
+
 /// z of every oscillator.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -43,13 +46,13 @@ pub struct Samples {
 
 impl Lanes {
     pub fn zeros(count: usize) -> Lanes {
-        let room = count.next_multiple_of(MOST);
+        let room = count.next_multiple_of(ROOM);
         Lanes { hi: vec![0.0; room], lo: vec![0.0; room] }
     }
 
     pub fn of(values: impl Iterator<Item = Dd>) -> Lanes {
         let (mut hi, mut lo): (Vec<f64>, Vec<f64>) = values.map(|x| (x.hi, x.lo)).unzip();
-        let room = hi.len().next_multiple_of(MOST);
+        let room = hi.len().next_multiple_of(ROOM);
         hi.resize(room, 0.0);
         lo.resize(room, 0.0);
         Lanes { hi, lo }
@@ -84,7 +87,7 @@ fn load<V: Vector>(x: &[f64]) -> V {
 }
 
 /// The state at eight times: of each number first the leading parts, then the others.
-type Times = [[f64; MOST]; 2];
+type Times = [[f64; ROOM]; 2];
 
 side_by_side! {
     /// Goes through the samples; the state is that of the last one afterwards.
@@ -92,9 +95,9 @@ side_by_side! {
         let outputs = batch.rows.len();
         let mut samples =
             Samples { values: vec![Dd::ZERO; batch.count * outputs], squares: vec![0.0; batch.count] };
-        let mut times: Vec<Times> = vec![[[0.0; MOST]; 2]; 2 * state.z[0].hi.len()];
-        for start in (0..batch.count).step_by(MOST) {
-            let count = MOST.min(batch.count - start);
+        let mut times: Vec<Times> = vec![[[0.0; ROOM]; 2]; 2 * state.z[0].hi.len()];
+        for start in (0..batch.count).step_by(ROOM) {
+            let count = ROOM.min(batch.count - start);
             match batch.step {
                 Some(step) => steps::<V>(batch, step, state, start, count, &mut times),
                 None => stand(state, &mut times),
@@ -155,9 +158,9 @@ fn stand(state: &State, times: &mut [Times]) {
 
 /// An output at eight times.
 #[inline(always)]
-fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; MOST], [f64; MOST]) {
-    let (mut hi, mut lo) = ([0.0; MOST], [0.0; MOST]);
-    for at in (0..MOST).step_by(V::WIDTH) {
+fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; ROOM], [f64; ROOM]) {
+    let (mut hi, mut lo) = ([0.0; ROOM], [0.0; ROOM]);
+    for at in (0..ROOM).step_by(V::WIDTH) {
         let mut sum = Double::<V>::zero();
         for (index, factor) in row {
             let [high, low] = &times[*index as usize];
@@ -173,9 +176,9 @@ fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; MOST], [f64; MOST
 
 /// |z|^2 at eight times.
 #[inline(always)]
-fn squares_at<V: Vector>(times: &[Times]) -> [f64; MOST] {
-    let mut squares = [0.0; MOST];
-    for at in (0..MOST).step_by(V::WIDTH) {
+fn squares_at<V: Vector>(times: &[Times]) -> [f64; ROOM] {
+    let mut squares = [0.0; ROOM];
+    for at in (0..ROOM).step_by(V::WIDTH) {
         let sum = times.iter().fold(V::splat(0.0), |sum, number| {
             let z: V = load(&number[0][at..at + V::WIDTH]);
             z.fused(z, sum)

@@ -21,7 +21,7 @@ use oscillators::{Oscillators, Output};
 use std::rc::Rc;
 use step::Step;
 
-/// Fewer samples are not worth the modes.
+/// Fewer samples, times coordinates, are not worth the modes.
 pub const WORTH_IT: usize = 16;
 /// Samples between two evaluations of the harmonic sources' formulas.
 const MOST_AT_ONCE: usize = 128;

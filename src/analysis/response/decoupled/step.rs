@@ -10,7 +10,7 @@ use super::lanes::Lanes;
 use super::oscillators::Oscillators;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::exponential::growth;
-use crate::analysis::transfer::lanes::{Double, MOST, Vector, side_by_side};
+use crate::analysis::transfer::lanes::{Double, Vector, side_by_side};
 use crate::base::{Ball, Dd, Number};
 
 /// exp(A h) for one h.
@@ -307,6 +307,3 @@ fn norms<V: Vector>(f: &[Double<V>; 4], phi: &[[Double<V>; 2]], at: usize, squar
         (squares[0][at + lane], squares[1][at + lane]) = (of_f[lane], of_phi[lane]);
     }
 }
-
-/// The widest vector divides the room of all lanes.
-const _: () = assert!(MOST.is_multiple_of(4));

@@ -1,4 +1,4 @@
-//! The loops over eight frequencies: elimination and solutions in binary64, residuals in double-double, and the bound.
+//! The loops over eight or sixteen frequencies: elimination and solutions in binary64, residuals in double-double, and the bound.
 //!
 //! Rounding, with u = 2^-53 and T = |k| + omega^2 |m| + omega |c| for an entry q = k + s c + s^2 m: an entry in double-double
 //! is within (16 u^2 + loose) T. A row of l entries and p parts of the solution is a sum of N = 2 l p real products for each
@@ -9,11 +9,11 @@
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
 use crate::analysis::numeric::complex::Complex;
-use crate::analysis::transfer::lanes::{Double, MOST, Pair, Vector, side_by_side, two_sum};
+use crate::analysis::transfer::lanes::{Double, MOST, Pair, Twice, Vector, side_by_side, two_sum};
 use crate::analysis::transfer::{Disc, Frequency};
 use crate::base::Dd;
 
-/// Working space and results for one set of inputs and outputs.
+/// Working space and results for one set of inputs and outputs, at as many frequencies as there are lanes.
 struct Sweep<'a, V> {
     of: &'a TwoSided<'a>,
     loads: &'a [Sparse],
@@ -22,8 +22,9 @@ struct Sweep<'a, V> {
     inverse: Vec<Pair<V>>,
     work: Vec<Pair<V>>,
     entries: Entries<'a, V>,
-    /// The solution: a first approximation and, where that is not enough, what it left.
-    x: [Vec<Pair<V>>; 2],
+    /// The solution: a first approximation and, where that is not enough, what it left, then the solution for that.
+    x: Vec<Pair<V>>,
+    rest: Vec<Pair<V>>,
     /// Q^-1 p of each output, and |p - Q z|.
     z: Vec<Vec<Pair<V>>>,
     loose: f64,
@@ -44,7 +45,7 @@ struct Result<V> {
     radius: V,
 }
 
-/// The entries of Q at these frequencies: kept where the system repeats itself, else made when needed.
+/// The entries of Q at the frequencies: kept where the system repeats itself, else made when needed.
 struct Entries<'a, V> {
     plan: &'a Plan,
     kept: Vec<Entry<V>>,
@@ -58,10 +59,10 @@ struct Entry<V> {
     size: V,
 }
 
-/// So many entries of eight frequencies stay in the nearest cache.
-const MOST_KEPT: usize = 32;
+/// So many entries of sixteen frequencies stay in the nearest cache.
+const MOST_KEPT: usize = 24;
 
-/// Eight frequencies as lanes.
+/// Frequencies as lanes.
 #[derive(Clone, Copy)]
 struct Point<V> {
     omega: Double<V>,
@@ -92,14 +93,20 @@ pub struct Task<'a> {
 side_by_side! {
     /// Discs by frequency, then input, then output.
     pub fn discs<V>(task: &Task) -> Vec<Disc> {
-        let mut discs = Vec::with_capacity(task.frequencies.len() * task.loads.len() * task.readings.len());
-        let mut sweep = Sweep::<V>::new(task);
-        for chunk in task.frequencies.chunks(V::WIDTH) {
-            sweep.run(&std::array::from_fn(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
-            discs.extend_from_slice(&sweep.discs[..chunk.len() * task.loads.len() * task.readings.len()]);
-        }
-        discs
+        // Narrower vectors have too few registers for two.
+        if V::WIDTH == 8 && task.frequencies.len() > 8 { all::<Twice<V>>(task) } else { all::<V>(task) }
     }
+}
+
+#[inline(always)]
+fn all<V: Vector>(task: &Task) -> Vec<Disc> {
+    let mut discs = Vec::with_capacity(task.frequencies.len() * task.loads.len() * task.readings.len());
+    let mut sweep = Sweep::<V>::new(task);
+    for chunk in task.frequencies.chunks(V::WIDTH) {
+        sweep.run(&std::array::from_fn(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
+        discs.extend_from_slice(&sweep.discs[..chunk.len() * task.loads.len() * task.readings.len()]);
+    }
+    discs
 }
 
 impl<'a, V: Vector> Sweep<'a, V> {
@@ -117,7 +124,8 @@ impl<'a, V: Vector> Sweep<'a, V> {
             inverse: zeros(),
             work: zeros(),
             entries: Entries { plan: &of.plan, kept: Vec::new() },
-            x: [zeros(), zeros()],
+            x: zeros(),
+            rest: zeros(),
             loose,
             z: readings.iter().map(|_| zeros()).collect(),
             t: vec![V::splat(0.0); readings.len()],
@@ -128,16 +136,14 @@ impl<'a, V: Vector> Sweep<'a, V> {
         }
     }
 
-    /// All pairs at as many frequencies as the vector has lanes.
+    /// All pairs at as many frequencies as the vector has lanes. (Nothing of this in closures: one that is not inlined has
+    /// not the instructions of the vectors.)
     #[inline(always)]
     fn run(&mut self, lanes: &[Lane; MOST]) {
         let point = Point::of(lanes, self.loose);
         let plan = &self.of.plan;
         self.entries.move_to(&point);
-        for (reading, z) in self.readings.iter().zip(&mut self.z) {
-            scatter(plan, &point, reading, z);
-        }
-        factor(&self.entries, &point, &mut self.l, &mut self.inverse, &mut self.work, &mut self.z);
+        factor(&self.entries, &point, &mut self.l, &mut self.inverse, &mut self.work, self.readings, &mut self.z);
         for (y, reading) in self.readings.iter().enumerate() {
             back(plan, &self.l, &self.inverse, &mut self.z[y]);
             // Where the only load is this reading, the residual of the one is that of the other.
@@ -149,13 +155,15 @@ impl<'a, V: Vector> Sweep<'a, V> {
         self.discs.fill(NOTHING);
         for u in 0..self.loads.len() {
             if self.same[u].is_none() {
-                let first = scatter(plan, &point, &self.loads[u], &mut self.x[0]);
-                solve(plan, first, &self.l, &self.inverse, &mut self.x[0]);
+                let first = scatter(plan, &point, &self.loads[u], &mut self.x);
+                solve(plan, first, &self.l, &self.inverse, &mut self.x);
             }
-            if !self.attempt(u, &point, 1) {
+            // What the solution leaves is put down only where it is needed.
+            if !self.attempt::<1>(u, &point, false) {
+                self.attempt::<1>(u, &point, true);
                 // Where damping proves little, a solution for what the first one left makes the product small.
-                solve(plan, 0, &self.l, &self.inverse, &mut self.x[1]);
-                self.attempt(u, &point, 2);
+                solve(plan, 0, &self.l, &self.inverse, &mut self.rest);
+                self.attempt::<2>(u, &point, false);
             }
         }
     }
@@ -163,15 +171,19 @@ impl<'a, V: Vector> Sweep<'a, V> {
     /// The values of an input from so many parts of the solution; whether they are all good enough. What was good enough
     /// before is kept, so that no lane depends on its neighbours.
     #[inline(always)]
-    fn attempt(&mut self, u: usize, point: &Point<V>, parts: usize) -> bool {
+    fn attempt<const PARTS: usize>(&mut self, u: usize, point: &Point<V>, keep: bool) -> bool {
         let (load, weights) = (&self.loads[u], &self.of.weights);
-        let [first, second] = &mut self.x;
-        let first: &[Pair<V>] = self.same[u].map_or(first, |y| &self.z[y]);
-        let (pair_of, rest): ([&[Pair<V>]; 2], _) =
-            if parts == 1 { ([first, &[]], Some(second)) } else { ([first, second], None) };
-        let x = &pair_of[..parts];
-        pair(&self.entries, point, load, x, &self.z, weights, rest, &mut self.results);
-        if let (1, 1, Some(y)) = (parts, self.loads.len(), self.same[u]) {
+        let first: &[Pair<V>] = self.same[u].map_or(&self.x, |y| &self.z[y]);
+        let mut rest = std::mem::take(&mut self.rest);
+        if PARTS == 1 {
+            let x = [first; PARTS];
+            pair(&self.entries, point, load, x, &self.z, weights, keep.then_some(&mut rest), &mut self.results);
+        } else {
+            let x = std::array::from_fn::<_, PARTS, _>(|part| if part == 0 { first } else { &rest });
+            pair(&self.entries, point, load, x, &self.z, weights, None, &mut self.results);
+        }
+        let x = &[first, &rest][..PARTS];
+        if let (1, 1, Some(y)) = (PARTS, self.loads.len(), self.same[u]) {
             self.t[y] = self.results[y].re.lo;
         }
         let outputs = self.readings.len();
@@ -191,6 +203,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
                 good &= is_good(disc, self.tolerance);
             }
         }
+        self.rest = rest;
         good
     }
 }
@@ -227,11 +240,6 @@ impl<V: Vector> Entries<'_, V> {
             Some(entry) => entry.size,
             None => point.size(&self.plan.entries[which as usize]),
         }
-    }
-
-    #[inline(always)]
-    fn is_damped(&self, which: u32) -> bool {
-        self.plan.entries[which as usize].c.hi != 0.0
     }
 }
 
@@ -302,10 +310,17 @@ fn factor<V: Vector>(
     l: &mut [Pair<V>],
     inverse: &mut [Pair<V>],
     work: &mut [Pair<V>],
+    readings: &[Sparse],
     z: &mut [Vec<Pair<V>>],
 ) {
     let plan = entries.plan;
     for k in 0..plan.n {
+        for (reading, z) in readings.iter().zip(z.iter_mut()) {
+            z[k] = Pair::zero();
+            for (_, value) in reading.iter().filter(|(place, _)| *place as usize == k) {
+                z[k] = point.rough(value);
+            }
+        }
         let mut pivot = Pair::zero();
         for &(row, which) in &plan.columns[k] {
             let value = entries.rough(point, which);
@@ -404,6 +419,7 @@ fn residual_norm<V: Vector>(
 struct Beside<V> {
     sum: V,
     rest: V,
+    low: V,
 }
 
 impl<V: Vector> Beside<V> {
@@ -420,11 +436,11 @@ impl<V: Vector> Beside<V> {
 #[expect(clippy::too_many_arguments, reason = "parts of one structure, borrowed apart")]
 /// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (kept until `finish`); b - Q x itself into `rest`.
 #[inline(always)]
-fn pair<V: Vector>(
+fn pair<V: Vector, const PARTS: usize>(
     entries: &Entries<V>,
     point: &Point<V>,
     load: &Sparse,
-    x: &[&[Pair<V>]],
+    x: [&[Pair<V>]; PARTS],
     z: &[Vec<Pair<V>>],
     weights: &[f64],
     mut rest: Option<&mut Vec<Pair<V>>>,
@@ -446,7 +462,7 @@ fn pair<V: Vector>(
             size = size + right.size;
         }
         let larger = size * V::splat(4.0);
-        let start = Beside { sum: larger, rest: V::splat(0.0) };
+        let start = Beside { sum: larger, rest: V::splat(0.0), low: V::splat(0.0) };
         let (mut re, mut im) = (start, start);
         for &(j, which) in row {
             let q = entries.exact(point, which);
@@ -454,14 +470,12 @@ fn pair<V: Vector>(
                 let x = x[j as usize];
                 re.add(q.re.hi, x.re);
                 im.add(q.re.hi, x.im);
-                re.rest = q.re.lo.fused(x.re, re.rest);
-                im.rest = q.re.lo.fused(x.im, im.rest);
-                if entries.is_damped(which) {
-                    re.add(q.im.hi, -x.im);
-                    im.add(q.im.hi, x.re);
-                    re.rest = q.im.lo.fused(-x.im, re.rest);
-                    im.rest = q.im.lo.fused(x.re, im.rest);
-                }
+                re.low = q.re.lo.fused(x.re, re.low);
+                im.low = q.re.lo.fused(x.im, im.low);
+                re.add(q.im.hi, -x.im);
+                im.add(q.im.hi, x.re);
+                re.low = q.im.lo.fused(-x.im, re.low);
+                im.low = q.im.lo.fused(x.re, im.low);
             }
         }
         if let Some(right) = &right {
@@ -471,7 +485,8 @@ fn pair<V: Vector>(
             re.rest = re.rest - right.re.lo;
             im.rest = im.rest - right.im.lo;
         }
-        let left = Pair { re: -((re.sum - larger) + re.rest), im: -((im.sum - larger) + im.rest) };
+        let left =
+            Pair { re: -((re.sum - larger) + (re.rest + re.low)), im: -((im.sum - larger) + (im.rest + im.low)) };
         if let Some(rest) = &mut rest {
             rest[i] = left;
         }
