@@ -367,8 +367,18 @@ mod tests {
         Number::from(format!("0.{}", 1000 + (i * 7919 + salt * 104_729) % 9000).as_str())
     }
 
-    /// Uneven rods, each hanging on the one that `carrier` names (its own number: the ground), at a part of that one's length.
+    /// Uneven rods, each hanging on the one that `carrier` names (none: the ground), at a part of that one's length.
     fn hanging(carriers: &[(usize, &str)]) -> LinearSystem {
+        let n = carriers.len();
+        hanging_with(carriers, |i| number(i, 2), |i| Number::from(format!("{}.7", 3 * (n - i)).as_str()))
+    }
+
+    /// The same with these masses, and stiffnesses against the ground.
+    fn hanging_with(
+        carriers: &[(usize, &str)],
+        mass: impl Fn(usize) -> Number,
+        held_by: impl Fn(usize) -> Number,
+    ) -> LinearSystem {
         let n = carriers.len();
         let mut system = blank(n);
         let source = system.m.source(system.coordinates[0].name);
@@ -384,13 +394,14 @@ mod tests {
                 system.chain.len() - 1
             });
             held.push(own);
-            let (length, mass) = (number(i, 1), number(i, 2));
+            let (length, mass) = (number(i, 1), mass(i));
             let centre = [(q(i), &length / &Number::from(2))];
             let row = own.map(|own| (place(own), Number::ONE));
             system.m.push(source, Nature::Property, mass.clone(), centre.into_iter().chain(row));
             let inertia = &(&mass * &length.square()) / &Number::from(12);
             system.m.push(source, Nature::Property, inertia, [(q(i), Number::ONE)]);
-            push(&mut system.k, &format!("{}.7", 3 * (n - i)), i, None);
+            let source = system.k.source(system.coordinates[0].name);
+            system.k.push(source, Nature::Property, held_by(i), [(q(i), Number::ONE)]);
         }
         system
     }
@@ -429,6 +440,39 @@ mod tests {
                 assert!(mode.radius <= tolerance * value.hi(), "{:e}", mode.radius / value.hi());
             }
         }
+    }
+
+    /// Masses and stiffnesses over many decades, lengths of all sizes: no bound is broken, and few are wide.
+    #[test]
+    fn bounds_hold_for_graded_rows_of_rods() {
+        let mut seed = 11u64;
+        let mut digits = |decades: u64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let exponent = (seed >> 40) % (decades + 1);
+            format!("{}.{:03}e{}", 1 + (seed >> 33) % 9, (seed >> 35) % 1000, exponent as i64 - decades as i64 / 2)
+        };
+        let mut ratios = Vec::new();
+        for case in 0..40 {
+            let (n, decades) = (5 + case % 8, [0, 4, 12, 20][case % 4]);
+            let [masses, springs] = [0, 1].map(|_| (0..n).map(|_| digits(decades)).collect::<Vec<String>>());
+            let number_of = |list: &[String], i: usize| Number::from(list[i].as_str());
+            let system = hanging_with(&row(n), |i| number_of(&masses, i), |i| number_of(&springs, i));
+            let inner = inner(&system);
+            let (m, k) = (Terms::of(&inner.m), Terms::of(&inner.k));
+            let Some(found) = Forest::of(&m, &k, n).and_then(|forest| lowest(&forest, 3, 1e-12)) else { continue };
+            for (mode, (value, radius)) in found.iter().zip(dense(&system)) {
+                let error = (mode.lambda - value).hi().abs();
+                assert!(error <= mode.radius + radius, "case {case}: {error:e} {:e} {radius:e}", mode.radius);
+                ratios.push(mode.radius / value.hi());
+            }
+        }
+        ratios.sort_by(f64::total_cmp);
+        assert!(
+            ratios.len() > 90 && ratios[ratios.len() / 2] < 1e-12,
+            "{} {:e}",
+            ratios.len(),
+            ratios[ratios.len() / 2]
+        );
     }
 
     /// Shapes and shares in the angles of the links, as with rows written out.
