@@ -1,8 +1,8 @@
 //! The certified hard cases of tests/hardcases: each value within its tolerance, each bound holding, each fact reported.
 
 use super::ask::ask;
-use super::systems::{HardCase, error, number};
-use vibc::analysis::{self, ModeKind, Modes, Stability};
+use super::systems::{Builder, HardCase, error, number};
+use vibc::analysis::{self, ModeKind, Modes, Request, Stability, Which};
 use vibc::base::Number;
 
 /// Checks all references omega_k of a case: digits wanted, bound kept. Returns the modes for more.
@@ -198,6 +198,54 @@ fn multiplicities(modes: &Modes) -> Vec<u64> {
 
 /// Cases that hold a recipe, of as many coordinates as only the methods for large systems take.
 const LARGE: [&str; 2] = ["o23_uniform_chain_1e5", "o24_membrane_200x200"];
+
+/// The lowest modes of a case that holds a recipe, against its references; `nodes` makes its springs, a wall being `None`.
+fn check_lowest(
+    name: &str,
+    side: &str,
+    n: impl Fn(usize) -> usize,
+    springs: impl Fn(usize) -> Vec<(Option<usize>, usize)>,
+) {
+    let json = HardCase::json(name);
+    let parameter = |key: &str| json["parameters"][key].as_str().expect("a parameter").to_string();
+    let side: usize = parameter(side).parse().expect("a whole number");
+    let (mass, stiffness) = (number(&parameter("m")), number(&parameter("k")));
+    let mut b = Builder::numbered(n(side));
+    (0..n(side)).for_each(|i| b.mass(i, &mass));
+    springs(side).into_iter().for_each(|(from, to)| b.spring(from, to, &stiffness));
+    let request = Request { which: Which::Lowest(20), ..Request::default() };
+    let modes = analysis::modes_as(&b.finish(), &request).expect("modes");
+    assert_eq!(modes.list.len(), 20);
+    for (i, mode) in modes.list.iter().enumerate() {
+        let id = format!("omega_{}", i + 1);
+        // The reading of literals as decimals, where the case tells them apart.
+        let list = json["reference"].as_array().expect("a list");
+        let entry = list.iter().find(|entry| entry["id"] == *id).unwrap_or_else(|| panic!("{name} has {id}"));
+        let decimal = entry["value_decimal"].as_str().or(entry["value"].as_str()).expect("a decimal");
+        check(name, &id, mode.omega, &number(decimal), 14.0, 0.0);
+        assert_eq!(mode.cluster.is_some(), entry["multiplicity"] == 2, "{name} {id}");
+    }
+}
+
+#[test]
+fn a_chain_of_1e5_has_its_lowest_frequencies() {
+    check_lowest(LARGE[0], "n", |n| n, |n| (0..n).map(|i| (i.checked_sub(1), i)).collect());
+}
+
+#[test]
+fn a_membrane_of_40000_has_its_lowest_frequencies_twice_where_they_are() {
+    let springs = |side: usize| {
+        let at = |i: usize, j: usize| (i < side && j < side).then(|| i * side + j);
+        let before = |i: usize, j: usize| [at(i.wrapping_sub(1), j), at(i, j.wrapping_sub(1))];
+        let nodes = (0..side).flat_map(|i| (0..side).map(move |j| (i, j)));
+        let inner = nodes.clone().flat_map(|(i, j)| before(i, j).map(|from| (from, i * side + j)));
+        // The far edges have their walls beyond.
+        let last = side - 1;
+        let far = nodes.flat_map(|(i, j)| [(i, i * side + j), (j, i * side + j)]);
+        inner.chain(far.filter(|(place, _)| *place == last).map(|(_, node)| (None, node))).collect()
+    };
+    check_lowest(LARGE[1], "N", |side| side * side, springs);
+}
 
 /// No reference goes without a test: where a kind of reference is checked, the case is named.
 #[test]

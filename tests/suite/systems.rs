@@ -177,11 +177,16 @@ pub struct HardCase {
 }
 
 impl HardCase {
-    /// The case with the literals as rounded to binary64, for which the references' `value` is given.
-    pub fn load(name: &str) -> HardCase {
+    /// What the case's file says.
+    pub fn json(name: &str) -> serde_json::Value {
         let path = format!("{}/tests/hardcases/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let json: serde_json::Value = serde_json::from_str(&text).expect("a case is JSON");
+        serde_json::from_str(&text).expect("a case is JSON")
+    }
+
+    /// The case with the literals as rounded to binary64, for which the references' `value` is given.
+    pub fn load(name: &str) -> HardCase {
+        let json = HardCase::json(name);
         let names: Vec<&str> = texts(&json["dofs"]).collect();
         let mut builder = Builder::new(&names);
         let terms = &json["factored"];
