@@ -200,7 +200,20 @@ fn programs_print_what_simulate_does() {
                    spring u: ground -- far { k = 9000 N/m }\nforce unfelt: far along x = step(1 N, 0.05 s)\n\
                    force H: a along x = ramp(1 N, 0.2 s, 0.9 s)\ninitial b { x = 2 cm, vx = 0.1 m/s }\noutput xa = a.x\n\
                    output ab = b.ax\nsolve k in 1 N/m .. 1e4 N/m: frequency(1) = 2 Hz\n";
-    let all = examples().into_iter().chain([("solving".to_string(), solving.to_string())]);
+    // Dampers between a moving base and a body: what the base does enters velocities and accelerations at once; modes that the
+    // damper joins, and modes that it does not.
+    let riding = |other: &str| {
+        format!(
+            "body a {{ mass = 2 kg, moves y }}\nbody b {{ mass = 3 kg, moves y }}\nbase f {{ moves y }} = harmonic(1 cm, 1.3 Hz, 20 deg)\n\
+             base g {{ moves y }} = ramp(2 cm, 0.103 s, 0.6 s)\nspring s: f -- a {{ k = 300 N/m }}\ndamper d: f -- a {{ c = 6 N*s/m }}\n\
+             spring t: a -- b {{ k = 500 N/m }}\nspring u: g -- b {{ k = 450 N/m }}\ndamper e: g -- b {{ c = {other} }}\n\
+             output aa = a.ay\noutput ab = b.ay\noutput va = a.vy\noutput pull = d.force\n"
+        )
+    };
+    // C = K / 50: 6 = 300/50, 9 = 450/50, 10 = 500/50.
+    let apart = format!("{}damper w: a -- b {{ c = 10 N*s/m }}\n", riding("9 N*s/m"));
+    let scenes = [("solving", solving.to_string()), ("joined", riding("1 N*s/m")), ("apart", apart)];
+    let all = examples().into_iter().chain(scenes.map(|(name, text)| (name.to_string(), text)));
     let step = number("0.01");
     let has_signal =
         |line: &str| ["force", "torque", "base"].iter().any(|kind| line.starts_with(kind)) && line.contains(" = ");
