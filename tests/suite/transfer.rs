@@ -1,7 +1,7 @@
 //! Transfer functions: the hard cases with their bounds, and closed forms.
 
 use super::ask::ask;
-use super::systems::{Builder, HardCase, number};
+use super::systems::{Builder, HardCase, chain, number};
 use vibc::analysis::{self, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
 use vibc::base::{Number, Rational};
 use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
@@ -231,6 +231,18 @@ fn undamped_peaks_are_infinite() {
     assert_eq!(peaks(0, 0), [Gain::Infinite; 3]);
     // The middle mass sees nothing of the second mode.
     assert_eq!(peaks(1, 1), [Gain::Infinite; 2]);
+}
+
+/// Enough work for all cores is cut into a piece for each; a few frequencies are not. Not a bit differs.
+#[test]
+fn pieces_for_several_cores_give_the_same_bytes() {
+    let system = with_every_pair(chain(60, "2", "1000", "0.3"));
+    let transfer = Transfer::of(&system);
+    let frequencies: Vec<Frequency> =
+        (1..=6000).map(|i| Frequency::hertz(&Number::Exact(Rational::new(i, 400)))).collect();
+    let at_once = transfer.many(&frequencies, &[0, 59], &[0, 30], 1e-13);
+    let few = frequencies.chunks(48).flat_map(|some| transfer.many(some, &[0, 59], &[0, 30], 1e-13));
+    assert!(at_once.len() == 4 * 6000 && few.eq(at_once));
 }
 
 /// Three springs at angles of 120 degrees: by symmetry a force along x moves nothing along y, which the enclosed sines of

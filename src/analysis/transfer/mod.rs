@@ -10,6 +10,7 @@ pub(in crate::analysis) mod exact;
 pub(in crate::analysis) mod inverse;
 pub(in crate::analysis) mod lanes;
 pub mod modal;
+mod pieces;
 pub(in crate::analysis) mod sparse;
 pub mod table;
 pub(in crate::analysis) mod two_sided;
@@ -17,6 +18,7 @@ pub(in crate::analysis) mod two_sided;
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
+use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number};
@@ -202,14 +204,17 @@ impl<'a> Transfer<'a> {
     /// H at many frequencies: for each of them every input, for each input every output, all in one list. Several frequencies
     /// are computed at once where dampers resist every motion; the others take the road of [`Transfer::between`].
     pub fn many(&self, frequencies: &[Frequency], inputs: &[usize], outputs: &[usize], tolerance: f64) -> Vec<Gain> {
-        let mut gains = self.side_by_side(frequencies, inputs, outputs, tolerance);
+        let road = TwoSided::of(self);
         let pairs = inputs.len() * outputs.len();
-        for (frequency, gains) in frequencies.iter().zip(gains.chunks_mut(pairs.max(1))) {
-            if worst_radius(gains) > tolerance {
-                gains.copy_from_slice(&self.between(frequency, inputs, outputs).concat());
+        in_pieces(frequencies, self.system.n(), |some| {
+            let mut gains = self.swept(road.as_ref(), some, inputs, outputs, tolerance);
+            for (frequency, gains) in some.iter().zip(gains.chunks_mut(pairs.max(1))) {
+                if worst_radius(gains) > tolerance {
+                    gains.copy_from_slice(&self.between(frequency, inputs, outputs).concat());
+                }
             }
-        }
-        gains
+            gains
+        })
     }
 
     /// What the two-sided road gives, in the order of [`Transfer::many`]; unknown where it proves nothing.
@@ -220,7 +225,19 @@ impl<'a> Transfer<'a> {
         outputs: &[usize],
         tolerance: f64,
     ) -> Vec<Gain> {
-        match TwoSided::of(self) {
+        let road = TwoSided::of(self);
+        in_pieces(frequencies, self.system.n(), |some| self.swept(road.as_ref(), some, inputs, outputs, tolerance))
+    }
+
+    fn swept(
+        &self,
+        road: Option<&TwoSided>,
+        frequencies: &[Frequency],
+        inputs: &[usize],
+        outputs: &[usize],
+        tolerance: f64,
+    ) -> Vec<Gain> {
+        match road {
             Some(road) => {
                 road.sweep(self, frequencies, inputs, outputs, tolerance).into_iter().map(Disc::known).collect()
             }
