@@ -94,11 +94,11 @@ impl AnalysisError {
             ),
             AnalysisError::NotSparse { count, limit, .. } => (
                 format!(
-                    "no sparse method suits these {count} coordinates: too many modes are asked for, some coordinate has no \
-                     inertia of its own, or inertia joins each with most others, as in long rows of links; other methods go \
+                    "no sparse method suits these {count} coordinates: too many modes are asked for or lie below the \
+                     band, some coordinate has no inertia of its own, or inertia joins each with most others, as in long rows of links; other methods go \
                      up to {limit}"
                 ),
-                "ask for fewer modes; give every coordinate a mass; use fewer links, or bodies with freedom clauses",
+                "ask for fewer modes or a lower band; give every coordinate a mass; use fewer links, or bodies with freedom clauses",
             ),
             AnalysisError::SingularMass { coordinates, .. } => (
                 format!(
