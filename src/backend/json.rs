@@ -7,7 +7,7 @@ use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{
     Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, Rounded};
 use crate::lower::Remark;
 use crate::questions::answer::{Requirement, Sensitivity, Slope, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
@@ -535,13 +535,9 @@ pub fn per_turn(omega: Ball) -> Ball {
 /// Covers the few roundings of a bound itself.
 const UP: f64 = 1.0 + 1e-14;
 
-/// Bound of |x - true| / |true| for the binary64 number x that is printed for a ball.
+/// Bound of |x - true| / |true| for the binary64 number x that is printed for a ball; infinite where nothing is known.
 pub(super) fn error_bound(value: &Ball) -> f64 {
-    if value.is_zero() {
-        return 0.0;
-    }
-    let rounding = (value.mid - Dd::from(value.to_f64())).abs().to_f64();
-    (value.rad + rounding) / value.mignitude() * UP
+    Rounded::of(*value).map_or(f64::INFINITY, Rounded::relative_bound)
 }
 
 /// The same for a pole: in the complex plane, and for its modulus and frequency too.

@@ -9,11 +9,13 @@ pub mod ball;
 pub mod dd;
 mod functions;
 pub mod rational;
+pub mod rounded;
 pub mod surd;
 
 pub use ball::Ball;
 pub use dd::Dd;
 pub use rational::{Literals, Rational};
+pub use rounded::{Rounded, Unproven};
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
