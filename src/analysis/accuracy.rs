@@ -5,7 +5,7 @@ use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::error::place;
 use crate::analysis::modes::request::Request;
 use crate::base::{Code, Diagnostic, Span};
-use crate::system::LinearSystem;
+use crate::system::{CoordinateId, LinearSystem};
 
 const CODE: Code = Code("vib::limit::tolerance");
 
@@ -19,7 +19,7 @@ pub struct Shortfall {
     tolerance: f64,
     /// A user set the tolerance.
     asked: bool,
-    /// The coordinate that moves most in a mode, and its place; of a pole the first of all.
+    /// The coordinate that leads a mode's shape, and its place; of a pole the first of all.
     moving: Option<usize>,
     at: Span,
 }
@@ -30,7 +30,7 @@ pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &
     let (tolerance, asked) = (request.limit(), request.asked.is_some());
     let frequencies = modes.numbered().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);
     let frequencies = frequencies.map(|(number, mode)| {
-        let moving = mode.kinetic.first().map_or(0, |share| share.of.index());
+        let moving = mode.leading.map_or(0, CoordinateId::index);
         (mode.omega.relative_error(), format!("the frequency of mode {number}"), Some(moving))
     });
     // Numbered as in the report: a pair once. Where nothing damps they are the frequencies again.

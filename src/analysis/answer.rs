@@ -113,8 +113,11 @@ pub struct Mode {
     /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
     /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.
     pub input_condition: Option<f64>,
-    /// Shares of the kinetic energy by coordinate, largest first, summing to 1.
-    pub kinetic: Vec<Share<CoordinateId>>,
+    /// The coordinate whose displacement leads the shape: the first of the largest translations, or of the largest rotations
+    /// where the translations carry nothing. `None` where nothing moves.
+    pub leading: Option<CoordinateId>,
+    /// Shares of the kinetic energy by body, largest first, none negative, summing to 1.
+    pub kinetic: Vec<Share<Label>>,
     /// Shares of the strain energy by what holds it (a spring's name, gravity), largest first, summing to 1
     /// (shares of geometric terms may be negative). Empty for rigid motions, and where the parts cancel to nothing.
     pub strain: Vec<Share<Label>>,

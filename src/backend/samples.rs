@@ -15,12 +15,9 @@ pub fn cart() -> ModalAnswer {
     ];
     let spring = label(&mut words, "s", "");
     let gravity = label(&mut words, "gravity", "");
+    let [block, rod] = ["block", "rod"].map(|name| label(&mut words, name, ""));
     let system = LinearSystem {
-        m: form(&[
-            (label(&mut words, "block", ""), (1, 1), &[(0, 1)]),
-            (label(&mut words, "rod", ""), (1, 2), &[(0, 1), (1, 1)]),
-        ])
-        .with((label(&mut words, "rod", ""), (1, 6), &[(1, 1)])),
+        m: form(&[(block, (1, 1), &[(0, 1)]), (rod, (1, 2), &[(0, 1), (1, 1)])]).with((rod, (1, 6), &[(1, 1)])),
         c: form(&[(label(&mut words, "d", ""), (5, 1), &[(0, 1)])]),
         k: form(&[(spring, (10, 1), &[(0, 1)]), (gravity, (981, 200), &[(1, 1)])]),
         words,
@@ -31,8 +28,18 @@ pub fn cart() -> ModalAnswer {
         initial: Vec::new(),
     };
     let modes = vec![
-        oscillation(2.15817927443011, &[0.6318, 0.8175], &[(0, 0.4), (1, 0.6)], &[(spring, 0.55), (gravity, 0.45)]),
-        oscillation(3.74715239993107, &[0.757, -1.1927], &[(0, 0.6), (1, 0.4)], &[(gravity, 0.5), (spring, 0.5)]),
+        oscillation(
+            2.15817927443011,
+            &[0.6318, 0.8175],
+            &[(rod, 0.74), (block, 0.26)],
+            &[(spring, 0.55), (gravity, 0.45)],
+        ),
+        oscillation(
+            3.74715239993107,
+            &[0.757, -1.1927],
+            &[(block, 0.57), (rod, 0.43)],
+            &[(gravity, 0.5), (spring, 0.5)],
+        ),
     ];
     let poles = vec![
         pole(-0.309953841, 2.636171869),
@@ -63,8 +70,9 @@ pub fn free_pair() -> ModalAnswer {
         coordinate(&mut words, "β", "x", CoordinateKind::Translation),
     ];
     let spring = label(&mut words, "s", "");
+    let [alpha, beta] = ["α", "β"].map(|name| label(&mut words, name, ""));
     let system = LinearSystem {
-        m: form(&[(label(&mut words, "α", ""), (2, 1), &[(0, 1)]), (label(&mut words, "β", ""), (2, 1), &[(1, 1)])]),
+        m: form(&[(alpha, (2, 1), &[(0, 1)]), (beta, (2, 1), &[(1, 1)])]),
         c: Form::new(),
         k: form(&[(spring, (4, 1), &[(0, 1), (1, -1)])]),
         words,
@@ -74,7 +82,7 @@ pub fn free_pair() -> ModalAnswer {
         outputs: Vec::new(),
         initial: Vec::new(),
     };
-    let half = [(0, 0.5), (1, 0.5)];
+    let half = [(alpha, 0.5), (beta, 0.5)];
     let mut rigid = oscillation(0.0, &[0.5, 0.5], &half, &[]);
     (rigid.kind, rigid.route, rigid.input_condition) = (ModeKind::Rigid, Route::Exact, None);
     (rigid.omega, rigid.omega_squared) = (Ball::ZERO, Ball::ZERO);
@@ -103,7 +111,8 @@ pub fn free_pair() -> ModalAnswer {
 pub fn upright_rod() -> ModalAnswer {
     let mut answer = cart();
     let gravity = answer.system.k.source_name(1);
-    let mut falling = oscillation(2.95211788391, &[1.7320508], &[(0, 1.0)], &[(gravity, 1.0)]);
+    let rod = answer.system.m.source_name(1);
+    let mut falling = oscillation(2.95211788391, &[1.7320508], &[(rod, 1.0)], &[(gravity, 1.0)]);
     falling.kind = ModeKind::Divergence;
     falling.omega_squared = -falling.omega_squared;
     answer.model = "upright".into();
@@ -174,7 +183,7 @@ fn as_drawn(n: usize) -> Rest {
     }
 }
 
-fn oscillation(omega: f64, shape: &[f64], kinetic: &[(u32, f64)], strain: &[(Label, f64)]) -> Mode {
+fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(Label, f64)]) -> Mode {
     let omega = Ball::new(Dd::from(omega), omega * 1e-30);
     Mode {
         kind: ModeKind::Oscillation,
@@ -183,7 +192,8 @@ fn oscillation(omega: f64, shape: &[f64], kinetic: &[(u32, f64)], strain: &[(Lab
         cluster: None,
         shape: shape.to_vec(),
         input_condition: Some(2.0),
-        kinetic: kinetic.iter().map(|(of, part)| Share { of: CoordinateId(*of), part: *part }).collect(),
+        leading: Some(CoordinateId(0)),
+        kinetic: kinetic.iter().map(|(of, part)| Share { of: *of, part: *part }).collect(),
         strain: strain.iter().map(|(of, part)| Share { of: *of, part: *part }).collect(),
         route: Route::FactoredDoubleDouble,
     }

@@ -148,7 +148,7 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     };
     if let Some(motions) = motions {
         text += &shares(motions, "kinetic energy", |mode| {
-            mode.kinetic.iter().filter(|share| own.contains(&share.of.index())).map(|share| share.part).sum()
+            mode.kinetic.iter().filter(|share| share.of.name == body.name).map(|share| share.part).sum()
         });
     }
     text

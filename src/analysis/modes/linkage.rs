@@ -10,7 +10,7 @@
 //! In: a system with chained rows. Out: M, C and K over the new coordinates, where their rows are short; modes in the angles.
 //! Clause: spec.md 10.12a.
 
-use crate::analysis::answer::{Modes, Share};
+use crate::analysis::answer::Modes;
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::request::Request;
 use crate::analysis::modes::{MAX_DENSE, modes_as, shape};
@@ -185,15 +185,15 @@ impl Places {
 
     /// Modes with shapes over p, as modes of the system.
     fn in_angles(&self, system: &LinearSystem, mut modes: Modes) -> Modes {
-        let [q, z] = [&self.q, &self.z].map(|rows| Rows::of(rows));
-        let momenta = Momenta::of(system);
+        let q = Rows::of(&self.q);
+        let masses = Masses::of(system);
+        let translates = shape::translates(system);
         for mode in &mut modes.list {
             let places = std::mem::take(&mut mode.shape);
             let mut shape = q.times(&places);
-            mode.kinetic = momenta.shares(&shape, &z.times(&places));
-            if shape::is_reversed(&shape, &mode.kinetic, shape::translates(system)) {
-                shape.iter_mut().for_each(|x| *x = -*x);
-            }
+            // The shape is mass-normalised: the whole is 1.
+            let carried = masses.energy(|i| if translates(i) { shape[i] } else { 0.0 });
+            mode.leading = shape::lead(&mut shape, carried, &translates);
             mode.shape = shape;
         }
         modes
@@ -318,36 +318,31 @@ impl Rows {
     }
 }
 
-/// M q through the chained rows.
-struct Momenta {
+/// M through the chained rows.
+struct Masses {
     weights: Vec<f64>,
     terms: Rows,
     chain: Rows,
+    coordinates: usize,
 }
 
-impl Momenta {
-    fn of(system: &LinearSystem) -> Momenta {
+impl Masses {
+    fn of(system: &LinearSystem) -> Masses {
         let rows: Vec<ChainedRow> = system.m.terms().iter().map(|term| system.m.row(term).to_vec()).collect();
         let weights = system.m.terms().iter().map(|term| term.weight.to_f64()).collect();
-        Momenta { weights, terms: Rows::of(&rows), chain: Rows::of(&system.chain) }
+        Masses { weights, terms: Rows::of(&rows), chain: Rows::of(&system.chain), coordinates: system.n() }
     }
 
-    /// Shares q_i (M q)_i / q^T M q of the kinetic energy, z being the chained motions.
-    fn shares(&self, q: &[f64], z: &[f64]) -> Vec<Share<CoordinateId>> {
-        let n = q.len();
-        let motion = |i: u32| q.get(i as usize).or_else(|| z.get(i as usize - n)).copied().unwrap_or(0.0);
-        let mut momenta = vec![0.0; n + z.len()];
-        for (t, weight) in self.weights.iter().enumerate() {
-            let row = self.terms.row(t);
-            let momentum = weight * row.iter().map(|(i, a)| a * motion(*i)).sum::<f64>();
-            row.iter().for_each(|(i, a)| momenta[*i as usize] += a * momentum);
+    /// q^T M q.
+    fn energy(&self, q: impl Fn(usize) -> f64) -> f64 {
+        let mut motions: Vec<f64> = (0..self.coordinates).map(q).collect();
+        let dot =
+            |row: &[(u32, f64)], motions: &[f64]| -> f64 { row.iter().map(|(i, a)| a * motions[*i as usize]).sum() };
+        for place in 0..self.chain.starts.len() - 1 {
+            motions.push(dot(self.chain.row(place), &motions));
         }
-        for place in (0..z.len()).rev() {
-            let momentum = momenta[n + place];
-            self.chain.row(place).iter().for_each(|(i, a)| momenta[*i as usize] += a * momentum);
-        }
-        let energies: Vec<f64> = q.iter().zip(&momenta).map(|(q, p)| q * p).collect();
-        shape::shares_of(&energies)
+        let energy = |(t, weight): (usize, &f64)| weight * dot(self.terms.row(t), &motions).powi(2);
+        self.weights.iter().enumerate().map(energy).sum()
     }
 }
 

@@ -289,10 +289,10 @@ impl<'a> Report<'a> {
             Eigenvalue::Near { .. } => self.light[1].energies(self.system.k.source_count(), &self.stiffness, &x),
         };
         let mut shape = x.into_f64();
-        let kinetic = shape::kinetic_shares(&self.light[0], &shape);
-        if shape::is_reversed(&shape, &kinetic, |i| self.translates[i]) {
-            shape.iter_mut().for_each(|x| *x = -*x);
-        }
+        let (whole, by_body) = self.light[0].energies_in_binary64(self.system.m.source_count(), &shape);
+        let carried = self.light[0].carried_by_translations(&shape, &self.translates) / whole;
+        let leading = shape::lead(&mut shape, carried, |i| self.translates[i]);
+        let kinetic = shape::shares(&self.system.m, &by_body);
         let rigid = Mode {
             kind: ModeKind::Rigid,
             omega_squared: Ball::ZERO,
@@ -300,6 +300,7 @@ impl<'a> Report<'a> {
             cluster,
             shape,
             input_condition: None,
+            leading,
             kinetic,
             strain: Vec::new(),
             route,
@@ -325,7 +326,7 @@ impl<'a> Report<'a> {
             omega_squared,
             omega,
             input_condition: certain.then_some(whole / lambda.hi().abs() + 1.0),
-            strain: shape::strain_shares(&self.system.k, &by_source),
+            strain: shape::shares(&self.system.k, &by_source),
             ..mode
         }
     }

@@ -26,11 +26,11 @@ const TIE: f64 = 1e-9;
 const LEAST_SHARE: f64 = 1e-12;
 
 /// The shape of a mode, scaled as asked; the entry that was made 1 is exactly 1.
-pub fn normalise(mode: &Mode, system: &LinearSystem, how: Normalise) -> Vec<f64> {
+pub fn normalise(mode: &Mode, how: Normalise) -> Vec<f64> {
     let shape = &mode.shape;
     let unit = match how {
         Normalise::Mass => None,
-        Normalise::Translation => leading(shape, &mode.kinetic, translates(system)),
+        Normalise::Translation => mode.leading.map(CoordinateId::index),
         Normalise::Max => first_largest(shape, |_| true),
         Normalise::First => first_moving(shape),
     };
@@ -38,20 +38,18 @@ pub fn normalise(mode: &Mode, system: &LinearSystem, how: Normalise) -> Vec<f64>
     shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
 }
 
-/// Whether the shape has to be turned round so that its leading entry is positive; which coordinates translate being told.
-pub(in crate::analysis) fn is_reversed(
-    shape: &[f64],
-    kinetic: &[Share<CoordinateId>],
+/// Turns the shape round where its leading entry is negative, and tells which that is: the first as large as the largest
+/// translation, or rotation where the translations by themselves have nothing of the kinetic energy. `carried`: their part.
+pub(in crate::analysis) fn lead(
+    shape: &mut [f64],
+    carried: f64,
     translates: impl Fn(usize) -> bool,
-) -> bool {
-    leading(shape, kinetic, translates).is_some_and(|i| shape[i] < 0.0)
-}
-
-/// The leading entry: the first that is as large as the largest translation, or rotation where the translations carry
-/// nothing.
-fn leading(shape: &[f64], kinetic: &[Share<CoordinateId>], translates: impl Fn(usize) -> bool) -> Option<usize> {
-    let carried: f64 = kinetic.iter().filter(|share| translates(share.of.index())).map(|share| share.part.abs()).sum();
-    first_largest(shape, |i| translates(i) == (carried >= LEAST_SHARE))
+) -> Option<CoordinateId> {
+    let leading = first_largest(shape, |i| translates(i) == (carried >= LEAST_SHARE))?;
+    if shape[leading] < 0.0 {
+        shape.iter_mut().for_each(|x| *x = -*x);
+    }
+    Some(CoordinateId(leading as u32))
 }
 
 /// Whether a coordinate is a displacement.
@@ -134,8 +132,22 @@ impl Roots {
             Displacements::Precise(x) => {
                 self.by_source(sources, (0..terms.len()).map(|t| terms.stretch(t, x).value.hi()))
             }
-            Displacements::Plain(x) => self.by_source(sources, self.rows().map(|row| stretch(row, x))),
+            Displacements::Plain(x) => self.energies_in_binary64(sources, x),
         }
+    }
+
+    /// The same of displacements in binary64: enough where no energy is negative.
+    pub fn energies_in_binary64(&self, sources: usize, x: &[f64]) -> (f64, Vec<f64>) {
+        self.by_source(sources, self.rows().map(|row| stretch(row, x)))
+    }
+
+    /// What of the kinetic energy the translations have by themselves, the rotations being held.
+    pub fn carried_by_translations(&self, x: &[f64], translates: &[bool]) -> f64 {
+        let held = |(indices, factors): (&[u32], &[f64])| -> f64 {
+            let moving = indices.iter().zip(factors).filter(|(i, _)| translates[**i as usize]);
+            moving.map(|(&i, a)| a * x[i as usize]).sum()
+        };
+        self.rows().enumerate().map(|(t, row)| self.energy(t, held(row))).sum()
     }
 
     fn by_source(&self, sources: usize, stretches: impl Iterator<Item = f64>) -> (f64, Vec<f64>) {
@@ -159,28 +171,9 @@ fn stretch(row: (&[u32], &[f64]), x: &[f64]) -> f64 {
     }
 }
 
-/// Shares x_i (M x)_i / x^T M x of the kinetic energy, largest first.
-pub(in crate::analysis) fn kinetic_shares(masses: &Roots, shape: &[f64]) -> Vec<Share<CoordinateId>> {
-    let mut energy = vec![0.0; shape.len()];
-    for (&root, row) in masses.roots.iter().zip(masses.rows()) {
-        // The root of the mass on both sides: masses may be as small as shapes are large.
-        let momentum = root * stretch(row, shape);
-        let mut add = |i: u32, factor: f64| energy[i as usize] += root.abs() * shape[i as usize] * factor * momentum;
-        match row {
-            ([i], [a]) => add(*i, *a),
-            (indices, factors) => indices.iter().zip(factors).for_each(|(&i, &a)| add(i, a)),
-        }
-    }
-    shares_of(&energy)
-}
-
-/// Shares of all coordinates, largest first, from what each has.
-pub(in crate::analysis) fn shares_of(energies: &[f64]) -> Vec<Share<CoordinateId>> {
-    largest_first(energies, |_| true, |i| CoordinateId(i as u32))
-}
-
-/// Shares w (a . x)^2 / x^T K x of the strain energy by what holds it, largest first, from what each source has.
-pub(in crate::analysis) fn strain_shares(form: &Form, by_source: &[f64]) -> Vec<Share<Label>> {
+/// Shares w (a . x)^2 / x^T A x of an energy by what has it (a body of the kinetic one, a spring or gravity of the strain
+/// energy), largest first, from what each source of the form A has.
+pub(in crate::analysis) fn shares(form: &Form, by_source: &[f64]) -> Vec<Share<Label>> {
     largest_first(by_source, |part| part != 0.0, |i| form.source_name(i as u32))
 }
 

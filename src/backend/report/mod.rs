@@ -126,9 +126,9 @@ fn percent(part: f64) -> String {
     format!("{:.0} %", 100.0 * part)
 }
 
-/// The coordinates that carry a mode.
+/// The bodies that carry a mode's kinetic energy.
 fn carried_by(system: &LinearSystem, mode: &crate::analysis::Mode) -> String {
-    largest_shares(&mode.kinetic, |of| system.display(system.coordinates[of.index()].name))
+    largest_shares(&mode.kinetic, |of| system.display(of))
 }
 
 #[cfg(test)]

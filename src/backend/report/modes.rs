@@ -66,7 +66,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
         table = table.column("shape, largest entries", "", Align::Left);
     }
     for (number, mode) in answer.modes.numbered().take(MOST) {
-        let shape = normalise(mode, system, options.normalise);
+        let shape = normalise(mode, options.normalise);
         let mut cells = frequency_cells(number, mode, options);
         if columns {
             let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
