@@ -1,5 +1,6 @@
 //! What analyses return.
 
+use crate::analysis::poles::count::PoleCount;
 use crate::base::Ball;
 use crate::system::{CoordinateId, Label};
 
@@ -147,13 +148,25 @@ pub struct Share<T> {
 /// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.
 #[derive(Clone, Debug, Default)]
 pub struct Poles {
-    /// How many of two for each coordinate are infinite: motions without inertia.
-    pub infinite: usize,
     pub list: Vec<Pole>,
-    /// How many were not computed, because not all modes were asked for.
+    /// How many there are, where it is proved that all were found, and each once.
+    pub count: Option<PoleCount>,
+    /// How many were not computed or are not listed, because not all modes were asked for.
     pub left_out: usize,
     /// Each was followed from a mode by itself: that no other one lies between is not proved.
     pub followed: bool,
+}
+
+impl Poles {
+    /// How many of two for each coordinate are infinite, where that is proved: motions without inertia.
+    pub fn infinite(&self) -> Option<usize> {
+        self.count.map(PoleCount::infinite)
+    }
+
+    /// Every pole is in the list, and that is proved.
+    pub fn is_complete(&self) -> bool {
+        self.count.is_some_and(|count| count.finite() == self.list.len())
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -240,29 +253,6 @@ impl ModeKind {
             ModeKind::Rigid => "rigid",
             ModeKind::Divergence => "divergence",
             ModeKind::Undetermined => "undetermined",
-        }
-    }
-}
-
-/// What the modes and poles say about the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stability {
-    Stable,
-    /// A rigid motion is left: neither returns nor runs away.
-    Neutral,
-    Unstable,
-    /// What could be certified does not tell whether something grows.
-    Undetermined,
-}
-
-impl Stability {
-    /// As in the JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stability::Stable => "stable",
-            Stability::Neutral => "neutral",
-            Stability::Unstable => "unstable",
-            Stability::Undetermined => "undetermined",
         }
     }
 }

@@ -4,14 +4,14 @@
 //! for is cut out. Else the modes asked for are computed, and the poles are those of these modes, or followed from them one by
 //! one. Clauses: spec.md 10.11, 11.10.
 
-use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles, Stability};
+use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::linkage::{self, Linkage};
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, which_of};
 use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
-use crate::analysis::stability::stability;
+use crate::analysis::stability::{Verdict, stability};
 use crate::base::{Ball, Number};
 use crate::system::LinearSystem;
 
@@ -20,7 +20,7 @@ use crate::system::LinearSystem;
 pub struct Modal {
     pub modes: Modes,
     pub poles: Poles,
-    pub stability: Stability,
+    pub stability: Verdict,
 }
 
 /// Whether what is asked for is found with rows of M as they are chained (spec.md 9.5): some modes, and poles of these at most.
@@ -43,12 +43,12 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
     if !needs_all(system, &whole)
         && let Some((modes, poles)) = some_of(system, &whole, request)?
     {
-        let stability = verdict(system, &modes, &poles);
+        let stability = stability(system, &modes, &poles);
         return Ok(Modal { modes, poles, stability });
     }
     let modes = modes_as(system, &Request { which: Which::All, ..*request })?;
     let poles = poles(system, &modes)?;
-    let stability = stability(&modes, &poles);
+    let stability = stability(system, &modes, &poles);
     Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
 }
 
@@ -110,17 +110,9 @@ pub fn modal_by_ratio(
     let modes = modes_as(system, request)?;
     let poles = poles_by_ratio(system, &whole, &modes, ratio);
     Ok(poles.map(|poles| {
-        let stability = verdict(system, &modes, &poles);
+        let stability = stability(system, &modes, &poles);
         Modal { modes, poles, stability }
     }))
-}
-
-/// What the modes and poles listed say; whether a motion grows may be in poles that were not computed.
-fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Stability {
-    match stability(modes, poles) {
-        Stability::Stable | Stability::Neutral if !is_dissipative(system) => Stability::Undetermined,
-        verdict => verdict,
-    }
 }
 
 /// All modes are cheap, or only together give the poles.
@@ -147,11 +139,6 @@ fn whole(system: &LinearSystem) -> Part {
         c: all(system.c.terms().len()),
         k: all(system.k.terms().len()),
     }
-}
-
-/// No damper feeds energy in, so no oscillation grows.
-fn is_dissipative(system: &LinearSystem) -> bool {
-    system.c.terms().iter().all(|term| term.weight.is_positive())
 }
 
 impl Modes {

@@ -1,23 +1,163 @@
-//! What modes and poles say about the rest: unstable if anything certainly grows; undetermined if something may grow and
-//! nothing tells; neutral if a rigid motion is left; stable otherwise. In: the certified answers. Out: the verdict.
-//! Clause: spec.md 11.8.
+//! What modes and poles say about the rest: unstable if anything certainly grows; neutral if a rigid motion is left; stable if
+//! it is proved that nothing grows; undetermined otherwise. In: the system, its certified modes and poles. Out: a verdict
+//! that only a proof makes. Clause: spec.md 11.8.
 
-use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles, Stability};
+use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
+use crate::analysis::modes::parts::{Part, independent};
+use crate::analysis::poles::exact::half_planes_of;
+use crate::analysis::poles::proportional::proportional;
+use crate::system::{Form, LinearSystem};
+
+/// What becomes of a small disturbance of the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    Stable,
+    /// A rigid motion is left: neither returns nor runs away.
+    Neutral,
+    Unstable,
+    /// What could be certified does not tell whether something grows.
+    Undetermined,
+}
+
+/// A verdict and what it stands on. [`stability`] makes it, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    kind: Stability,
+    reason: Reason,
+}
+
+/// Why a verdict is what it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// A pole or a mode certainly grows.
+    Growth,
+    /// No term of M, C or K gives energy away: M > 0, K >= 0, C >= 0.
+    Energy,
+    /// Every pole is enclosed where nothing grows, and where the numbers are exact Routh's count says so too.
+    Poles,
+    /// The enclosure of a mode or pole does not tell whether it grows.
+    Sign,
+    /// Some damper feeds energy in, and the poles that would tell are not computed.
+    NotComputed,
+    /// Some damper feeds energy in, and it is not proved that all poles were found.
+    NotCounted,
+    /// Routh's count and the poles contradict each other.
+    Contradiction,
+}
+
+impl Verdict {
+    pub fn kind(self) -> Stability {
+        self.kind
+    }
+
+    pub fn reason(self) -> Reason {
+        self.reason
+    }
+
+    /// For reports that no analysis made.
+    #[cfg(test)]
+    pub(crate) fn sample(kind: Stability, reason: Reason) -> Verdict {
+        Verdict { kind, reason }
+    }
+}
+
+impl PartialEq<Stability> for Verdict {
+    fn eq(&self, kind: &Stability) -> bool {
+        self.kind == *kind
+    }
+}
 
 /// The verdict. A kind is certain or it is `Undetermined`, so no verdict rests on the midpoint of an enclosure.
-pub fn stability(modes: &Modes, poles: &Poles) -> Stability {
+pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.has(kind) || modes.list.iter().any(|mode| mode.kind == kind);
-    // With M > 0 and C >= 0 there are as many growing poles as negative omega^2 (Chetaev); with C of any sign the poles tell.
-    if pole(|kind| matches!(kind, PoleKind::Divergence | PoleKind::Flutter)) || mode(ModeKind::Divergence) {
-        return Stability::Unstable;
+    let dissipative = are_positive(&system.c);
+    // Q(s) is K at s = 0 and positive for large s, whatever the dampers are, so an eigenvalue of it vanishes in between for each
+    // negative omega^2: a growing pole. Motions without inertia may hide it behind a damper that feeds energy in.
+    let diverges = mode(ModeKind::Divergence) && (modes.infinite == 0 || dissipative);
+    if diverges || pole(|kind| matches!(kind, PoleKind::Divergence | PoleKind::Flutter)) {
+        return Verdict { kind: Stability::Unstable, reason: Reason::Growth };
     }
     if pole(|kind| kind == PoleKind::Undetermined) || mode(ModeKind::Undetermined) {
-        return Stability::Undetermined;
+        return Verdict { kind: Stability::Undetermined, reason: Reason::Sign };
     }
-    // A rigid motion has a pole at zero, whatever damps it.
-    if pole(|kind| kind == PoleKind::Rigid) || poles.left_out > 0 && mode(ModeKind::Rigid) {
-        return Stability::Neutral;
+    let held = !mode(ModeKind::Divergence) && (modes.infinite == 0 || are_positive(&system.k));
+    let reason = if held && are_positive(&system.m) && (dissipative || is_classical(system)) {
+        Reason::Energy
+    } else {
+        counted(system, poles)
+    };
+    let rigid = mode(ModeKind::Rigid) || pole(|kind| kind == PoleKind::Rigid);
+    let kind = match reason {
+        Reason::Energy | Reason::Poles if rigid => Stability::Neutral,
+        Reason::Energy | Reason::Poles => Stability::Stable,
+        _ => Stability::Undetermined,
+    };
+    Verdict { kind, reason }
+}
+
+/// What all poles say, none of which grows: whether they are all, and whether Routh's count agrees.
+fn counted(system: &LinearSystem, poles: &Poles) -> Reason {
+    if poles.left_out > 0 {
+        return Reason::NotComputed;
     }
-    Stability::Stable
+    if !poles.is_complete() {
+        return Reason::NotCounted;
+    }
+    if agrees_with_count(system, poles) { Reason::Poles } else { Reason::Contradiction }
+}
+
+/// In the small parts with exact numbers a count that knows no value of a pole finds none that grows, no more on the axis than
+/// may be there, and as many as are told where all parts are such.
+fn agrees_with_count(system: &LinearSystem, poles: &Poles) -> bool {
+    let parts = independent(system);
+    let mut local = vec![0u32; system.n()];
+    for part in &parts {
+        part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+    }
+    let counts: Vec<_> = parts.iter().filter_map(|part| half_planes_of(system, part, &local)).collect();
+    let [left, axis, right] = counts
+        .iter()
+        .fold([0; 3], |[left, axis, right], count| [left + count.left, axis + count.axis, right + count.right]);
+    let near_axis = poles.list.iter().filter(|pole| pole.re.contains_zero()).count();
+    let all = counts.len() < parts.len() || left + axis == poles.list.len();
+    right == 0 && axis <= near_axis && all
+}
+
+/// Every term has a positive weight.
+fn are_positive(form: &Form) -> bool {
+    form.terms().iter().all(|term| term.weight.is_positive())
+}
+
+/// C = alpha M + beta K with neither negative: positive where M and K are.
+fn is_classical(system: &LinearSystem) -> bool {
+    proportional(system, &Part::whole(system))
+        .is_some_and(|damping| !damping.alpha.is_negative() && !damping.beta.is_negative())
+}
+
+impl Stability {
+    /// As in the JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stability::Stable => "stable",
+            Stability::Neutral => "neutral",
+            Stability::Unstable => "unstable",
+            Stability::Undetermined => "undetermined",
+        }
+    }
+}
+
+impl Reason {
+    /// What is not proved, where the verdict is undetermined; empty where it is not.
+    pub fn not_proved(self) -> &'static str {
+        match self {
+            Reason::Growth | Reason::Energy | Reason::Poles => "",
+            Reason::Sign => "the bound of a mode or pole leaves open whether it grows",
+            Reason::NotComputed => "some damper feeds energy in, and the poles that would tell are not computed",
+            Reason::NotCounted => "some damper feeds energy in, and it is not proved that these are all poles",
+            Reason::Contradiction => {
+                "the poles and Routh's count of them contradict each other: please report this model"
+            }
+        }
+    }
 }

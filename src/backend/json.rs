@@ -120,6 +120,9 @@ struct NotComputed {
     /// Between the poles listed others may lie.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     poles_between: bool,
+    /// What would have to be proved for the list of poles, or the verdict on the rest, to be certain.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    not_proved: Vec<&'static str>,
     matrices: bool,
 }
 
@@ -270,6 +273,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             modes_above: answer.modes.after,
             poles: answer.poles.left_out,
             poles_between: answer.poles.followed,
+            not_proved: not_proved(answer),
             matrices: !wanted,
         },
         modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
@@ -285,6 +289,13 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         requirements: answer.requirements.iter().map(json_requirement).collect(),
         sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
     }
+}
+
+fn not_proved(answer: &ModalAnswer) -> Vec<&'static str> {
+    let uncounted = answer.poles.left_out == 0 && answer.poles.count.is_none();
+    let count = uncounted.then_some("that these are all poles, and each is there once");
+    let verdict = Some(answer.stability.reason().not_proved()).filter(|text| !text.is_empty());
+    count.into_iter().chain(verdict).collect()
 }
 
 /// Derivatives in SI: Hz and ratios by SI units of the parameter.
@@ -412,7 +423,7 @@ fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
     let displacement = answer.displacements();
     Rest {
         stable: answer.stability == Stability::Stable,
-        kind: answer.stability.name(),
+        kind: answer.stability.kind().name(),
         displacement: ByName { names, values: displacement.map(|(_, q)| q.to_f64() + 0.0).collect() },
         distance: distance(answer),
         residual: answer.rest.residual,

@@ -13,7 +13,7 @@ mod samples;
 pub mod simulation;
 pub mod transfer;
 
-use crate::analysis::{Buckling, Modes, Normalise, Poles, Stability};
+use crate::analysis::{Buckling, Modes, Normalise, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Sensitivity, Solved};
@@ -28,7 +28,7 @@ pub struct ModalAnswer {
     pub rest: Rest,
     pub modes: Modes,
     pub poles: Poles,
-    pub stability: Stability,
+    pub stability: Verdict,
     /// Where gravity, tensions or reactions take stiffness away.
     pub buckling: Option<Buckling>,
     /// What was kept of the model and what was left out, where that was asked for.

@@ -1,7 +1,9 @@
 //! Answers made by hand, for the tests of this folder.
 
 use super::ModalAnswer;
-use crate::analysis::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share, Stability};
+use crate::analysis::{
+    Mode, ModeKind, Modes, Pole, PoleCount, PoleKind, Poles, Reason, Route, Share, Stability, Verdict,
+};
 use crate::base::{Ball, Dd, FileId, Name, Number, Rational, Span, Words};
 use crate::lower::Rest;
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
@@ -52,8 +54,8 @@ pub fn cart() -> ModalAnswer {
         system,
         rest: as_drawn(2),
         modes: Modes { list: modes, infinite: 0, ..Modes::default() },
-        poles: Poles { infinite: 0, list: poles, left_out: 0, followed: false },
-        stability: Stability::Stable,
+        poles: all(poles),
+        stability: Verdict::sample(Stability::Stable, Reason::Energy),
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
@@ -92,13 +94,8 @@ pub fn free_pair() -> ModalAnswer {
         system,
         rest: as_drawn(2),
         modes: Modes { list: vec![rigid, shaking], infinite: 0, ..Modes::default() },
-        poles: Poles {
-            infinite: 0,
-            list: vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)],
-            left_out: 0,
-            followed: false,
-        },
-        stability: Stability::Neutral,
+        poles: all(vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)]),
+        stability: Verdict::sample(Stability::Neutral, Reason::Energy),
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
@@ -130,14 +127,14 @@ pub fn upright_rod() -> ModalAnswer {
     };
     answer.modes = Modes { list: vec![falling], infinite: 0, ..Modes::default() };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
-    answer.poles = Poles {
-        infinite: 0,
-        list: vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)],
-        left_out: 0,
-        followed: false,
-    };
-    answer.stability = Stability::Unstable;
+    answer.poles = all(vec![grow(-2.95211788391, PoleKind::Overdamped), grow(2.95211788391, PoleKind::Divergence)]);
+    answer.stability = Verdict::sample(Stability::Unstable, Reason::Growth);
     answer
+}
+
+/// Poles that are counted.
+fn all(list: Vec<Pole>) -> Poles {
+    Poles { count: Some(PoleCount::sample(list.len(), 0)), list, ..Poles::default() }
 }
 
 fn label(words: &mut Words, name: &str, motion: &'static str) -> Label {

@@ -55,7 +55,7 @@ fn line_of(motions: &Motions) -> String {
     if more {
         list.push("...".into());
     }
-    let verdict = match motions.modal.as_ref().map(|modal| &modal.stability) {
+    let verdict = match motions.modal.as_ref().map(|modal| modal.stability.kind()) {
         Some(Stability::Unstable) => ", UNSTABLE",
         Some(Stability::Undetermined) => ", stability undetermined",
         _ if poles(motions).is_none() && !motions.system.c.is_empty() => ", undamped",

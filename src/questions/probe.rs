@@ -109,7 +109,7 @@ impl Measured<'_> {
             Probe::Frequency(mode) => self.modes.map_or(NONE, |modes| measures::frequency(modes, *mode)),
             Probe::Damping(motion) => self.poles.map_or(NONE, |poles| measures::damping_ratio(poles, *motion)),
             Probe::Stable => match (self.modes, self.poles) {
-                (Some(modes), Some(poles)) => verdict(stability(modes, poles)),
+                (Some(modes), Some(poles)) => verdict(stability(system, modes, poles).kind()),
                 _ => NONE,
             },
             Probe::Gain(input, output, at) => {

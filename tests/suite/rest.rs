@@ -363,7 +363,10 @@ fn turned(x: f64, y: f64) -> String {
 fn frequencies(text: &str, published: &[f64]) -> Answer {
     let answer = ask(&(TURN.to_string() + text));
     assert!(answer.lowered.rest.proven, "{text}");
-    assert_eq!(vibc::analysis::stability(&answer.modes, &answer.poles), vibc::analysis::Stability::Stable);
+    assert_eq!(
+        vibc::analysis::stability(&answer.lowered.system, &answer.modes, &answer.poles),
+        vibc::analysis::Stability::Stable
+    );
     close(&answer.omegas(), published, 1e-13);
     answer
 }

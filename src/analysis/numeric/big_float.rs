@@ -64,18 +64,29 @@ impl Float {
         (!self.is_zero()).then(|| self.mantissa.bits() as i64 + self.exponent)
     }
 
-    /// An upper bound of sqrt(self / d) in binary64, for non-negative numbers, d not zero; infinite beyond the range.
-    pub fn root_of_quotient_above(&self, d: &Float) -> f64 {
+    /// An upper bound of sqrt(self / d), above it by less than 2^-50 of itself; for non-negative numbers, d not zero.
+    pub fn root_of_quotient_above(&self, d: &Float) -> Float {
+        if self.is_zero() {
+            return Float::zero();
+        }
+        // Numbers of very different lengths leave a longer quotient than was asked for.
+        let quotient = self.divided_by(d, 120).cut(120);
+        let even = quotient.exponent.rem_euclid(2) as u64;
+        // Both the quotient and the root were rounded down.
+        let root = ((quotient.mantissa + 1u32) << even).sqrt() + 1u32;
+        Float { mantissa: root, exponent: (quotient.exponent - even as i64) / 2 }
+    }
+
+    /// An upper bound in binary64 of a number that is not negative, infinite beyond the range; 0 for zero alone.
+    pub fn to_f64_above(&self) -> f64 {
         if self.is_zero() {
             return 0.0;
         }
-        let quotient = self.divided_by(d, 120);
-        let even = quotient.exponent.rem_euclid(2) as u64;
-        let root = (quotient.mantissa << even).sqrt() + 1u32;
-        let exponent = (quotient.exponent - even as i64) / 2;
-        // The root has some 60 bits and is rounded up by adding one to what was rounded down.
-        let value = root.to_f64().unwrap_or(f64::INFINITY) * power_of_two(exponent);
-        (value * (1.0 + 1.0 / (1u64 << 48) as f64)).max(f64::MIN_POSITIVE)
+        let excess = (self.mantissa.bits() as i64 - 53).max(0);
+        let mantissa = (&self.mantissa >> excess as u64) + i32::from(excess > 0);
+        // At most 2^53 and exact, so that the factor is the only one that may leave the range.
+        let value = mantissa.to_f64().unwrap_or(f64::INFINITY) * power_of_two(self.exponent + excess);
+        (value * (1.0 + f64::EPSILON)).max(f64::MIN_POSITIVE)
     }
 
     /// The binary64 number below in size; 0 or infinite beyond the range.
@@ -92,13 +103,17 @@ impl Float {
         let hi = self.to_f64();
         let rest = self - &Float::from(hi);
         let lo = rest.to_f64();
-        let left = (&rest - &Float::from(lo)).to_f64().abs();
+        let left = &rest - &Float::from(lo);
         let mid = Dd::new(hi, lo);
+        if left.is_zero() && radius == 0.0 {
+            return Ball::new(mid, 0.0);
+        }
         // Near the bottom of the range the words lose bits; two_sum loses none.
-        Ball::new(
-            mid,
-            if left == 0.0 && radius == 0.0 { 0.0 } else { (left + radius) * (1.0 + 1e-14) + f64::MIN_POSITIVE },
-        )
+        Ball::new(mid, (left.abs().to_f64_above() + radius) * (1.0 + 1e-14) + f64::MIN_POSITIVE)
+    }
+
+    pub fn abs(&self) -> Float {
+        Float { mantissa: self.mantissa.abs(), exponent: self.exponent }
     }
 }
 
@@ -241,10 +256,34 @@ mod tests {
     #[test]
     fn roots_of_quotients_are_bounded_from_above() {
         for (a, d) in [(2.0, 1.0), (9.0, 4.0), (1e-200, 3.0), (5.0, 1e200)] {
-            let bound = Float::from(a).root_of_quotient_above(&Float::from(d));
+            let bound = Float::from(a).root_of_quotient_above(&Float::from(d)).to_f64_above();
             let root = (a / d).sqrt();
             assert!(bound >= root && bound < root * (1.0 + 1e-10), "{a} {d}: {bound}");
         }
+    }
+
+    /// A quotient of a long number by a short one has more bits than binary64 has exponents.
+    #[test]
+    fn roots_of_quotients_of_long_numbers_are_bounded_too() {
+        let third = |bits: u64| Float::from(1.0).divided_by(&Float::from(3.0), bits);
+        for (bits, d) in [(3000, 1.0), (5000, 1e300), (1000, 7.0), (60, 0.3)] {
+            let (a, d) = (third(bits).times_power_of_two(-700), Float::from(d));
+            let bound = a.root_of_quotient_above(&d);
+            let slack = |x: &Float| x * &Float::from(1.0 + 1e-14);
+            assert!((&(&(&bound * &bound) * &d) - &a).sign() == Ordering::Greater, "{bits}");
+            assert!((&slack(&a) - &(&(&bound * &bound) * &d)).sign() == Ordering::Greater, "{bits}");
+        }
+    }
+
+    #[test]
+    fn what_is_below_binary64_is_not_zero() {
+        let tiny = Float::from(1.0).times_power_of_two(-1300);
+        assert!(tiny.to_f64_above() > 0.0);
+        assert!(tiny.to_ball(0.0).rad > 0.0);
+        let huge = Float::from(1.0).times_power_of_two(1300);
+        assert_eq!(huge.to_f64_above(), f64::INFINITY);
+        let least = Float::from(1.0).times_power_of_two(-1022);
+        assert!(least.to_f64_above() >= f64::MIN_POSITIVE && least.to_f64_above() < 1e-307);
     }
 
     #[test]

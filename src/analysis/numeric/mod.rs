@@ -16,6 +16,7 @@ pub(in crate::analysis) mod precise;
 pub(in crate::analysis) mod product;
 pub(in crate::analysis) mod residues;
 pub(in crate::analysis) mod secular;
+pub(in crate::analysis) mod sturm;
 pub mod symmetric;
 pub(in crate::analysis) mod tridiagonal;
 pub(in crate::analysis) mod triple;

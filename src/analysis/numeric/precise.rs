@@ -8,8 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Covers the roundings of a radius, and what a word of lower order may lose of a leading one.
 const UP: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
-/// Covers the loss of low words near the bottom of the exponent range.
-const UNDERFLOW: f64 = 1e-318;
+const UNDERFLOW: f64 = Triple::UNDERFLOW;
 
 impl Precise {
     pub const ZERO: Precise = Precise { value: Triple::ZERO, radius: 0.0 };

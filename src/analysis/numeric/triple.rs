@@ -27,6 +27,8 @@ impl Triple {
     pub const ONE: Triple = Triple { a: 1.0, b: 0.0, c: 0.0 };
     /// Relative error bound of one operation; see the module.
     pub const ERROR: f64 = Dd::EPSILON / (1u64 << 49) as f64;
+    /// Covers the loss of low words near the bottom of the exponent range.
+    pub const UNDERFLOW: f64 = 1e-318;
 
     /// The sum of the three, without error, in normal form.
     #[inline]
@@ -204,9 +206,9 @@ impl Precise {
         })
     }
 
-    /// A number that three words do not hold.
+    /// A number that three words do not hold; near the bottom of the range their lower ones are lost.
     fn near(value: Triple) -> Precise {
-        Precise { value, radius: 8.0 * Triple::ERROR * value.a.abs() }
+        Precise { value, radius: 8.0 * Triple::ERROR * value.a.abs() + Triple::UNDERFLOW }
     }
 }
 
@@ -281,6 +283,21 @@ mod tests {
         let whole = Precise::of(&Number::pi())
             - Precise::of(&(&Number::pi() / &Number::from(3))) * Precise::of(&Number::from(3));
         assert!(whole.value.hi().abs() <= whole.radius && whole.radius < 1e-43);
+    }
+
+    /// The third word of 1e-300 is below the range of binary64, and the second has few bits.
+    #[test]
+    fn tiny_numbers_of_the_model_are_held_to_their_radius() {
+        for text in ["1e-270", "1.1e-290", "1e-300", "0.7e-303", "3.3e-307"] {
+            let (x, precise) = (Number::from(text), Precise::of(&Number::from(text)));
+            // Times 2^900, exactly, so that neither the error nor the radius falls below the range.
+            let up = Number::from(crate::base::Rational::from_f64(2f64.powi(900)).expect("finite"));
+            let part = |x: f64| Number::from(crate::base::Rational::from_f64(x).expect("finite"));
+            let value = &(&part(precise.value.a) + &part(precise.value.b)) + &part(precise.value.c);
+            let error = &(&value - &x).abs() * &up;
+            assert!(error.to_f64() <= (&part(precise.radius) * &up).to_f64(), "{text}: {precise:?}");
+            assert!(precise.radius < 1e-314, "{text}: {precise:?}");
+        }
     }
 
     #[test]

@@ -8,11 +8,13 @@ use crate::analysis::numeric::big_float::{ComplexFloat, Float};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::polynomial::{Polynomial, determinant};
 use crate::analysis::numeric::residues::scramble;
+use crate::analysis::numeric::sturm::{HalfPlanes, half_planes, real_roots};
 use crate::base::{Ball, Rational};
 use crate::system::{Form, LinearSystem};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::One;
+use std::cmp::Ordering;
 
 /// Beyond this the polynomial's exact arithmetic takes longer than a user would wait for.
 pub const MOST_COORDINATES: usize = 12;
@@ -21,13 +23,36 @@ const FIRST_BITS: u64 = 160;
 /// 2^-1000 is the distance of roots that are told apart at last; the polynomials here have none closer.
 const MOST_BITS: u64 = 2560;
 
-/// The poles of a part.
+/// The finite poles of a part, all of them: as many as the degree of det Q. Made by [`exact_poles`] alone.
 #[derive(Clone, Debug)]
 pub struct ExactPoles {
+    zeros: usize,
+    roots: Vec<ExactRoot>,
+    degree: usize,
+}
+
+impl ExactPoles {
+    /// `None` where the roots and zeros are not as many as the degree.
+    fn counted(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
+        let sides = |root: &ExactRoot| if root.real { root.multiplicity } else { 2 * root.multiplicity };
+        let count = zeros + roots.iter().map(sides).sum::<usize>();
+        (count == degree).then_some(ExactPoles { zeros, roots, degree })
+    }
+
+    /// The degree of det Q: how many there are, zeros included.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
     /// How many are exactly zero.
-    pub zeros: usize,
-    /// The others, one of each conjugate pair (im > 0), ascending in size.
-    pub roots: Vec<ExactRoot>,
+    pub fn zeros(&self) -> usize {
+        self.zeros
+    }
+
+    /// The others, one of each conjugate pair (im > 0).
+    pub fn roots(&self) -> &[ExactRoot] {
+        &self.roots
+    }
 }
 
 /// A root with its multiplicity.
@@ -64,7 +89,16 @@ pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<
             roots.extend(with_multiplicity(factor, index + 1, &matrices)?);
         }
     }
-    Some(Exact::Poles(ExactPoles { zeros, roots }))
+    Some(Exact::Poles(ExactPoles::counted(zeros, roots, polynomial.degree())?))
+}
+
+/// How many poles of a part lie to the left of the imaginary axis, on it and to its right, without any of their values
+/// (Routh); `None` where the part is too large or a term is not rational.
+pub fn half_planes_of(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<HalfPlanes> {
+    if part.coordinates.len() > MOST_COORDINATES {
+        return None;
+    }
+    half_planes(&Matrices::of(system, part, local)?.characteristic(false))
 }
 
 /// Roots of multiplicity i. With Q(s) bordered by any vector u, det [Q, u; u^T, 0] vanishes at s if two independent vectors
@@ -255,54 +289,80 @@ fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
     })
 }
 
-/// A root's disc.
-struct Rounded {
+/// A disc that holds a root.
+struct Rooted {
     z: ComplexFloat,
-    radius: f64,
+    radius: Float,
+}
+
+impl Rooted {
+    /// The disc around z, or around its real part where that is no farther off than the disc is wide: a disc around a real
+    /// centre that holds one root holds a real one.
+    fn around(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rooted> {
+        let disc = Rooted { z: z.clone(), radius: radius(f, slope, z)? };
+        if disc.is_clear_of_the_axis() {
+            return Some(disc);
+        }
+        let z = ComplexFloat::new(z.re.clone(), Float::zero());
+        let radius = radius(f, slope, &z)?;
+        Some(Rooted { z, radius })
+    }
+
+    fn is_real(&self) -> bool {
+        self.z.im.is_zero()
+    }
+
+    fn is_clear_of_the_axis(&self) -> bool {
+        is_less(&self.radius, &self.z.im.abs())
+    }
+
+    fn is_apart_from(&self, other: &Rooted) -> bool {
+        let reach = &self.radius + &other.radius;
+        is_less(&(&reach * &reach), &(&self.z - &other.z).norm())
+    }
+
+    /// All digits that double-double can show.
+    fn is_sharp(&self) -> bool {
+        let wide = self.radius.clone().times_power_of_two(110);
+        is_less(&(&wide * &wide), &self.z.norm())
+    }
+}
+
+fn is_less(a: &Float, b: &Float) -> bool {
+    (b - a).sign() == Ordering::Greater
 }
 
 /// The disc |s - z| <= d |f / f'| holds a root (Laguerre; Henrici, Applied and Computational Complex Analysis I, 6.4), d
-/// disjoint ones hold all. `None` where they touch, or hide digits that double-double can show.
+/// disjoint ones hold one each, and those are all. A disc around a real centre holds its root's conjugate too, which is the
+/// root itself; one clear of the real axis holds the conjugate of a root in the mirrored half plane. Sturm's chain counts the real ones
+/// again. `None` where discs touch, or hide digits that double-double can show.
 fn separated(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
-    let discs: Vec<Rounded> = values.iter().map(|z| disc(f, slope, z)).collect::<Option<_>>()?;
-    for (i, a) in discs.iter().enumerate() {
-        let apart = |b: &Rounded| distance_below(&a.z, &b.z) > (a.radius + b.radius) * (1.0 + 1e-14);
-        if !discs[..i].iter().all(apart) || a.radius > 1e-33 * distance_below(&a.z, &ComplexFloat::zero()) {
-            return None;
-        }
+    let discs: Vec<Rooted> = values.iter().map(|z| Rooted::around(f, slope, z)).collect::<Option<_>>()?;
+    let apart = |(i, a): (usize, &Rooted)| discs[..i].iter().all(|b| a.is_apart_from(b));
+    let on_or_off_the_axis = |disc: &Rooted| disc.is_real() || disc.is_clear_of_the_axis();
+    let hold_one_each = discs.len() == f.degree() && discs.iter().enumerate().all(apart);
+    if !hold_one_each || !discs.iter().all(|disc| disc.is_sharp() && on_or_off_the_axis(disc)) {
+        return None;
     }
-    let mut roots: Vec<(Complex<Ball>, bool)> = Vec::new();
-    let mut order: Vec<&Rounded> = discs.iter().filter(|disc| !disc.z.im.is_negative()).collect();
-    order.sort_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
-    for disc in order {
-        let real = disc.z.im.is_zero();
-        let im = if real { Ball::ZERO } else { disc.z.im.to_ball(disc.radius) };
-        roots.push((Complex::new(disc.z.re.to_ball(disc.radius), im), real));
+    let real = discs.iter().filter(|disc| disc.is_real()).count();
+    let upper: Vec<&Rooted> = discs.iter().filter(|disc| !disc.is_real() && !disc.z.im.is_negative()).collect();
+    if real + 2 * upper.len() != f.degree() || real_roots(f).is_some_and(|count| count != real) {
+        return None;
     }
-    Some(roots)
-}
-
-/// The disc around z, or around its real part where that is no farther off than the disc is wide: a disc around a real
-/// centre that holds one root holds a real one.
-fn disc(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rounded> {
-    let radius = radius(f, slope, z)?;
-    if z.im.to_f64().abs() > 2.0 * radius {
-        return Some(Rounded { z: z.clone(), radius });
-    }
-    let z = ComplexFloat::new(z.re.clone(), Float::zero());
-    let radius = self::radius(f, slope, &z)?;
-    Some(Rounded { z, radius })
+    let mut list: Vec<&Rooted> = discs.iter().filter(|disc| disc.is_real()).chain(upper).collect();
+    list.sort_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
+    let enclosed = |disc: &Rooted| {
+        let radius = disc.radius.to_f64_above();
+        let im = if disc.is_real() { Ball::ZERO } else { disc.z.im.to_ball(radius) };
+        (Complex::new(disc.z.re.to_ball(radius), im), disc.is_real())
+    };
+    Some(list.into_iter().map(enclosed).collect())
 }
 
 /// d |f(z) / f'(z)|, exactly but for one rounding upwards.
-fn radius(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<f64> {
+fn radius(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Float> {
     let (p, q) = (value(f, z, None).norm(), value(slope, z, None).norm());
-    (!q.is_zero()).then(|| p.root_of_quotient_above(&q) * f.degree() as f64 * (1.0 + f64::EPSILON))
-}
-
-/// A lower bound of |a - b| in binary64.
-fn distance_below(a: &ComplexFloat, b: &ComplexFloat) -> f64 {
-    (a - b).norm().to_f64().sqrt() * (1.0 - 1e-14)
+    (!q.is_zero()).then(|| &p.root_of_quotient_above(&q) * &Float::from(BigInt::from(f.degree())))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
 use crate::analysis::numeric::complex::Complex;
+use crate::analysis::poles::count::Tally;
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::quadratic::{Root, Roots};
@@ -29,6 +30,13 @@ impl Passive {
 pub struct PoleList {
     list: Vec<Pole>,
     next_cluster: u32,
+    /// Those of the part at hand that are infinite.
+    infinite: usize,
+    tally: Tally,
+    /// Where the part at hand begins.
+    first: usize,
+    /// Where the poles of each part end, and those of each mode that is an oscillator of its own.
+    ends: Vec<usize>,
 }
 
 /// What is known of a pole that is not exactly zero.
@@ -94,8 +102,28 @@ impl PoleList {
         }
     }
 
+    /// Motions of the part at hand that have no inertia, proved to be so many.
+    pub fn infinite(&mut self, count: usize) {
+        self.infinite += count;
+    }
+
+    /// How many of so many are neither in the list nor known to be infinite.
+    pub fn missing(&self, of: usize) -> usize {
+        of.saturating_sub(self.list.len() + self.infinite)
+    }
+
+    /// All poles of a part of so many coordinates are found.
+    pub fn end_part(&mut self, coordinates: usize) {
+        self.tally.part(coordinates, self.list.len() - self.first, self.infinite);
+        if !self.list[self.first..].iter().all(is_enclosed) {
+            self.tally.doubt();
+        }
+        (self.first, self.infinite) = (self.list.len(), 0);
+        self.ends.push(self.first);
+    }
+
     /// The roots of a quadratic.
-    pub fn quadratic(&mut self, roots: Roots) {
+    pub fn quadratic(&mut self, roots: Roots, passive: Passive) {
         let (pair, together, defective) = match roots {
             Roots::Apart(pair) => (pair, false, false),
             Roots::Double(root) => ([root, root], true, true),
@@ -103,12 +131,26 @@ impl PoleList {
         };
         let cluster = together.then(|| self.new_cluster());
         for root in pair {
-            self.root(root, cluster, defective);
+            self.root(root, cluster, defective, passive);
         }
+        self.ends.push(self.list.len());
+    }
+
+    /// A root that so many motions have.
+    pub fn repeated(&mut self, root: Root, count: usize, passive: Passive) {
+        let cluster = (count > 1).then(|| self.new_cluster());
+        (0..count).for_each(|_| self.root(root, cluster, false, passive));
+        self.ends.push(self.list.len());
     }
 
     /// A root by itself.
-    pub fn root(&mut self, Root { re, im, kind }: Root, cluster: Option<u32>, defective: bool) {
+    pub fn root(&mut self, Root { re, im, kind }: Root, cluster: Option<u32>, defective: bool, passive: Passive) {
+        // A ball around zero tells no sign; the dampers may.
+        let kind = match kind {
+            PoleKind::Undetermined if im.is_zero() => real_kind(re, passive),
+            PoleKind::Undetermined => complex_kind(Complex::new(re, im), passive),
+            kind => kind,
+        };
         self.push(Known { s: Complex::new(re, im), kind, cluster, defective, route: Route::Decoupled });
     }
 
@@ -135,8 +177,8 @@ impl PoleList {
 
     /// Poles from exact arithmetic.
     pub fn exact(&mut self, poles: &ExactPoles, passive: Passive) {
-        self.zeros(poles.zeros);
-        for root in &poles.roots {
+        self.zeros(poles.zeros());
+        for root in poles.roots() {
             let sides = if root.real { vec![root.s.im] } else { vec![-root.s.im, root.s.im] };
             for im in sides {
                 self.exact_side(root, im, passive);
@@ -193,7 +235,7 @@ impl PoleList {
     /// Ascending in |s|, re, im; clusters numbered in that order. `coordinates` of the system: each has two poles, some of
     /// them infinite.
     pub fn sorted(mut self, coordinates: usize) -> Poles {
-        let size = |pole: &Pole| pole.modulus().mid;
+        self.join_parts();
         let order = |a: Dd, b: Dd| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
         self.list.sort_by(|a, b| {
             order(size(a), size(b)).then_with(|| order(a.re.mid, b.re.mid)).then_with(|| order(a.im.mid, b.im.mid))
@@ -206,8 +248,95 @@ impl PoleList {
             });
             *cluster = at as u32;
         }
-        Poles { infinite: (2 * coordinates).saturating_sub(self.list.len()), list: self.list, ..Poles::default() }
+        Poles { count: self.tally.counted(coordinates), list: self.list, ..Poles::default() }
     }
+
+    /// Poles of different parts, or of different modes, whose enclosures meet are a cluster too: equal ones, or such as are not
+    /// told apart. Exact zeros are no news, and a defective pole keeps its number, which says that it has one shape.
+    fn join_parts(&mut self) {
+        let may_join = |pole: &Pole| is_enclosed(pole) && pole.kind != PoleKind::Rigid && !pole.defective;
+        let one = |i: usize| One {
+            pole: i,
+            part: self.ends.partition_point(|&end| end <= i),
+            least: self.list[i].modulus().mignitude(),
+            most: self.list[i].modulus().magnitude(),
+        };
+        let mut order: Vec<One> = (0..self.list.len()).filter(|&i| may_join(&self.list[i])).map(one).collect();
+        order.sort_by(|a, b| a.least.total_cmp(&b.least));
+        let mut joined = Joined { above: (0..self.list.len()).collect() };
+        let mut any = false;
+        for (at, a) in order.iter().enumerate() {
+            for b in order[at + 1..].iter().take_while(|b| b.least <= a.most) {
+                if a.part != b.part && meet(&self.list[a.pole], &self.list[b.pole]) {
+                    joined.join(a.pole, b.pole);
+                    any = true;
+                }
+            }
+        }
+        if any {
+            self.number_anew(joined);
+        }
+    }
+
+    /// The clusters that were known, and those that are joined.
+    fn number_anew(&mut self, mut joined: Joined) {
+        let mut first: Vec<Option<usize>> = vec![None; self.next_cluster as usize];
+        for i in 0..self.list.len() {
+            if let Some(number) = self.list[i].cluster {
+                let of = *first[number as usize].get_or_insert(i);
+                joined.join(of, i);
+            }
+        }
+        let mut members = vec![0; self.list.len()];
+        (0..self.list.len()).for_each(|i| members[joined.root(i)] += 1);
+        for i in 0..self.list.len() {
+            let root = joined.root(i);
+            // One that is not told from its conjugate may be a cluster of its own.
+            if members[root] > 1 {
+                self.list[i].cluster = Some(self.next_cluster + root as u32);
+            }
+        }
+    }
+}
+
+/// A pole with the part that it is of, and the bounds of |s|.
+struct One {
+    pole: usize,
+    part: usize,
+    least: f64,
+    most: f64,
+}
+
+/// Disjoint sets with path halving; a set's root is its least member.
+struct Joined {
+    above: Vec<usize>,
+}
+
+impl Joined {
+    fn root(&mut self, mut i: usize) -> usize {
+        while self.above[i] != i {
+            self.above[i] = self.above[self.above[i]];
+            i = self.above[i];
+        }
+        i
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.root(i), self.root(j));
+        self.above[i.max(j)] = i.min(j);
+    }
+}
+
+fn size(pole: &Pole) -> Dd {
+    pole.modulus().mid
+}
+
+fn is_enclosed(pole: &Pole) -> bool {
+    pole.re.rad.is_finite() && pole.im.rad.is_finite()
+}
+
+fn meet(a: &Pole, b: &Pole) -> bool {
+    (a.re - b.re).contains_zero() && (a.im - b.im).contains_zero()
 }
 
 /// The real part of an oscillation that is not told from zero is shown as zero and its bound.

@@ -8,6 +8,7 @@
 pub(in crate::analysis) mod aberth;
 pub(in crate::analysis) mod cluster;
 pub(in crate::analysis) mod companion;
+pub mod count;
 pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
 pub(in crate::analysis) mod exact;
@@ -17,6 +18,7 @@ pub(in crate::analysis) mod proportional;
 pub(in crate::analysis) mod quadratic;
 pub(in crate::analysis) mod refinement;
 pub(in crate::analysis) mod rigid;
+pub(in crate::analysis) mod scaling;
 pub(in crate::analysis) mod targeted;
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
@@ -37,17 +39,37 @@ use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
 use crate::analysis::poles::refinement::{Pair, refine};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
+use crate::analysis::poles::scaling::scaled;
 use crate::analysis::poles::targeted::targeted;
 use crate::base::Number;
 use crate::system::{Form, LinearSystem};
 
 /// All poles.
 pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
-    let mut found = PoleList::default();
     if system.c.is_empty() {
+        let mut found = PoleList::default();
         found.undamped(modes);
+        found.infinite(2 * modes.infinite);
+        found.end_part(system.n());
         return Ok(found.sorted(system.n()));
     }
+    if let Some(near_one) = scaled(system)
+        && let Ok(modes) = crate::analysis::modes(&near_one.system)
+    {
+        return in_range(system, near_one.back(unscaled(&near_one.system, &modes)?));
+    }
+    in_range(system, unscaled(system, modes)?)
+}
+
+/// Of a pole beyond binary64 nothing could be printed.
+fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError> {
+    let is_finite = |pole: &Pole| pole.re.mid.is_finite() && pole.im.mid.is_finite();
+    if poles.list.iter().all(is_finite) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
+}
+
+/// The same for a damped system of numbers as they are.
+fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+    let mut found = PoleList::default();
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];
     for part in &parts {
@@ -63,11 +85,9 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
             // Modes of the whole may mix equal frequencies of different parts.
             part.solve(&crate::analysis::modes(&as_system(system, coordinates, &local))?, &mut found)?;
         }
+        found.end_part(coordinates.coordinates.len());
     }
-    let poles = found.sorted(system.n());
-    let in_range = |pole: &Pole| pole.re.mid.is_finite() && pole.im.mid.is_finite();
-    // Of a pole beyond binary64 nothing could be printed.
-    if poles.list.iter().all(in_range) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
+    Ok(found.sorted(system.n()))
 }
 
 /// The poles of some of the modes, those listed: none where the modes do not decide them by themselves. `whole` is the system
@@ -76,8 +96,11 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
     let mut found = PoleList::default();
     if system.c.is_empty() {
         found.undamped(modes);
+        found.infinite(2 * modes.infinite);
     } else if let Some(damping) = proportional(system, whole) {
-        decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots));
+        let passive = passive(system, whole, modes);
+        decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots, passive));
+        without_inertia(modes, &damping, passive, &mut found);
     }
     beside_others(found, system, modes)
 }
@@ -89,27 +112,43 @@ pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio:
     // s = omega z, z^2 + 2 zeta z + 1 = 0 exactly.
     let unit = roots(&Number::ONE, &twice, &Number::ONE);
     let mut found = PoleList::default();
+    let passive = passive(system, whole, modes);
+    let passive = Passive { damped: passive.damped && !ratio.is_negative(), ..passive };
     for mode in &modes.list {
         let omega_squared = Number::Ball(mode.omega_squared);
         let own = base.of_mode(&omega_squared);
         match mode.kind {
-            ModeKind::Oscillation if own.is_zero() => found.quadratic(unit.times(mode.omega)),
+            ModeKind::Oscillation if own.is_zero() => found.quadratic(unit.times(mode.omega), passive),
             ModeKind::Oscillation => {
                 let damping = &own + &(&twice * &Number::Ball(mode.omega));
-                found.quadratic(roots(&Number::ONE, &damping, &omega_squared));
+                found.quadratic(roots(&Number::ONE, &damping, &omega_squared), passive);
             }
             ModeKind::Rigid if own.is_zero() => found.zeros(2),
-            _ => found.quadratic(roots(&Number::ONE, &own, &omega_squared)),
+            _ => found.quadratic(roots(&Number::ONE, &own, &omega_squared), passive),
         }
     }
+    without_inertia(modes, &base, passive, &mut found);
     Some(beside_others(found, system, modes))
 }
 
+/// Motions without inertia where C = alpha M + beta K: det Q = (1 + beta s)^n det(sigma M + K), sigma = (s² + alpha s) /
+/// (1 + beta s), so each of them has one pole at -1 / beta and one that is infinite, or two of these.
+fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, found: &mut PoleList) {
+    if damping.beta.is_zero() || modes.infinite == 0 {
+        return found.infinite(2 * modes.infinite);
+    }
+    let root = real_root((-&(&Number::ONE / &damping.beta)).to_ball());
+    found.repeated(root, modes.infinite, passive);
+    found.infinite(modes.infinite);
+}
+
 /// The poles that were found, and how many were not.
-fn beside_others(found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
-    let infinite = 2 * modes.infinite;
-    let poles = found.sorted(system.n());
-    Poles { infinite, left_out: 2 * system.n() - infinite - poles.list.len(), ..poles }
+fn beside_others(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
+    let left_out = found.missing(2 * system.n());
+    if modes.is_complete() {
+        found.end_part(system.n());
+    }
+    Poles { left_out, ..found.sorted(system.n()) }
 }
 
 /// The poles that the first `wanted` of the modes become, which are the lowest of all: one by one, each proved by itself.
@@ -137,11 +176,15 @@ fn ignores_translation(form: &Form) -> bool {
 }
 
 fn passive(system: &LinearSystem, part: &Part, modes: &Modes) -> Passive {
-    let positive = |form: &Form, terms: &[u32]| terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive());
     Passive {
-        damped: positive(&system.m, &part.m) && positive(&system.c, &part.c),
-        held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid)),
+        damped: are_positive(&system.m, &part.m) && are_positive(&system.c, &part.c),
+        held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid))
+            && (modes.infinite == 0 || are_positive(&system.k, &part.k)),
     }
+}
+
+fn are_positive(form: &Form, terms: &[u32]) -> bool {
+    terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive())
 }
 
 /// Each mode has poles of its own: nothing damps, or damping is proportional.
@@ -167,6 +210,7 @@ impl Portion<'_> {
     fn solve(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
         if self.part.c.is_empty() {
             found.undamped(modes);
+            found.infinite(2 * modes.infinite);
         } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
             self.dampers_alone(found)?;
         } else if modes.list.len() != self.part.coordinates.len() {
@@ -193,12 +237,19 @@ impl Portion<'_> {
         let [m, c, k] =
             [(&self.system.m, &self.part.m), (&self.system.c, &self.part.c), (&self.system.k, &self.part.k)]
                 .map(|(form, terms)| diagonal(form, terms));
+        let passive = Passive {
+            damped: are_positive(&self.system.m, &self.part.m) && are_positive(&self.system.c, &self.part.c),
+            held: are_positive(&self.system.k, &self.part.k) || k.is_positive(),
+        };
         if m.is_positive() {
-            found.quadratic(roots(&m, &c, &k));
+            found.quadratic(roots(&m, &c, &k), passive);
         } else if !m.is_zero() || c.may_be_zero() && !c.is_zero() || c.is_zero() && k.may_be_zero() {
             return Err(self.massless());
         } else if !c.is_zero() {
-            found.root(real_root((-&(&k / &c)).to_ball()), None, false);
+            found.root(real_root((-&(&k / &c)).to_ball()), None, false, passive);
+            found.infinite(1);
+        } else {
+            found.infinite(2);
         }
         Ok(())
     }
@@ -210,11 +261,15 @@ impl Portion<'_> {
             .map(|(form, terms)| chosen(form, terms, self.local));
         let pairs = eigenpairs(&c, &m, n, DEFAULT_TOLERANCE);
         let out_of_range = |_| AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) };
+        // K is zero.
+        let passive = Passive { damped: are_positive(&self.system.c, &self.part.c), held: true };
         found.zeros(n);
         for pair in pairs.map_err(out_of_range)? {
             match pair.value {
                 Eigenvalue::Zero => found.zeros(1),
-                Eigenvalue::Near { value, radius, .. } => found.root(real_root(-ball(value, radius)), None, false),
+                Eigenvalue::Near { value, radius, .. } => {
+                    found.repeated(real_root(-ball(value, radius)), 1, passive);
+                }
             }
         }
         Ok(())
@@ -226,7 +281,8 @@ impl Portion<'_> {
         if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(modes, found) {
             return;
         }
-        list.into_iter().for_each(|roots| found.quadratic(roots));
+        let passive = self.passive(modes);
+        list.into_iter().for_each(|roots| found.quadratic(roots, passive));
     }
 
     /// Companion, refinement, discs.
@@ -273,7 +329,10 @@ impl Portion<'_> {
     fn exact(&self, modes: &Modes, found: &mut PoleList) -> bool {
         let Some(poles) = exact_poles(self.system, self.part, self.local) else { return false };
         match poles {
-            Exact::Poles(poles) => found.exact(&poles, self.passive(modes)),
+            Exact::Poles(poles) => {
+                found.infinite((2 * self.part.coordinates.len()).saturating_sub(poles.degree()));
+                found.exact(&poles, self.passive(modes));
+            }
             Exact::Singular => return false,
         }
         true

@@ -59,7 +59,7 @@ pub fn explanation(model: &str, account: &Account, system: &LinearSystem) -> Str
 fn title(answer: &ModalAnswer) -> String {
     let n = answer.system.n();
     let freedoms = if n == 1 { "1 freedom".to_string() } else { format!("{n} freedoms") };
-    let verdict = match answer.stability {
+    let verdict = match answer.stability.kind() {
         Stability::Stable => "a stable rest",
         Stability::Neutral => "a neutral rest",
         Stability::Unstable => "an UNSTABLE rest",

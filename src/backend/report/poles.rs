@@ -42,7 +42,13 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
     }
     let left = shown.len().saturating_sub(MOST);
     let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
-    line("damped motion") + &table.text(INDENT) + &more + &clusters(&shown) + &infinite(answer) + &left_out(answer)
+    line("damped motion")
+        + &table.text(INDENT)
+        + &more
+        + &clusters(&shown)
+        + &infinite(answer)
+        + &not_proved(answer)
+        + &left_out(answer)
 }
 
 /// Poles that are equal or are certified only together.
@@ -86,11 +92,26 @@ fn left_out(answer: &ModalAnswer) -> String {
 
 /// What follows without inertia has no pole of its own.
 fn infinite(answer: &ModalAnswer) -> String {
-    match answer.poles.infinite {
+    match answer.poles.infinite().unwrap_or(0) {
         0 => String::new(),
         1 => line("one pole is infinite: a motion without inertia follows the others"),
         count => line(format!("{count} poles are infinite: motions without inertia follow the others")),
     }
+}
+
+/// That the list has them all is a claim of its own.
+fn not_proved(answer: &ModalAnswer) -> String {
+    if answer.poles.left_out > 0 || answer.poles.count.is_some() {
+        return String::new();
+    }
+    let is_bounded = |pole: &Pole| pole.re.rad.is_finite() && pole.im.rad.is_finite();
+    let unbounded = numbered(answer).into_iter().filter(|(_, pole)| !is_bounded(pole)).count();
+    let why = match unbounded {
+        0 => String::new(),
+        1 => ": 1 has no bound".into(),
+        count => format!(": {count} have no bound"),
+    };
+    line(format!("NOT proved: that these are all poles, and each is there once{why}"))
 }
 
 /// Of a complex pair the pole in the upper half plane alone, counted from 1.

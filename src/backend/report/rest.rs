@@ -148,7 +148,7 @@ fn undetermined(answer: &ModalAnswer) -> String {
         }
     }
     if text.is_empty() && answer.stability == Stability::Undetermined {
-        text += &line("  some damper feeds energy in, and the poles that would tell are not computed");
+        text += &line(format!("  {}", answer.stability.reason().not_proved()));
     }
     if text.is_empty() {
         text

@@ -1,0 +1,85 @@
+//! How many poles there are. In: what each route found of a part, finite and infinite. Out: the count of a whole system, or
+//! nothing where it is not proved that every pole was found, once. Clauses: spec.md 11.1, 11.9.
+
+/// Every finite pole of a system is in a list, each in an enclosure that is certain (a cluster in one that holds as many as it
+/// has members): with the infinite ones they are two for each coordinate. [`Tally`] makes it, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PoleCount {
+    finite: usize,
+    infinite: usize,
+}
+
+impl PoleCount {
+    /// The degree of det Q(s).
+    pub fn finite(self) -> usize {
+        self.finite
+    }
+
+    /// Motions without inertia.
+    pub fn infinite(self) -> usize {
+        self.infinite
+    }
+
+    /// For reports that no analysis made.
+    #[cfg(test)]
+    pub(crate) fn sample(finite: usize, infinite: usize) -> PoleCount {
+        PoleCount { finite, infinite }
+    }
+}
+
+/// Counts part by part.
+#[derive(Debug, Default)]
+pub struct Tally {
+    finite: usize,
+    infinite: usize,
+    coordinates: usize,
+    /// A part was not as it should be.
+    broken: bool,
+}
+
+impl Tally {
+    /// A part of so many coordinates has so many finite poles, all enclosed, and so many infinite ones.
+    pub fn part(&mut self, coordinates: usize, finite: usize, infinite: usize) {
+        self.coordinates += coordinates;
+        self.finite += finite;
+        self.infinite += infinite;
+        self.broken |= finite + infinite != 2 * coordinates;
+    }
+
+    /// A pole of which nothing is certain.
+    pub fn doubt(&mut self) {
+        self.broken = true;
+    }
+
+    /// The count of a system of so many coordinates.
+    pub fn counted(&self, coordinates: usize) -> Option<PoleCount> {
+        let whole = !self.broken && self.coordinates == coordinates;
+        whole.then_some(PoleCount { finite: self.finite, infinite: self.infinite })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_poles_for_each_coordinate_are_a_count() {
+        let mut tally = Tally::default();
+        tally.part(2, 3, 1);
+        assert_eq!(tally.counted(5), None, "a part is missing");
+        tally.part(3, 6, 0);
+        assert_eq!(tally.counted(5), Some(PoleCount { finite: 9, infinite: 1 }));
+    }
+
+    #[test]
+    fn a_pole_too_few_or_too_many_or_without_a_bound_is_no_count() {
+        for (finite, infinite, doubt) in [(3, 0, false), (5, 0, false), (3, 2, false), (4, 0, true)] {
+            let mut tally = Tally::default();
+            tally.part(2, finite, infinite);
+            if doubt {
+                tally.doubt();
+            }
+            assert_eq!(tally.counted(2), None, "{finite} {infinite} {doubt}");
+        }
+    }
+}

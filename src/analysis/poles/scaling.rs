@@ -1,0 +1,88 @@
+//! Very small and very large systems, brought near one by powers of two: exactly the same poles in another unit of time, and
+//! no word of any number falls below the range of binary64. In: a system. Out: 2^p M 4^q, 2^p C 2^q, 2^p K, whose poles are
+//! 2^-q times those of the system. Clause: spec.md 11.2.
+
+use crate::analysis::answer::Poles;
+use crate::base::{Ball, Number, Rational};
+use crate::system::{Form, LinearSystem};
+
+/// Powers of two beyond which products of a few numbers may leave the range of binary64, or their lower words.
+const FAR: f64 = 250.0;
+
+/// A system near one, and its unit of time.
+pub struct Scaled {
+    pub system: LinearSystem,
+    /// Its poles times 2^rate are those of the system.
+    rate: i32,
+}
+
+/// The scaled system; `None` where nothing is far from one.
+pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(range);
+    let is_far = |range: Option<(f64, f64)>| range.is_some_and(|(low, high)| low < -FAR || high > FAR);
+    if !(is_far(m) || is_far(c) || is_far(k)) {
+        return None;
+    }
+    let middle = |(low, high): (f64, f64)| (0.5 * (low + high)).round() as i32;
+    let (m, slow) = (m.map_or(0, middle), k.map(middle));
+    let (power, rate) = match slow {
+        Some(k) => (-k, (k - m) / 2),
+        None => c.map(middle).map_or((-m, 0), |c| (m - 2 * c, c - m)),
+    };
+    let system = LinearSystem {
+        m: times(&system.m, power + 2 * rate),
+        c: times(&system.c, power + rate),
+        k: times(&system.k, power),
+        ..system.clone()
+    };
+    Some(Scaled { system, rate })
+}
+
+impl Scaled {
+    /// The poles of the system from those of the scaled one.
+    pub fn back(&self, mut poles: Poles) -> Poles {
+        let factors = halves(self.rate);
+        let back = |x: Ball| {
+            let scaled = factors.iter().fold(x, |x, &by| Ball::new(x.mid.scale(by), x.rad * by));
+            // What falls below the range is less than its least number.
+            if scaled.mid.hi.abs() < 1e-280 && !x.is_zero() { scaled.widen(f64::MIN_POSITIVE) } else { scaled }
+        };
+        for pole in &mut poles.list {
+            (pole.re, pole.im) = (back(pole.re), back(pole.im));
+        }
+        poles
+    }
+}
+
+/// 2^power as a product of two numbers within the range.
+fn halves(power: i32) -> [f64; 2] {
+    [2f64.powi(power / 2), 2f64.powi(power - power / 2)]
+}
+
+/// The least and the largest log2 of w a^2.
+fn range(form: &Form) -> Option<(f64, f64)> {
+    let size = |x: &Number| x.to_f64().abs().log2();
+    let of_term = |term: &crate::system::Term| {
+        let largest = form.row(term).iter().map(|(_, a)| size(a)).filter(|x| x.is_finite()).reduce(f64::max)?;
+        Some(size(&term.weight) + 2.0 * largest).filter(|x| x.is_finite())
+    };
+    let sizes = form.terms().iter().filter_map(of_term);
+    sizes.map(|size| (size, size)).reduce(|(low, high), (size, _)| (low.min(size), high.max(size)))
+}
+
+/// The form times 2^power, exactly but for balls.
+fn times(form: &Form, power: i32) -> Form {
+    let mut result = Form::new();
+    let factors = halves(power);
+    let scaled = |weight: &Number| match weight {
+        Number::Ball(ball) => Number::Ball(factors.iter().fold(*ball, |x, &by| Ball::new(x.mid.scale(by), x.rad * by))),
+        exact => {
+            factors.iter().filter_map(|&by| Rational::from_f64(by)).fold(exact.clone(), |x, by| &x * &Number::from(by))
+        }
+    };
+    for term in form.terms() {
+        let source = result.source(form.source_name(term.source));
+        result.push(source, term.nature, scaled(&term.weight), form.row(term).iter().cloned());
+    }
+    result
+}
