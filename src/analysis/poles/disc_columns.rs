@@ -258,3 +258,53 @@ fn typical_rate(pairs: &[Pair]) -> f64 {
     let middle = low.sqrt() * high.sqrt();
     if middle.is_finite() && middle > 0.0 { middle } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::numeric::triple::Triple;
+
+    fn near(value: f64, error: f64) -> Near {
+        Near { value: Complex::real(value), error, size: (value.abs() + error) * UP }
+    }
+
+    fn column(x: &[Near]) -> Column {
+        Column { x: x.to_vec(), mx: x.to_vec(), mv: x.to_vec(), cx: x.to_vec() }
+    }
+
+    /// The true products may lie anywhere within the errors of the factors, and sums round.
+    #[test]
+    fn a_product_of_columns_is_bounded() {
+        // 1e16 + 1 - 1e16, where binary64 sees nothing.
+        let x = column(&[near(1e8, 0.0), near(1.0, 0.0), near(-1e8, 0.0)]);
+        assert!(x.dot(&[near(1e8, 0.0), near(1.0, 0.0), near(1e8, 0.0)]) >= 1.0);
+        // 3 - 3, both factors doubtful.
+        let x = column(&[near(1.0, 1e-3), near(-1.0, 0.0)]);
+        assert!(x.dot(&[near(3.0, 0.0), near(3.0, 1e-2)]) >= 3e-3 + 1e-2);
+    }
+
+    #[test]
+    fn the_radius_of_a_weight_is_in_the_product() {
+        let mut system = crate::analysis::test_systems::oscillator("1", "1", "1");
+        crate::analysis::test_systems::push(&mut system.m, "1", 0, None);
+        let part = crate::analysis::modes::parts::Part::whole(&system);
+        let mut pencil = Pencil::of(&system, &part, &[0]);
+        let x = column(&[near(2.0, 0.0), near(3.0, 0.0)]);
+        let exact = x.product(&x, &pencil);
+        // 2 (2² + 3²) of M and 2² of C.
+        assert!((exact.value.re - 30.0).abs() <= exact.error && exact.error < 1e-12);
+        pencil.m.weights[1] = Precise { value: Triple::ONE, radius: 1e-3 };
+        let doubtful = x.product(&x, &pencil);
+        assert!(doubtful.error >= 2.0 * 9.0 * 1e-3 && doubtful.least() <= 30.0 - 0.018);
+    }
+
+    #[test]
+    fn a_number_keeps_its_radius_when_it_is_scaled() {
+        let z = Complex::new(
+            Precise { value: Triple::from(3.0), radius: 1e-5 },
+            Precise { value: Triple::from(4.0), radius: 0.0 },
+        );
+        let scaled = Near::of(z, Complex::new(0.0, 2.0));
+        assert!(scaled.error >= 2e-5 && scaled.size >= 10.0 + 2e-5 && scaled.least() <= 10.0 - 2e-5);
+    }
+}

@@ -264,3 +264,108 @@ fn union_radius(
         .map(|i| ((centres[i] - centres[k]).magnitude() + radii[i]) * UP)
         .fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::modes;
+    use crate::analysis::modes::parts::Part;
+    use crate::analysis::poles::companion::Basis;
+    use crate::analysis::poles::refinement::refine;
+    use crate::analysis::test_systems::{blank, push};
+
+    /// A chain of four with one damper: four pairs far apart.
+    fn chain() -> (Pencil<Precise>, Vec<Pair>) {
+        let mut system = blank(4);
+        for (i, k) in ["3.1", "1.7", "2.3", "0.9"].into_iter().enumerate() {
+            push(&mut system.m, "1.3", i, None);
+            push(&mut system.k, k, i, i.checked_sub(1));
+        }
+        push(&mut system.c, "0.37", 1, None);
+        let pencil = Pencil::of(&system, &Part::whole(&system), &[0, 1, 2, 3]);
+        let working = pencil.to_dd();
+        let basis = Basis::of(&working, &modes(&system).expect("modes"), &RigidMotions::default());
+        let starts = basis.starts();
+        let pairs = (0..).zip(&starts).map(|(seed, &start)| refine(&working, &basis, start, seed).expect("a pole"));
+        (pencil, pairs.collect())
+    }
+
+    fn certified(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<Disc> {
+        discs(pencil, &RigidMotions::default(), pairs, count)
+    }
+
+    /// How far the disc's centre is from the truth, and its radius.
+    fn error(disc: &Disc, truth: &Disc) -> (f64, f64) {
+        let d = disc.s - truth.s;
+        (d.re.mid.to_f64().hypot(d.im.mid.to_f64()), disc.s.re.rad.max(disc.s.im.rad))
+    }
+
+    #[test]
+    fn good_pairs_are_certified_each_by_itself() {
+        let (pencil, pairs) = chain();
+        let discs = certified(&pencil, &pairs, 8);
+        assert_eq!(discs.len(), 4);
+        assert!(discs.iter().all(|disc| disc.clusters == [None; 2] && disc.s.re.rad < 1e-28), "{discs:?}");
+    }
+
+    /// A pole too few, too many, or one twice where another is missing: nothing is certified.
+    #[test]
+    fn poles_that_are_not_counted_are_not_certified() {
+        let (pencil, pairs) = chain();
+        let nothing = |pairs: &[Pair], count: usize| certified(&pencil, pairs, count).iter().all(|d| !d.is_certified());
+        assert!(nothing(&pairs[..3], 8), "one is missing");
+        assert!(nothing(&[pairs.clone(), pairs[..1].to_vec()].concat(), 8), "one is there twice besides");
+        assert!(nothing(&[&pairs[..3], &pairs[..1]].concat(), 8), "one is there twice, one is missing");
+        assert!(nothing(&pairs, 10), "there are more poles than pairs");
+    }
+
+    /// Vectors of two poles that are nearly the same leave B singular, as far as can be told.
+    #[test]
+    fn vectors_that_depend_on_each_other_certify_nothing() {
+        let (pencil, mut pairs) = chain();
+        pairs[1].x = pairs[0].x.clone();
+        assert!(certified(&pencil, &pairs, 8).iter().all(|disc| !disc.is_certified()));
+    }
+
+    /// One vector is wrong and all other pairs are right. Then the other columns of R vanish, Gershgorin's radius too, and what
+    /// is left of the error is the part of B^-1 R off the diagonal of B, quadratic in the slip.
+    #[test]
+    fn a_wrong_vector_widens_its_disc_by_the_square() {
+        let (pencil, pairs) = chain();
+        let (truth, mut felt) = (certified(&pencil, &pairs, 8), 0);
+        for at in 0..4 {
+            for slip in [1e-3, 1e-5, 1e-7] {
+                let mut wrong = pairs.clone();
+                for i in 0..4 {
+                    let size = slip * [0.7, -1.0, 0.4, 0.9][(i + at) % 4];
+                    wrong[at].x.add(i, Complex::new(size, 0.6 * size));
+                }
+                let discs = certified(&pencil, &wrong, 8);
+                let (error, radius) = error(&discs[at], &truth[at]);
+                assert!(error <= radius && radius < 1e4 * slip * slip, "{at} {slip:e}: {error:e} {radius:e}");
+                felt += usize::from(error > 1e-3 * slip * slip);
+            }
+        }
+        assert!(felt >= 9, "{felt}");
+    }
+
+    /// Numbers that are wrong, and all vectors a little: what is certified holds the truth.
+    #[test]
+    fn wrong_pairs_have_discs_that_hold_the_truth() {
+        let (pencil, pairs) = chain();
+        let truth = certified(&pencil, &pairs, 8);
+        for slip in [3e-2, 1e-2, 1e-4] {
+            let mut wrong = pairs.clone();
+            for (at, pair) in wrong.iter_mut().enumerate() {
+                pair.s = pair.s + Complex::new(0.3 * slip, -slip).into();
+                (0..4)
+                    .for_each(|i| pair.x.add(i, Complex::new(slip * 0.3, slip * [0.2, -0.4, 0.1, 0.3][(i + at) % 4])));
+            }
+            for (disc, truth) in certified(&pencil, &wrong, 8).iter().zip(&truth) {
+                let (error, radius) = error(disc, truth);
+                assert!(error <= radius, "{slip:e}: {error:e} {radius:e}");
+                assert!(slip > 1e-3 || radius < 1e-4, "{slip:e}: {radius:e}");
+            }
+        }
+    }
+}

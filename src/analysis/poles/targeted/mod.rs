@@ -227,6 +227,40 @@ mod tests {
         }
     }
 
+    /// A vector that is half one motion and half another, a number between them, and pairs that are far off: a circle that is
+    /// not proved by Rouche's theorem is none.
+    #[test]
+    fn what_is_no_pole_gets_no_disc() {
+        let system = band(40, 2, -2, 2, true, 5);
+        let all = modes(&system).expect("modes");
+        let truth = poles(&system, &all).expect("poles").list;
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let (frame, pencil) = (large.frame(&all.list[..14], 8).expect("a gap"), large.exact.to_dd());
+        let starts = undamped(&all.list[..8], 8);
+        let pairs: Vec<_> =
+            starts.iter().map(|start| follow(&large.networks, &pencil, start).expect("a pole")).collect();
+        for index in 0..7 {
+            let (a, b) = (&pairs[index], &pairs[index + 1]);
+            let mut between = a.clone();
+            between.s = (a.s.to_f64() + b.s.to_f64()).scale(0.5).into();
+            (0..40).for_each(|i| between.x.add(i, b.x.entry(i).to_f64()));
+            assert_eq!(disc(&frame, &large.exact, &between, index, 1e-12), None, "{index}");
+        }
+        let (mut digits, mut refused) = (Digits(3), 0);
+        for (index, right) in pairs.iter().enumerate() {
+            for size in [1.0, 0.3, 0.1, 0.03] {
+                let mut pair = right.clone();
+                let mut slip = || size * (digits.below(2001) as f64 / 1000.0 - 1.0);
+                (0..40).for_each(|i| pair.x.add(i, Complex::new(slip(), slip())));
+                match disc(&frame, &large.exact, &pair, index, 1e-12) {
+                    Some(disc) => assert_eq!(held(&disc, &truth), 1, "{size:e} {disc:?}"),
+                    None => refused += 1,
+                }
+            }
+        }
+        assert!(refused >= 16, "{refused}");
+    }
+
     /// s^2 + 2 zeta_j omega_j s + omega_j^2 for C = alpha M + beta K, here not recognised as such.
     #[test]
     fn proportional_damping_has_its_closed_form() {
