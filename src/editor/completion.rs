@@ -360,8 +360,23 @@ impl<'a> Place<'a> {
         self.document.outline.around(self.statement).map(index).collect()
     }
 
+    /// What stands before the place is a whole operand: an operator may follow, or the line's end, and no name.
+    fn is_after_operand(&self) -> bool {
+        let Some(last) = (0..self.before.len()).rev().find(|at| self.before[*at].kind != TokenKind::LineEnd) else {
+            return false;
+        };
+        match self.before[last].kind {
+            TokenKind::Word => last > 0 && !LEADS_ON.contains(&self.text(last)),
+            TokenKind::Number { .. } | TokenKind::Close => true,
+            _ => false,
+        }
+    }
+
     /// Names, functions and what else may stand in an expression of this declaration.
     fn expression(&self) -> Vec<Item> {
+        if self.is_after_operand() {
+            return Vec::new();
+        }
         let keyword = self.keyword();
         let mut items = self.indices();
         let arrow = self.last(1) == "->";
@@ -390,6 +405,9 @@ impl<'a> Place<'a> {
         items
     }
 }
+
+/// Words behind which an expression starts.
+const LEADS_ON: [&str; 4] = ["in", "along", "about", "modal"];
 
 fn directions() -> Vec<Item> {
     let direction = |word: &str| item(word, ItemKind::Keyword, "a direction");

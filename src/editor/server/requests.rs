@@ -3,6 +3,7 @@
 use super::answers;
 use super::{Refusal, Server};
 use crate::backend::explain;
+use crate::base::Diagnostic;
 use crate::editor::document::Document;
 use crate::editor::{completion, highlight, hints, hover, mends, names, symbols};
 use gen_lsp_types::{
@@ -72,9 +73,11 @@ impl Server<'_> {
             }),
             "textDocument/formatting" => self.asked::<DocumentFormattingRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
-                // Text with syntax errors is left as it is.
-                let laid_out = crate::format(&document.sources, document.file).answer;
-                Ok(laid_out.map(|text| answers::difference(document, s.encoding, &text)))
+                let laid_out = crate::format(&document.sources, document.file);
+                if laid_out.answer.is_none() {
+                    s.show(MESSAGE_WARNING, not_laid_out(document, &laid_out.diagnostics));
+                }
+                Ok(laid_out.answer.map(|text| answers::difference(document, s.encoding, &text)))
             }),
             "textDocument/codeAction" => self.asked::<CodeActionRequest>(params, |s, p| s.actions(&p)),
             "workspace/executeCommand" => self.asked::<ExecuteCommandRequest>(params, |s, p| s.execute(&p)),
@@ -171,10 +174,27 @@ impl Server<'_> {
             return Err(refused(format!("`{}` is no command of this server", params.command)));
         };
         let page = explain::explain(code).map_err(|_| refused(format!("no diagnostic has the code `{code}`")))?;
-        let message = serde_json::json!({ "type": 3, "message": page });
-        self.send(Notification::new("window/showMessage".into(), message));
+        self.show(MESSAGE_INFO, page.clone());
         Ok(Some(page.into()))
     }
+
+    /// Something for the user to read.
+    fn show(&self, kind: u32, message: String) {
+        let params = serde_json::json!({ "type": kind, "message": message });
+        self.send(Notification::new("window/showMessage".into(), params));
+    }
+}
+
+/// The protocol's `MessageType`.
+const MESSAGE_WARNING: u32 = 2;
+const MESSAGE_INFO: u32 = 3;
+
+/// Why a text is left as it is: the first thing in it that is not in the grammar.
+fn not_laid_out(document: &Document, findings: &[Diagnostic]) -> String {
+    let first = findings.iter().find(|finding| finding.is_error());
+    let line = first.map(|finding| document.lines.line(finding.primary.span.start()) + 1);
+    let place = line.map_or(String::new(), |line| format!(" in line {line}"));
+    format!("The layout is left as it is: fix the syntax error{place} first.")
 }
 
 fn refused(message: String) -> Refusal {

@@ -221,6 +221,12 @@ output y = block.x
         ("output z = wheel.", vec!["angle", "omega", "alpha"], vec!["x"]),
         ("output z = s.", vec!["force", "stretch"], vec!["x"]),
         ("output z = ", vec!["block", "wheel", "s"], vec![]),
+        // Behind a whole operand Enter ends the line: no list may be open that takes it.
+        ("output z = block.x ", vec![], vec!["block", "sqrt", "k"]),
+        ("output z = block.x + ", vec!["block"], vec![]),
+        ("param q = 2 * k ", vec![], vec!["k", "pi"]),
+        ("param q = (k + k) ", vec![], vec!["k", "pi"]),
+        ("solve k in ", vec!["k", "pi"], vec![]),
         ("force G: block along x = ", vec!["harmonic", "step"], vec!["frequency"]),
         ("force G: block along x = harmonic(1 N, 2 ", vec!["Hz", "rad/s"], vec!["N"]),
         ("require ", vec!["frequency", "gain", "stable"], vec!["harmonic"]),
@@ -390,6 +396,8 @@ fn a_text_is_laid_out_and_a_broken_one_left_alone() {
     assert_eq!(client.ask("textDocument/formatting", options.clone()), json!([]));
     client.change("param k = \n");
     assert!(client.ask("textDocument/formatting", options).is_null());
+    let said = client.hear("window/showMessage")["message"].to_string();
+    assert!(said.contains("fix the syntax error in line 1 first"), "{said}");
 }
 
 #[test]
