@@ -163,6 +163,11 @@ impl Poles {
         self.count.map(PoleCount::infinite)
     }
 
+    /// All should be in the list, and it is not proved that they are.
+    pub fn is_uncounted(&self) -> bool {
+        self.left_out == 0 && self.count.is_none()
+    }
+
     /// Every pole is in the list, and that is proved.
     pub fn is_complete(&self) -> bool {
         self.count.is_some_and(|count| count.finite() == self.list.len())

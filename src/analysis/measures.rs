@@ -48,7 +48,7 @@ pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
 
 /// The last pole of the i-th damped motion, or why there is none.
 pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
-    if poles.count.is_none() && (poles.followed || poles.left_out == 0) {
+    if poles.is_uncounted() || poles.followed {
         return Err("it is not proved that no other damped motion comes before");
     }
     let mut halves = 0;

@@ -5,6 +5,7 @@
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::modes::parts::{Part, independent};
 use crate::analysis::poles::exact::half_planes_of;
+use crate::analysis::poles::passive::is_semidefinite;
 use crate::analysis::poles::proportional::proportional;
 use crate::system::{Form, LinearSystem};
 
@@ -71,7 +72,12 @@ impl PartialEq<Stability> for Verdict {
 pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.has(kind) || modes.list.iter().any(|mode| mode.kind == kind);
-    let dissipative = are_positive(&system.c);
+    let positive = |of: fn(&LinearSystem) -> &Form, terms: fn(&Part) -> &[u32]| {
+        let whole = Part::whole(system);
+        is_semidefinite(of(system), terms(&whole))
+            || independent(system).iter().all(|part| is_semidefinite(of(system), terms(part)))
+    };
+    let dissipative = positive(|system| &system.c, |part| &part.c);
     // Q(s) is K at s = 0 and positive for large s, whatever the dampers are, so an eigenvalue of it vanishes in between for each
     // negative omega^2: a growing pole. Motions without inertia may hide it behind a damper that feeds energy in.
     let diverges = mode(ModeKind::Divergence) && (modes.infinite == 0 || dissipative);
@@ -81,12 +87,10 @@ pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict
     if pole(|kind| kind == PoleKind::Undetermined) || mode(ModeKind::Undetermined) {
         return Verdict { kind: Stability::Undetermined, reason: Reason::Sign };
     }
-    let held = !mode(ModeKind::Divergence) && (modes.infinite == 0 || are_positive(&system.k));
-    let reason = if held && are_positive(&system.m) && (dissipative || is_classical(system)) {
-        Reason::Energy
-    } else {
-        counted(system, poles)
-    };
+    let held = !mode(ModeKind::Divergence) && (modes.infinite == 0 || positive(|system| &system.k, |part| &part.k));
+    let inertial = positive(|system| &system.m, |part| &part.m);
+    let reason =
+        if held && inertial && (dissipative || is_classical(system)) { Reason::Energy } else { counted(system, poles) };
     let rigid = mode(ModeKind::Rigid) || pole(|kind| kind == PoleKind::Rigid);
     let kind = match reason {
         Reason::Energy | Reason::Poles if rigid => Stability::Neutral,
@@ -124,11 +128,6 @@ fn agrees_with_count(system: &LinearSystem, poles: &Poles) -> bool {
     right == 0 && axis <= near_axis && all
 }
 
-/// Every term has a positive weight.
-fn are_positive(form: &Form) -> bool {
-    form.terms().iter().all(|term| term.weight.is_positive())
-}
-
 /// C = alpha M + beta K with neither negative: positive where M and K are.
 fn is_classical(system: &LinearSystem) -> bool {
     proportional(system, &Part::whole(system))
@@ -159,5 +158,60 @@ impl Reason {
                 "the poles and Routh's count of them contradict each other: please report this model"
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::modes;
+    use crate::analysis::poles::count::PoleCount;
+    use crate::analysis::poles::poles;
+    use crate::analysis::test_systems::{blank, oscillator, push};
+
+    /// An oscillator that a damper feeds: two growing poles.
+    fn fed() -> LinearSystem {
+        let mut system = oscillator("1", "0.1", "4");
+        let (term, mut c) = (system.c.terms()[0].clone(), Form::new());
+        let source = c.source(system.c.source_name(term.source));
+        c.push(source, term.nature, -&term.weight, system.c.row(&term).iter().cloned());
+        system.c = c;
+        system
+    }
+
+    /// What is said where growing poles are not in the list: never that it is stable.
+    #[test]
+    fn a_list_without_its_growing_poles_proves_nothing() {
+        let system = fed();
+        let modes = modes(&system).expect("modes");
+        let all = poles(&system, &modes).expect("poles");
+        assert_eq!(stability(&system, &modes, &all), Stability::Unstable);
+        let reason = |poles: Poles| {
+            let verdict = stability(&system, &modes, &poles);
+            assert_eq!(verdict.kind(), Stability::Undetermined);
+            verdict.reason()
+        };
+        assert_eq!(reason(Poles::default()), Reason::NotCounted);
+        assert_eq!(reason(Poles { left_out: 2, ..Poles::default() }), Reason::NotComputed);
+        // A list whose count is of other poles: one more, and the right number of wrong ones.
+        assert_eq!(reason(Poles { count: Some(PoleCount::sample(2, 0)), ..Poles::default() }), Reason::NotCounted);
+        let decaying = poles(&oscillator("1", "0.1", "4"), &modes).expect("poles");
+        assert!(decaying.is_complete());
+        assert_eq!(reason(decaying), Reason::Contradiction);
+    }
+
+    /// Two dampers in parallel whose sum takes energy: no pole need be known.
+    #[test]
+    fn energy_alone_is_a_proof() {
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        push(&mut system.k, "4", 0, None);
+        push(&mut system.c, "0.3", 0, None);
+        let fed = fed();
+        let term = &fed.c.terms()[0];
+        let source = system.c.source(fed.c.source_name(term.source));
+        system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).iter().cloned());
+        let verdict = stability(&system, &modes(&system).expect("modes"), &Poles::default());
+        assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }
 }

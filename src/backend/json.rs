@@ -292,8 +292,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
 }
 
 fn not_proved(answer: &ModalAnswer) -> Vec<&'static str> {
-    let uncounted = answer.poles.left_out == 0 && answer.poles.count.is_none();
-    let count = uncounted.then_some("that these are all poles, and each is there once");
+    let count = answer.poles.is_uncounted().then_some("that these are all poles, and each is there once");
     let verdict = Some(answer.stability.reason().not_proved()).filter(|text| !text.is_empty());
     count.into_iter().chain(verdict).collect()
 }

@@ -58,6 +58,9 @@ fn line_of(motions: &Motions) -> String {
     let verdict = match motions.modal.as_ref().map(|modal| modal.stability.kind()) {
         Some(Stability::Unstable) => ", UNSTABLE",
         Some(Stability::Undetermined) => ", stability undetermined",
+        _ if motions.modal.as_ref().is_some_and(|modal| modal.poles.is_uncounted()) => {
+            ", not proved that these are all"
+        }
         _ if poles(motions).is_none() && !motions.system.c.is_empty() => ", undamped",
         _ => "",
     };

@@ -398,4 +398,37 @@ mod tests {
         assert!(near(&roots[0].0, -1.0, 2.0) && !roots[0].1);
         assert!(near(&roots[1].0, -3.0, 0.0) && roots[1].1);
     }
+
+    fn value(re: f64, im: f64) -> ComplexFloat {
+        ComplexFloat::new(Float::from(re), Float::from(im))
+    }
+
+    /// Discs that meet, one too few, and discs on the axis and off it that hold the same root prove nothing.
+    #[test]
+    fn values_that_are_not_apart_are_no_roots() {
+        // (s + 1)(s + 3)
+        let f = polynomial(&[3, 4, 1]);
+        let slope = f.derivative();
+        let tiny = 1e-80;
+        let separated = |values: &[ComplexFloat]| separated(&f, &slope, values);
+        assert_eq!(separated(&[value(-1.0, 0.0), value(-3.0, 0.0)]).map(|list| list.len()), Some(2));
+        assert!(separated(&[value(-1.0, 0.0), value(-1.0, tiny)]).is_none(), "one twice");
+        assert!(separated(&[value(-1.0, tiny), value(-1.0, -tiny)]).is_none(), "a real one as a pair");
+        assert!(separated(&[value(-1.0, 0.0)]).is_none(), "one is missing");
+        assert!(separated(&[value(-1.0, 0.0), value(-2.9, 0.0)]).is_none(), "not sharp");
+        // Beside the axis by less than the disc is wide.
+        let real = separated(&[value(-1.0, tiny), value(-3.0, -tiny)]).expect("they are simple");
+        assert!(real.iter().all(|(s, real)| *real && s.im.is_zero()));
+    }
+
+    /// Beyond the squares of binary64 too, discs that meet are no roots.
+    #[test]
+    fn large_values_are_told_apart_exactly() {
+        let big = BigInt::from(10).pow(160u32);
+        // (s + b)(s + 3 b)
+        let f = Polynomial::new(vec![BigInt::from(3) * &big * &big, BigInt::from(4) * &big, BigInt::one()]);
+        let at = |times: i64| ComplexFloat::new(Float::from(BigInt::from(-times) * &big), Float::zero());
+        assert_eq!(separated(&f, &f.derivative(), &[at(1), at(3)]).map(|list| list.len()), Some(2));
+        assert!(separated(&f, &f.derivative(), &[at(1), at(1)]).is_none());
+    }
 }

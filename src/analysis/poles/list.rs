@@ -6,24 +6,10 @@ use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::count::Tally;
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
+use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
 use crate::base::{Ball, Dd};
 use std::cmp::Ordering;
-
-/// What is certain of a part whatever its poles' enclosures say.
-#[derive(Clone, Copy, Debug)]
-pub struct Passive {
-    /// No term of M or C is negative: no oscillation grows.
-    pub damped: bool,
-    /// No omega^2 is negative: with `damped`, no pole has a positive real part.
-    pub held: bool,
-}
-
-impl Passive {
-    fn nothing_grows(self) -> bool {
-        self.damped && self.held
-    }
-}
 
 /// Poles in the order in which they are found.
 #[derive(Default)]
@@ -361,5 +347,58 @@ fn complex_kind(s: Complex<Ball>, passive: Passive) -> PoleKind {
         false if s.re.mid.hi > 0.0 => PoleKind::Flutter,
         true if !s.re.is_zero() => PoleKind::Undetermined,
         _ => PoleKind::Oscillation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::poles::quadratic::real_root;
+
+    const PASSIVE: Passive = Passive { damped: true, held: true };
+
+    fn root(re: f64, radius: f64) -> Root {
+        real_root(Ball::new(Dd::from(re), radius))
+    }
+
+    #[test]
+    fn a_list_with_a_pole_of_which_nothing_is_known_is_not_counted() {
+        let mut found = PoleList::default();
+        found.repeated(root(-1.0, 1e-20), 1, PASSIVE);
+        found.unknown(1);
+        found.end_part(1);
+        let poles = found.sorted(1);
+        assert_eq!((poles.list.len(), poles.count), (2, None));
+        assert!(poles.is_uncounted());
+    }
+
+    #[test]
+    fn a_list_is_counted_part_by_part() {
+        let mut found = PoleList::default();
+        found.zeros(2);
+        found.end_part(1);
+        found.repeated(root(-1.0, 1e-20), 1, PASSIVE);
+        found.infinite(1);
+        found.end_part(1);
+        assert_eq!(found.sorted(2).infinite(), Some(1));
+        // Three in one part and one in the other are four, and wrong.
+        let mut found = PoleList::default();
+        found.zeros(3);
+        found.end_part(1);
+        found.zeros(1);
+        found.end_part(1);
+        assert_eq!(found.sorted(2).count, None);
+    }
+
+    #[test]
+    fn poles_that_meet_are_joined_with_their_clusters() {
+        let mut found = PoleList::default();
+        found.repeated(root(-1.0, 1e-20), 2, PASSIVE);
+        found.repeated(root(-1.0 - 1e-15, 1e-12), 1, PASSIVE);
+        found.repeated(root(-2.0, 1e-12), 1, PASSIVE);
+        found.repeated(root(-2.0 - 1e-11, 1e-12), 1, PASSIVE);
+        found.end_part(3);
+        let clusters: Vec<Option<u32>> = found.sorted(3).list.iter().map(|pole| pole.cluster).collect();
+        assert_eq!(clusters, [Some(0), Some(0), Some(0), None, None]);
     }
 }

@@ -13,6 +13,7 @@ pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
 pub(in crate::analysis) mod exact;
 pub(in crate::analysis) mod list;
+pub(in crate::analysis) mod passive;
 pub(in crate::analysis) mod pencil;
 pub(in crate::analysis) mod proportional;
 pub(in crate::analysis) mod quadratic;
@@ -33,7 +34,8 @@ use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
 use crate::analysis::poles::exact::{Exact, exact_poles};
-use crate::analysis::poles::list::{Passive, PoleList};
+use crate::analysis::poles::list::PoleList;
+use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
@@ -98,7 +100,7 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
         found.undamped(modes);
         found.infinite(2 * modes.infinite);
     } else if let Some(damping) = proportional(system, whole) {
-        let passive = passive(system, whole, modes);
+        let passive = Passive::of(system, whole, modes);
         decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots, passive));
         without_inertia(modes, &damping, passive, &mut found);
     }
@@ -112,7 +114,7 @@ pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio:
     // s = omega z, z^2 + 2 zeta z + 1 = 0 exactly.
     let unit = roots(&Number::ONE, &twice, &Number::ONE);
     let mut found = PoleList::default();
-    let passive = passive(system, whole, modes);
+    let passive = Passive::of(system, whole, modes);
     let passive = Passive { damped: passive.damped && !ratio.is_negative(), ..passive };
     for mode in &modes.list {
         let omega_squared = Number::Ball(mode.omega_squared);
@@ -160,31 +162,25 @@ pub fn poles_followed(
     wanted: usize,
     tolerance: f64,
 ) -> Option<Poles> {
+    let Some(near_one) = scaled(system) else { return followed(system, whole, modes, wanted, tolerance) };
+    let poles = followed(&near_one.system, whole, &near_one.modes(modes), wanted, tolerance)?;
+    Some(near_one.back(poles))
+}
+
+fn followed(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, tolerance: f64) -> Option<Poles> {
     let mut found = PoleList::default();
     let discs = targeted(system, whole, &modes.list, wanted, tolerance)?;
     let rigid = modes.list.iter().take(wanted).filter(|mode| mode.kind == ModeKind::Rigid).count();
     // K N = 0 is a pole at zero, and C N = 0 besides a double one.
     let free = rigid == 1 && [&system.k, &system.c].iter().all(|form| ignores_translation(form));
     found.zeros(if free { 2 } else { rigid });
-    found.refined(discs.into_iter().map(|disc| (false, disc)), passive(system, whole, modes));
+    found.refined(discs.into_iter().map(|disc| (false, disc)), Passive::of(system, whole, modes));
     Some(Poles { followed: true, ..beside_others(found, system, modes) })
 }
 
 /// The same displacement of all coordinates stretches no term, exactly.
 fn ignores_translation(form: &Form) -> bool {
     form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
-}
-
-fn passive(system: &LinearSystem, part: &Part, modes: &Modes) -> Passive {
-    Passive {
-        damped: are_positive(&system.m, &part.m) && are_positive(&system.c, &part.c),
-        held: modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid))
-            && (modes.infinite == 0 || are_positive(&system.k, &part.k)),
-    }
-}
-
-fn are_positive(form: &Form, terms: &[u32]) -> bool {
-    terms.iter().all(|&t| form.terms()[t as usize].weight.is_positive())
 }
 
 /// Each mode has poles of its own: nothing damps, or damping is proportional.
@@ -237,10 +233,8 @@ impl Portion<'_> {
         let [m, c, k] =
             [(&self.system.m, &self.part.m), (&self.system.c, &self.part.c), (&self.system.k, &self.part.k)]
                 .map(|(form, terms)| diagonal(form, terms));
-        let passive = Passive {
-            damped: are_positive(&self.system.m, &self.part.m) && are_positive(&self.system.c, &self.part.c),
-            held: are_positive(&self.system.k, &self.part.k) || k.is_positive(),
-        };
+        let passive = Passive::of_springs(self.system, self.part);
+        let passive = Passive { held: passive.held || k.is_positive(), ..passive };
         if m.is_positive() {
             found.quadratic(roots(&m, &c, &k), passive);
         } else if !m.is_zero() || c.may_be_zero() && !c.is_zero() || c.is_zero() && k.may_be_zero() {
@@ -261,8 +255,7 @@ impl Portion<'_> {
             .map(|(form, terms)| chosen(form, terms, self.local));
         let pairs = eigenpairs(&c, &m, n, DEFAULT_TOLERANCE);
         let out_of_range = |_| AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) };
-        // K is zero.
-        let passive = Passive { damped: are_positive(&self.system.c, &self.part.c), held: true };
+        let passive = Passive::of_springs(self.system, self.part);
         found.zeros(n);
         for pair in pairs.map_err(out_of_range)? {
             match pair.value {
@@ -339,7 +332,7 @@ impl Portion<'_> {
     }
 
     fn passive(&self, modes: &Modes) -> Passive {
-        passive(self.system, self.part, modes)
+        Passive::of(self.system, self.part, modes)
     }
 }
 

@@ -2,7 +2,7 @@
 //! no word of any number falls below the range of binary64. In: a system. Out: 2^p M 4^q, 2^p C 2^q, 2^p K, whose poles are
 //! 2^-q times those of the system. Clause: spec.md 11.2.
 
-use crate::analysis::answer::Poles;
+use crate::analysis::answer::{Modes, Poles};
 use crate::base::{Ball, Number, Rational};
 use crate::system::{Form, LinearSystem};
 
@@ -14,6 +14,8 @@ pub struct Scaled {
     pub system: LinearSystem,
     /// Its poles times 2^rate are those of the system.
     rate: i32,
+    /// Its inertia is 4^inertia times that of the system.
+    inertia: i32,
 }
 
 /// The scaled system; `None` where nothing is far from one.
@@ -25,9 +27,11 @@ pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
     }
     let middle = |(low, high): (f64, f64)| (0.5 * (low + high)).round() as i32;
     let (m, slow) = (m.map_or(0, middle), k.map(middle));
+    // M times an even power, so that shapes are scaled by a power of two.
+    let even = |power: i32| power / 2 * 2;
     let (power, rate) = match slow {
-        Some(k) => (-k, (k - m) / 2),
-        None => c.map(middle).map_or((-m, 0), |c| (m - 2 * c, c - m)),
+        Some(k) => (even(-k), (k - m) / 2),
+        None => c.map(middle).map_or((even(-m), 0), |c| (even(m - 2 * c), c - m)),
     };
     let system = LinearSystem {
         m: times(&system.m, power + 2 * rate),
@@ -35,10 +39,23 @@ pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
         k: times(&system.k, power),
         ..system.clone()
     };
-    Some(Scaled { system, rate })
+    Some(Scaled { system, rate, inertia: power / 2 + rate })
 }
 
 impl Scaled {
+    /// Its undamped modes from those of the system: shapes and frequencies in its units.
+    pub fn modes(&self, modes: &Modes) -> Modes {
+        let mut modes = modes.clone();
+        let (slower, lighter) = (halves(-self.rate), halves(-self.inertia));
+        let times = |x: Ball, by: [f64; 2]| by.iter().fold(x, |x, &by| Ball::new(x.mid.scale(by), x.rad * by));
+        for mode in &mut modes.list {
+            mode.omega = times(mode.omega, slower);
+            mode.omega_squared = times(times(mode.omega_squared, slower), slower);
+            mode.shape.iter_mut().for_each(|x| *x = *x * lighter[0] * lighter[1]);
+        }
+        modes
+    }
+
     /// The poles of the system from those of the scaled one.
     pub fn back(&self, mut poles: Poles) -> Poles {
         let factors = halves(self.rate);

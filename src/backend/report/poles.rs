@@ -101,7 +101,7 @@ fn infinite(answer: &ModalAnswer) -> String {
 
 /// That the list has them all is a claim of its own.
 fn not_proved(answer: &ModalAnswer) -> String {
-    if answer.poles.left_out > 0 || answer.poles.count.is_some() {
+    if !answer.poles.is_uncounted() {
         return String::new();
     }
     let is_bounded = |pole: &Pole| pole.re.rad.is_finite() && pole.im.rad.is_finite();

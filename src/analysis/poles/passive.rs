@@ -1,0 +1,123 @@
+//! What is certain of a part whatever the enclosures of its poles say: that its dampers feed nothing in, and that its springs
+//! hold it. In: terms, modes. Out: whether a sum of squares is positive, by its weights or exactly. Clause: spec.md 11.8.
+
+use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::modes::parts::Part;
+use crate::base::Rational;
+use crate::system::{Form, LinearSystem};
+
+/// Larger sums with negative weights are not looked at: the elimination is exact.
+const MOST_COORDINATES: usize = 24;
+
+/// Of which energies it is certain that they are never negative.
+#[derive(Clone, Copy, Debug)]
+pub struct Passive {
+    /// M and C are positive: no oscillation grows.
+    pub damped: bool,
+    /// No omega^2 is negative: with `damped`, no pole has a positive real part.
+    pub held: bool,
+}
+
+impl Passive {
+    /// Of a part with these modes.
+    pub fn of(system: &LinearSystem, part: &Part, modes: &Modes) -> Passive {
+        let held = modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid));
+        Passive {
+            damped: is_damped(system, part),
+            held: held && (modes.infinite == 0 || is_semidefinite(&system.k, &part.k)),
+        }
+    }
+
+    /// Of a part whose springs alone tell whether they hold it.
+    pub fn of_springs(system: &LinearSystem, part: &Part) -> Passive {
+        Passive { damped: is_damped(system, part), held: is_semidefinite(&system.k, &part.k) }
+    }
+
+    pub fn nothing_grows(self) -> bool {
+        self.damped && self.held
+    }
+}
+
+fn is_damped(system: &LinearSystem, part: &Part) -> bool {
+    is_semidefinite(&system.m, &part.m) && is_semidefinite(&system.c, &part.c)
+}
+
+/// x^T (sum w a a^T) x >= 0 for every x: all weights are positive, or exact elimination says so.
+pub fn is_semidefinite(form: &Form, terms: &[u32]) -> bool {
+    let positive = |&t: &u32| form.terms()[t as usize].weight.is_positive();
+    terms.iter().all(positive) || matrix(form, terms).is_some_and(has_no_negative_pivot)
+}
+
+/// The sum on the coordinates that it has; `None` where these are many or a number is not rational.
+fn matrix(form: &Form, terms: &[u32]) -> Option<Vec<Vec<Rational>>> {
+    let terms = || terms.iter().map(|&t| &form.terms()[t as usize]);
+    let mut coordinates: Vec<u32> = Vec::new();
+    for (coordinate, _) in terms().flat_map(|term| form.row(term)) {
+        if let Err(at) = coordinates.binary_search(&coordinate.0) {
+            coordinates.insert(at, coordinate.0);
+            if coordinates.len() > MOST_COORDINATES {
+                return None;
+            }
+        }
+    }
+    let place = |coordinate: u32| coordinates.partition_point(|&other| other < coordinate);
+    let mut matrix = vec![vec![Rational::ZERO; coordinates.len()]; coordinates.len()];
+    for term in terms() {
+        let weight = term.weight.exact()?;
+        for (i, a) in form.row(term) {
+            let weighted = weight * a.exact()?;
+            for (j, b) in form.row(term) {
+                let entry = &mut matrix[place(i.0)][place(j.0)];
+                *entry = &*entry + &(&weighted * b.exact()?);
+            }
+        }
+    }
+    Some(matrix)
+}
+
+/// Symmetric elimination with positive pivots, as long as there are some; what is left must vanish.
+fn has_no_negative_pivot(mut a: Vec<Vec<Rational>>) -> bool {
+    let mut left: Vec<usize> = (0..a.len()).collect();
+    while let Some(at) = left.iter().position(|&i| a[i][i].signum() > 0) {
+        let p = left.swap_remove(at);
+        for &i in &left {
+            let factor = &a[i][p] / &a[p][p];
+            for &j in &left {
+                a[i][j] = &a[i][j] - &(&factor * &a[p][j]);
+            }
+        }
+    }
+    left.iter().all(|&i| left.iter().all(|&j| a[i][j].is_zero()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::push;
+
+    fn is_positive(terms: &[(&str, usize, Option<usize>)]) -> bool {
+        let mut form = Form::new();
+        terms.iter().for_each(|&(weight, i, j)| push(&mut form, weight, i, j));
+        // The helper's numbers have no sign: those after the first are taken away.
+        let mut signed = Form::new();
+        for (index, term) in form.terms().iter().enumerate() {
+            let source = signed.source(form.source_name(term.source));
+            let weight = if index == 0 { term.weight.clone() } else { -&term.weight };
+            signed.push(source, term.nature, weight, form.row(term).iter().cloned());
+        }
+        is_semidefinite(&signed, &(0..signed.terms().len() as u32).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_sum_with_negative_weights_may_be_positive_all_the_same() {
+        assert!(is_positive(&[("4", 0, None), ("3.9", 0, None)]));
+        assert!(is_positive(&[("4", 0, None), ("4", 0, None)]));
+        assert!(!is_positive(&[("4", 0, None), ("4.000000000000000000000000001", 0, None)]));
+        assert!(!is_positive(&[("4", 0, Some(1)), ("0.001", 0, None)]));
+        // (x0 - x1)² 4 - (x0 - x1)² 3
+        assert!(is_positive(&[("4", 0, Some(1)), ("3", 0, Some(1))]));
+        // A zero on the diagonal beside what is not zero: x0 x1 has both signs.
+        let product = vec![vec![Rational::ZERO, Rational::from(1)], vec![Rational::from(1), Rational::ZERO]];
+        assert!(!has_no_negative_pivot(product));
+    }
+}
