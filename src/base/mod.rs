@@ -13,6 +13,6 @@ pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Label, Mend, Severit
 pub use dimension::{Angle, Dimension, Quantity};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
-pub use number::{Ball, Dd, Literals, Number, Rational, Rounded, Unproven};
+pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

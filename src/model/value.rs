@@ -227,7 +227,7 @@ fn power_fault(base: &Number) -> Fault {
 }
 
 fn scalar(si: Number, dimension: Dimension, angle: Angle) -> Result<Scalar, Fault> {
-    if matches!(&si, Number::Ball(ball) if !ball.is_finite()) {
+    if matches!(&si, Number::Ball(_) | Number::Jet(_)) && !si.is_finite() {
         return Err(Fault::Overflow);
     }
     Ok(Scalar { quantity: Quantity { si, dimension, angle }, bare_zero: false })
@@ -298,8 +298,12 @@ fn square_root(q: &Quantity) -> Result<Value, Fault> {
 }
 
 fn absolute(value: &Value) -> Result<Value, Fault> {
-    let q = quantity(value)?;
-    if q.si.is_negative() { Ok(negate(value)) } else { Ok(value.clone()) }
+    let mut result = value.clone();
+    let size = quantity(value)?.si.abs();
+    if let Value::Scalar(scalar) = &mut result {
+        scalar.quantity.si = size;
+    }
+    Ok(result)
 }
 
 fn trigonometric(value: &Value, pick: fn(Number, Number) -> Result<Number, Fault>) -> Result<Value, Fault> {

@@ -36,7 +36,7 @@ impl Image {
         match number {
             Number::Exact(_) => true,
             Number::Surd(surd) => self.roots.iter().any(|(d, _)| *d == surd.root),
-            Number::OfPi(_) | Number::Ball(_) => false,
+            Number::OfPi(_) | Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => false,
         }
     }
 
@@ -52,7 +52,7 @@ impl Image {
                 let product = field.multiply(self.of_rational(&surd.factor)?, root);
                 Some(field.add(self.of_rational(&surd.rational)?, product))
             }
-            Number::Ball(ball) => Some(self.of_unknown(ball)),
+            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => Some(self.of_unknown(&number.to_ball())),
         }
     }
 

@@ -281,7 +281,7 @@ fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]
             (Some(weight), None) => force[i.index()].add(a, &(weight * &stretch)),
             (None, None) => match &term.weight * a {
                 // No longer one of the form's own numbers.
-                Number::Ball(_) => return false,
+                Number::Ball(_) | Number::Jet(_) => return false,
                 product => force[i.index()].add(&product, &stretch),
             },
         }
@@ -314,7 +314,7 @@ impl Unknowns {
                 self.exact = &self.exact + &(&surd.rational * factor);
                 self.add_unknown(&surd.root_ball(), &surd.factor * factor);
             }
-            Number::Ball(ball) => self.add_unknown(ball, factor.clone()),
+            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => self.add_unknown(&number.to_ball(), factor.clone()),
         }
     }
 

@@ -172,7 +172,7 @@ impl Precise {
             Number::Exact(rational) => Precise::of_rational(rational),
             Number::OfPi(fraction) => Precise::of_rational(fraction) * Precise::PI,
             Number::Surd(surd) => Precise::of_surd(surd),
-            Number::Ball(ball) => Precise::from(*ball),
+            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => Precise::from(number.to_ball()),
         }
     }
 

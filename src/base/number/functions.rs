@@ -2,7 +2,7 @@
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
 use super::surd::Surd;
-use super::{Ball, Dd, MAX_EXACT_BITS, Number, Rational};
+use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Rational};
 
 impl Number {
     /// Non-negative square root; `None` where the number is or may be negative.
@@ -25,6 +25,10 @@ impl Number {
                 return Some(Number::Ball(Ball::new(root.mid.scale(power), root.rad * power).widen(f64::MIN_POSITIVE)));
             }
         }
+        if let Number::Jet(jet) = self {
+            let root = jet.value.sqrt();
+            return self.is_positive().then(|| jet.through(root, Ball::from(0.5) / root));
+        }
         let ball = self.to_ball();
         (ball.is_zero() || self.is_positive()).then(|| Number::Ball(ball.sqrt()))
     }
@@ -42,7 +46,8 @@ impl Number {
         {
             return Some(Number::Exact(raised));
         }
-        let enclosed = if matches!(self, Number::Surd(_)) { self.clone() } else { Number::Ball(self.to_ball()) };
+        let keeps = matches!(self, Number::Surd(_) | Number::Jet(_));
+        let enclosed = if keeps { self.clone() } else { Number::Ball(self.to_ball()) };
         let (mut base, mut result, mut left) = (enclosed, Number::ONE, power.unsigned_abs());
         while left > 0 {
             if left & 1 == 1 {
@@ -77,8 +82,12 @@ impl Number {
         if self.is_one() {
             return Some(Number::ZERO);
         }
-        let ball = self.to_ball();
-        (ball.is_positive() && ball.is_finite()).then(|| Number::Ball(ln(ball)))
+        let ball = self.enclosure();
+        let value = (ball.is_positive() && ball.is_finite()).then(|| ln(ball))?;
+        Some(match self {
+            Number::Jet(jet) => jet.through(value, Ball::ONE / ball),
+            _ => Number::Ball(value),
+        })
     }
 
     /// Exponential function; `None` beyond the range of binary64.
@@ -86,8 +95,12 @@ impl Number {
         if self.is_zero() {
             return Some(Number::ONE);
         }
-        let ball = self.to_ball();
-        (ball.magnitude() < 700.0).then(|| Number::Ball(exp(ball)))
+        let ball = self.enclosure();
+        let value = (ball.magnitude() < 700.0).then(|| exp(ball))?;
+        Some(match self {
+            Number::Jet(jet) => jet.through(value, value),
+            _ => Number::Ball(value),
+        })
     }
 
     /// Sine and cosine of an angle in radians; `None` for angles too large to have digits left.
@@ -98,11 +111,14 @@ impl Number {
         if let Number::OfPi(fraction) = self {
             return Some(sin_cos_of_pi(fraction));
         }
-        let ball = self.to_ball();
+        let ball = self.enclosure();
         if ball.magnitude() > MAX_ANGLE {
             return None;
         }
         let (s, c) = sin_cos(ball);
+        if let Number::Jet(jet) = self {
+            return Some((jet.through(s, c), jet.through(c, -s)));
+        }
         Some((Number::Ball(s), Number::Ball(c)))
     }
 
@@ -120,8 +136,22 @@ impl Number {
         if let Some(twelfths) = twelfths_of_pi(y, x) {
             return Some(Number::of_pi(Rational::new(twelfths, 12)));
         }
-        let (y, x) = (y.to_ball(), x.to_ball());
-        (!(y.contains_zero() && x.contains_zero()) && y.is_finite() && x.is_finite()).then(|| Number::Ball(atan2(y, x)))
+        let (b, a) = (y.enclosure(), x.enclosure());
+        let known = !(b.contains_zero() && a.contains_zero()) && b.is_finite() && a.is_finite();
+        if let (Number::Jet(_), _) | (_, Number::Jet(_)) = (y, x)
+            && b.contains_zero()
+            && !a.is_positive()
+        {
+            // The angle may jump by a turn.
+            return None;
+        }
+        let angle = known.then(|| atan2(b, a))?;
+        if !matches!((y, x), (Number::Jet(_), _) | (_, Number::Jet(_))) {
+            return Some(Number::Ball(angle));
+        }
+        let (y, x) = (Jet::of(y), Jet::of(x));
+        let slope = (x.value * y.slope - y.value * x.slope) / (x.value.square() + y.value.square());
+        Some(Number::Jet(Box::new(Jet { value: angle, slope })))
     }
 }
 

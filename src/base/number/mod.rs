@@ -1,19 +1,21 @@
 //! Numbers as a model means them: exact while they are rational, enclosed in a ball from then on.
 //!
 //! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
-//! so do fractions of pi and sums with one square root: `60 deg` is pi/3, and its sine sqrt(3)/2. What leaves these sets is
+//! so do fractions of pi and sums with one square root: `60 deg` is pi/3, its sine sqrt(3)/2, and 10 rad/s are 5/pi Hz. What leaves these sets is
 //! enclosed in a [`Ball`], a double-double with a rigorous radius.
 //! Clause: spec.md, "Numbers".
 
 pub mod ball;
 pub mod dd;
 mod functions;
+pub mod jet;
 pub mod rational;
 pub mod rounded;
 pub mod surd;
 
 pub use ball::Ball;
 pub use dd::Dd;
+pub use jet::Jet;
 pub use rational::{Literals, Rational};
 pub use rounded::{Rounded, Unproven};
 
@@ -30,9 +32,13 @@ pub enum Number {
     Exact(Rational),
     /// This fraction of pi; never zero.
     OfPi(Rational),
+    /// This number divided by pi; never zero. A frequency in rad/s is one in Hz.
+    PerPi(Rational),
     /// a + b sqrt(d), not rational.
     Surd(Box<Surd>),
     Ball(Ball),
+    /// Depends on a parameter that lies in a range: with its derivative.
+    Jet(Box<Jet>),
 }
 
 impl Number {
@@ -54,22 +60,45 @@ impl Number {
         }
     }
 
+    /// A number divided by pi.
+    pub fn per_pi(times: Rational) -> Number {
+        if times.is_zero() {
+            Number::ZERO
+        } else if times.bits() <= MAX_EXACT_BITS {
+            Number::PerPi(times)
+        } else {
+            Number::Ball(times.to_ball() / Ball::PI)
+        }
+    }
+
     /// The number in floating point with its error bound.
     #[inline]
     pub fn to_ball(&self) -> Ball {
+        if let Number::Jet(_) = self {
+            Jet::note_loss();
+        }
+        self.enclosure()
+    }
+
+    /// The same for comparisons, of which no number is made: a derivative is not lost by them.
+    #[inline]
+    pub fn enclosure(&self) -> Ball {
         match self {
             Number::Exact(value) => value.to_ball(),
             Number::OfPi(fraction) => fraction.to_ball() * Ball::PI,
+            Number::PerPi(times) => times.to_ball() / Ball::PI,
             Number::Surd(surd) => surd.to_ball(),
             Number::Ball(ball) => *ball,
+            Number::Jet(jet) => jet.value,
         }
     }
 
     pub fn to_f64(&self) -> f64 {
         match self {
             Number::Exact(value) => value.to_f64(),
-            Number::OfPi(_) | Number::Surd(_) => self.to_ball().to_f64(),
+            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => self.to_ball().to_f64(),
             Number::Ball(ball) => ball.to_f64(),
+            Number::Jet(jet) => jet.value.to_f64(),
         }
     }
 
@@ -77,7 +106,7 @@ impl Number {
     pub fn exact(&self) -> Option<&Rational> {
         match self {
             Number::Exact(value) => Some(value),
-            Number::OfPi(_) | Number::Surd(_) | Number::Ball(_) => None,
+            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => None,
         }
     }
 
@@ -86,8 +115,9 @@ impl Number {
     pub fn is_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) | Number::Surd(_) => false,
+            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => false,
             Number::Ball(ball) => ball.is_zero(),
+            Number::Jet(jet) => jet.is_zero(),
         }
     }
 
@@ -100,32 +130,35 @@ impl Number {
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) | Number::Surd(_) => false,
+            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => false,
             Number::Ball(ball) => ball.contains_zero(),
+            Number::Jet(jet) => jet.value.contains_zero(),
         }
     }
 
     /// Certainly greater than zero.
     pub fn is_positive(&self) -> bool {
         match self {
-            Number::Exact(value) | Number::OfPi(value) => value.signum() > 0,
+            Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() > 0,
             Number::Surd(surd) => surd.signum() > 0,
             Number::Ball(ball) => ball.is_positive(),
+            Number::Jet(jet) => jet.value.is_positive(),
         }
     }
 
     /// Certainly less than zero.
     pub fn is_negative(&self) -> bool {
         match self {
-            Number::Exact(value) | Number::OfPi(value) => value.signum() < 0,
+            Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() < 0,
             Number::Surd(surd) => surd.signum() < 0,
             Number::Ball(ball) => ball.is_negative(),
+            Number::Jet(jet) => jet.value.is_negative(),
         }
     }
 
     /// Neither infinite nor of unknown size, and within the range of binary64.
     pub fn is_finite(&self) -> bool {
-        self.to_ball().is_finite()
+        self.enclosure().is_finite()
     }
 
     /// Which of the two is certainly smaller; `None` where the balls overlap.
@@ -146,7 +179,15 @@ impl Number {
     }
 
     pub fn abs(&self) -> Number {
-        if self.is_negative() { -self } else { self.clone() }
+        match self {
+            _ if self.is_negative() => -self,
+            // Either sign: its size is still within the radius of the midpoint's.
+            Number::Ball(ball) => Number::Ball(ball.abs()),
+            Number::Jet(jet) if jet.value.contains_zero() => {
+                Jet::number(jet.value.abs(), Ball::ZERO.widen(jet.slope.magnitude()))
+            }
+            _ => self.clone(),
+        }
     }
 
     #[inline]
@@ -205,10 +246,12 @@ impl Neg for &Number {
         match self {
             Number::Exact(value) => Number::Exact(-value),
             Number::OfPi(fraction) => Number::OfPi(-fraction),
+            Number::PerPi(times) => Number::PerPi(-times),
             Number::Surd(surd) => {
                 Number::Surd(Box::new(Surd { rational: -&surd.rational, factor: -&surd.factor, root: surd.root }))
             }
             Number::Ball(ball) => Number::Ball(-*ball),
+            Number::Jet(jet) => Jet::number(-jet.value, -jet.slope),
         }
     }
 }
@@ -219,8 +262,10 @@ impl Add for &Number {
         match (self, other) {
             (Number::Exact(a), _) if a.is_zero() => other.clone(),
             (_, Number::Exact(b)) if b.is_zero() => self.clone(),
+            (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::sum(self, other),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a + b),
             (Number::OfPi(a), Number::OfPi(b)) => Number::of_pi(a + b),
+            (Number::PerPi(a), Number::PerPi(b)) => Number::per_pi(a + b),
             (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
                 Number::with_root(&a.rational + b, a.factor.clone(), a.root)
             }
@@ -247,6 +292,8 @@ impl Mul for &Number {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a * b),
             (Number::Exact(a), Number::OfPi(b)) | (Number::OfPi(a), Number::Exact(b)) => Number::of_pi(a * b),
+            (Number::Exact(a), Number::PerPi(b)) | (Number::PerPi(a), Number::Exact(b)) => Number::per_pi(a * b),
+            (Number::OfPi(a), Number::PerPi(b)) | (Number::PerPi(a), Number::OfPi(b)) => Number::from_rational(a * b),
             (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
                 Number::with_root(&a.rational * b, &a.factor * b, a.root)
             }
@@ -265,6 +312,7 @@ impl Mul for &Number {
             }
             // An exact zero stays exact whatever it is multiplied with.
             _ if self.is_zero() || other.is_zero() => Number::ZERO,
+            (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::product(self, other),
             _ => Number::Ball(self.to_ball() * other.to_ball()),
         }
     }
@@ -276,9 +324,13 @@ impl Div for &Number {
     fn div(self, other: &Number) -> Number {
         match (self, other) {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
+            (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::quotient(self, other),
             (Number::Exact(a), Number::Exact(b)) if !b.is_zero() => Number::from_rational(a / b),
             (Number::OfPi(a), Number::Exact(b)) if !b.is_zero() => Number::of_pi(a / b),
-            (Number::OfPi(a), Number::OfPi(b)) => Number::from_rational(a / b),
+            (Number::PerPi(a), Number::Exact(b)) if !b.is_zero() => Number::per_pi(a / b),
+            (Number::OfPi(a), Number::OfPi(b)) | (Number::PerPi(a), Number::PerPi(b)) => Number::from_rational(a / b),
+            (Number::Exact(a), Number::OfPi(b)) if !a.is_zero() => Number::per_pi(a / b),
+            (Number::Exact(a), Number::PerPi(b)) if !a.is_zero() => Number::of_pi(a / b),
             (Number::Surd(a), Number::Exact(b)) if !b.is_zero() => {
                 Number::with_root(&a.rational / b, &a.factor / b, a.root)
             }

@@ -1,0 +1,150 @@
+//! A number that depends on one parameter, with its derivative: both enclosed over a whole range of the parameter. In: numbers
+//! of a model in which a parameter is [`Jet::of_parameter`]. Out: for every value of the parameter in the range, the number lies
+//! in `value` and its derivative in `slope` (automatic differentiation in ball arithmetic: L. B. Rall, *Automatic
+//! Differentiation*, LNCS 120, 1981). Clause: spec.md, "Numbers".
+//!
+//! Where a number is turned into a plain ball its derivative is lost; [`watched`] tells whether that happened, so that what
+//! was computed from such a ball is not taken for constant.
+
+use super::{Ball, Dd, Number};
+use std::cell::Cell;
+
+/// A number over a range of one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jet {
+    /// Encloses the number for every value of the parameter.
+    pub value: Ball,
+    /// Encloses its derivative by the parameter for every value of the parameter.
+    pub slope: Ball,
+}
+
+thread_local! {
+    /// Set where a derivative is lost.
+    static LOST: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs something and tells whether it lost a derivative on the way.
+pub fn watched<T>(run: impl FnOnce() -> T) -> (T, bool) {
+    let before = LOST.replace(false);
+    let result = run();
+    let lost = LOST.replace(before);
+    (result, lost)
+}
+
+impl Jet {
+    /// The parameter itself, somewhere in a ball.
+    pub fn of_parameter(range: Ball) -> Number {
+        Number::Jet(Box::new(Jet { value: range, slope: Ball::ONE }))
+    }
+
+    /// Any number; one without a derivative is a constant.
+    pub fn of(number: &Number) -> Jet {
+        match number {
+            Number::Jet(jet) => (**jet).clone(),
+            constant => Jet { value: constant.enclosure(), slope: Ball::ZERO },
+        }
+    }
+
+    pub(super) fn number(value: Ball, slope: Ball) -> Number {
+        Number::Jet(Box::new(Jet { value, slope }))
+    }
+
+    pub(super) fn note_loss() {
+        LOST.set(true);
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.value.is_zero() && self.slope.is_zero()
+    }
+
+    /// f(self), from f and f' over the value.
+    pub(super) fn through(&self, value: Ball, slope: Ball) -> Number {
+        Jet::number(value, slope * self.slope)
+    }
+}
+
+pub(super) fn sum(a: &Number, b: &Number) -> Number {
+    let (a, b) = (Jet::of(a), Jet::of(b));
+    Jet::number(a.value + b.value, a.slope + b.slope)
+}
+
+pub(super) fn product(a: &Number, b: &Number) -> Number {
+    // The same number, not only one with the same enclosures.
+    let same = std::ptr::eq(a, b);
+    let (a, b) = (Jet::of(a), Jet::of(b));
+    if same {
+        return Jet::number(square(a.value), a.value * a.slope * Ball::from(2.0));
+    }
+    Jet::number(a.value * b.value, a.value * b.slope + b.value * a.slope)
+}
+
+pub(super) fn quotient(a: &Number, b: &Number) -> Number {
+    let (a, b) = (Jet::of(a), Jet::of(b));
+    if b.value.contains_zero() {
+        let unknown = Ball::new(Dd::ZERO, f64::INFINITY);
+        return Jet::number(unknown, unknown);
+    }
+    let value = a.value / b.value;
+    Jet::number(value, (a.slope - value * b.slope) / b.value)
+}
+
+/// The square of a number that is the same in both factors: never negative.
+fn square(x: Ball) -> Ball {
+    // (m + e)^2 = m^2 + r^2/2 + (2 m e + e^2 - r^2/2), and the last part is at most 2 |m| r + r^2/2 in size.
+    let half = x.rad * x.rad * 0.5;
+    if half == 0.0 {
+        x.square()
+    } else {
+        (Ball::exact(x.mid).square() + Ball::from(half)).widen(2.0 * x.mid.hi.abs() * x.rad * (1.0 + 1e-15) + half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The derivative of an expression at a point and over a range holds the true one.
+    fn check(f: impl Fn(&Number) -> Option<Number>, at: f64, truth: impl Fn(f64) -> f64) {
+        for radius in [0.0, 1e-3, 0.05] {
+            let Some(Number::Jet(jet)) = f(&Jet::of_parameter(Ball::new(Dd::from(at), radius))) else {
+                panic!("a jet")
+            };
+            for part in [-1.0, 0.0, 0.7, 1.0] {
+                let slope = truth(at + part * radius);
+                let off = (jet.slope - Ball::from(slope)).mid.hi.abs();
+                assert!(off <= jet.slope.rad + 1e-13 * slope.abs(), "{jet:?} {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_hold() {
+        let two = Number::from(2);
+        check(|x| Some(&(x * x) * x), 1.5, |x| 3.0 * x * x);
+        check(|x| x.recip(), 1.5, |x| -1.0 / (x * x));
+        check(|x| (x + &two).sqrt(), 1.5, |x| 0.5 / (x + 2.0).sqrt());
+        check(|x| x.powi(-3), 1.5, |x| -3.0 * x.powi(-4));
+        check(|x| x.pow(&Number::from("1.3")), 1.5, |x| 1.3 * x.powf(0.3));
+        check(|x| x.exp(), 1.5, f64::exp);
+        check(|x| x.ln(), 1.5, |x| 1.0 / x);
+        check(|x| x.sin_cos().map(|(s, _)| s), 1.5, f64::cos);
+        check(|x| x.sin_cos().map(|(_, c)| c), 1.5, |x| -x.sin());
+        check(|x| Number::atan2(x, &two), 1.5, |x| 2.0 / (4.0 + x * x));
+        check(|x| x.asin(), 0.5, |x| 1.0 / (1.0 - x * x).sqrt());
+    }
+
+    #[test]
+    fn what_cancels_is_zero() {
+        let x = Jet::of_parameter(Ball::from(3.0));
+        assert!((&(&x - &x) * &Number::from(5)).is_zero());
+        assert!(!(&x - &Number::from(3)).is_zero(), "it is zero at the middle alone");
+    }
+
+    #[test]
+    fn a_lost_derivative_is_told() {
+        let x = Jet::of_parameter(Ball::from(3.0));
+        assert!(!watched(|| (&x * &x).is_positive()).1);
+        assert!(watched(|| x.to_ball()).1);
+        assert!(!watched(|| Number::pi().to_ball()).1);
+    }
+}
