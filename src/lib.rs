@@ -89,7 +89,8 @@ pub fn analyze_with(
         let requirements = read.requirements(Some((&answer.modes, &answer.poles)), &mut diagnostics);
         let (modes, poles) = (&answer.modes, &answer.poles);
         let sensitivities = if study.sensitivity {
-            read.asked(|text| questions::sensitivities(text, &read.settings, request, modes, poles))
+            let system = &answer.system;
+            read.asked(|text| questions::sensitivities(text, &read.settings, request, system, modes, poles))
         } else {
             Vec::new()
         };
@@ -539,7 +540,10 @@ impl<'a> Read<'a> {
             return Some(self);
         }
         match self.asked(|text| questions::solve(text, &self.scene)) {
-            Ok(Settled { scene, settings, solved }) => Some(Read { scene, settings, solved, ..self }),
+            Ok(Settled { scene, settings, solved, unsettled }) => {
+                diagnostics.extend(unsettled.iter().map(AskedError::to_diagnostic));
+                Some(Read { scene, settings, solved, ..self })
+            }
             Err(errors) => {
                 diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
                 None
@@ -632,7 +636,7 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 9] = [
+const LIMITS: [&str; 10] = [
     "vib::rest::not_found",
     "vib::limit::depth",
     "vib::limit::loops",
@@ -642,6 +646,7 @@ const LIMITS: [&str; 9] = [
     "vib::limit::signal",
     "vib::limit::tolerance",
     "vib::require::undetermined",
+    "vib::solve::unsettled",
 ];
 
 /// What says that a file which the model names could not be read.

@@ -5,7 +5,7 @@ use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
-use crate::system::Signal;
+use crate::system::{LinearSystem, Signal};
 
 /// A measured number.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +27,49 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
             Measurement::None("this mode does not oscillate: it diverges")
         }
         Some(mode) if mode.kind == ModeKind::Undetermined => {
-            Measurement::None("the sign of this mode's omega^2 is not certain")
-        }
-        Some(mode) if mode.kind == ModeKind::Undetermined => {
             Measurement::None("it is not certain whether this mode oscillates or diverges")
         }
         Some(mode) => Measurement::Value(mode.omega / (Ball::from(2.0) * Ball::PI)),
+    }
+}
+
+/// omega^2 of the i-th mode without damping, 1/s^2: negative where it diverges.
+pub fn square(modes: &Modes, i: usize) -> Measurement {
+    match i.checked_sub(1).and_then(|i| modes.list.get(i)) {
+        Some(mode) => Measurement::Value(mode.omega_squared),
+        None => Measurement::None("there is no such mode"),
+    }
+}
+
+/// c^2 - 4 k m of a single coordinate: positive where its motion does not oscillate.
+pub fn discriminant(system: &LinearSystem) -> Measurement {
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.entries(1)[0][0].clone());
+    let value = &c.square() - &(&Number::from(4) * &(&k * &m));
+    Measurement::Value(value.to_ball())
+}
+
+/// ((s1 - s2) / 2)^2 of the two poles of the i-th damped motion, 1/s^2: negative where it oscillates, positive where both are
+/// real.
+pub fn critical(poles: &Poles, i: usize) -> Measurement {
+    const NONE: Measurement = Measurement::None("there is no such damped motion");
+    let Some(first) = i.checked_mul(2).and_then(|twice| twice.checked_sub(2)) else { return NONE };
+    let mut halves: Vec<&Pole> = Vec::new();
+    for pole in &poles.list {
+        if pole.kind == PoleKind::Undetermined {
+            return Measurement::None("it is not certain what kind of motion this is");
+        }
+        let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
+        if !complex || pole.im.mid.hi > 0.0 {
+            halves.extend(std::iter::repeat_n(pole, if complex { 2 } else { 1 }));
+        }
+    }
+    match halves.get(first..first + 2) {
+        Some([a, b]) if std::ptr::eq(*a, *b) => Measurement::Value(-a.im.square()),
+        Some([a, b]) if a.im.is_zero() && b.im.is_zero() => {
+            Measurement::Value(((a.re - b.re) * Ball::from(0.5)).square())
+        }
+        Some(_) => Measurement::None("the poles of this motion belong to different motions"),
+        None => NONE,
     }
 }
 

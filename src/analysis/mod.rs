@@ -14,6 +14,7 @@ pub mod nets;
 pub mod numeric;
 pub mod peak;
 mod poles;
+pub mod range;
 pub mod response;
 mod stability;
 pub mod steady;

@@ -9,7 +9,7 @@ use crate::analysis::{
 };
 use crate::base::{Ball, Dd, Number, Rounded};
 use crate::lower::Remark;
-use crate::questions::answer::{Requirement, Sensitivity, Slope, Solved, Value};
+use crate::questions::answer::{Derivative, Others, Requirement, Sensitivity, Slope, Solved, Value};
 use crate::system::{CoordinateKind, Form, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
@@ -215,14 +215,17 @@ struct JsonSolved<'a> {
     parameter: &'a str,
     value: f64,
     unit: &'a str,
-    error_bound: f64,
+    error_bound: Option<f64>,
     si: f64,
     measure: &'a str,
     target: f64,
     residual: f64,
     residual_error_bound: Option<f64>,
     slope: Option<f64>,
+    slope_error_bound: Option<f64>,
     relative_slope: Option<f64>,
+    others: &'static str,
+    unsettled: Vec<[String; 2]>,
     looked_at: usize,
     until_s: Option<f64>,
 }
@@ -319,6 +322,9 @@ struct JsonSlope {
     derivative: Option<f64>,
     error_bound: Option<f64>,
     relative: Option<f64>,
+    /// Of the parts into which equal frequencies part, without a bound.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    slopes: Vec<f64>,
 }
 
 fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
@@ -340,38 +346,63 @@ fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
 fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usize>)) -> JsonSlope {
     let (kind, found) = match slope {
         None => ("none", None),
-        Some(Slope::Splits) => ("splits", None),
+        Some(Slope::Splits(_)) => ("splits", None),
+        Some(Slope::NotComputed) => ("not_computed", None),
         Some(Slope::Undefined) => ("undefined", None),
-        Some(Slope::Smooth { absolute, relative }) => ("smooth", Some((absolute, relative))),
+        Some(Slope::Smooth { absolute, relative }) => (
+            if matches!(absolute, Derivative::Enclosed(_)) { "smooth" } else { "unproven" },
+            Some((absolute, relative)),
+        ),
     };
     JsonSlope {
         mode,
         motion,
         kind,
         derivative: found.map(|(absolute, _)| absolute.to_f64() + 0.0),
-        error_bound: found.and_then(|(absolute, _)| finite(error_bound(absolute))),
+        error_bound: found.and_then(|(absolute, _)| derivative_bound(absolute)),
         relative: found.and_then(|(_, relative)| finite(relative.to_f64() + 0.0)),
+        slopes: match slope {
+            Some(Slope::Splits(slopes)) => slopes.iter().map(|slope| slope.0 + 0.0).collect(),
+            _ => Vec::new(),
+        },
     }
 }
 
 fn json_solved(solved: &Solved) -> JsonSolved<'_> {
     let shown = solved.shown();
     let value = shown.number.to_f64();
-    let rounding = (shown.number.mid - Dd::from(value)).abs().to_f64() + shown.number.rad;
     JsonSolved {
         parameter: &solved.parameter,
         value,
         unit: shown.unit,
-        error_bound: (solved.shown_bound() + rounding) / value.abs() * UP,
+        error_bound: solved.shown_bound().and_then(|bound| finite(error_bound(&shown.number.widen(bound)))),
         si: solved.value.to_f64(),
         measure: &solved.measure,
         target: solved.target.to_f64(),
         residual: solved.residual.to_f64() + 0.0,
-        residual_error_bound: finite(solved.residual.rad),
+        residual_error_bound: Rounded::of(solved.residual).map(Rounded::bound),
         slope: solved.slope.and_then(|slope| finite(slope.to_f64())),
+        slope_error_bound: solved.slope.and_then(|slope| derivative_bound(&slope)),
         relative_slope: solved.relative_slope().and_then(|slope| finite(slope.to_f64())),
+        others: match solved.others {
+            Others::None(_) => "none",
+            Others::Unsettled(_) => "unsettled",
+            Others::Unknown => "unknown",
+        },
+        unsettled: match &solved.others {
+            Others::Unsettled(parts) => parts.iter().map(|(low, high)| [low.clone(), high.clone()]).collect(),
+            Others::None(_) | Others::Unknown => Vec::new(),
+        },
         looked_at: solved.looked_at,
         until_s: solved.until.as_ref().map(Number::to_f64),
+    }
+}
+
+/// `None` where the derivative has no proven bound.
+fn derivative_bound(derivative: &Derivative) -> Option<f64> {
+    match derivative {
+        Derivative::Enclosed(ball) => finite(error_bound(ball)),
+        Derivative::Seen(_) => None,
     }
 }
 

@@ -146,6 +146,9 @@ impl<'a> Check<'a> {
         value: ExprId,
         environment: Environment,
     ) -> Evaluated<Question> {
+        if let Some((span, word)) = self.measure_in(value) {
+            return self.fail(environment, QuestionError::MeasureAsValue { span, word });
+        }
         let number = self.value_of_measure(&measured, value, environment)?;
         let radians = match (&measured.measure, self.evaluate(value, environment)?) {
             (Measure::Frequency { .. }, Value::Scalar(Scalar { quantity, .. })) => {
@@ -221,20 +224,62 @@ impl<'a> Check<'a> {
     ) -> Evaluated<(Question, Option<Comparison>)> {
         let node = *self.tree.expr(condition);
         let ExprKind::Binary { operator, left, right } = node.kind else {
+            if let ExprKind::Name { .. } = node.kind
+                && self.sources.slice(node.span) != "stable"
+            {
+                let suggestion = nearest(self.sources.slice(node.span), ["stable"].into_iter());
+                return self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion });
+            }
             let measured = self.measure(condition, environment)?;
             return match measured.measure {
                 Measure::Stable => Ok((stable(node.span), None)),
-                _ => self.fail(environment, QuestionError::RequireWhat { span: node.span }),
+                _ => self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion: None }),
             };
         };
         let Some(comparison) = comparison(operator) else {
-            return self.fail(environment, QuestionError::RequireWhat { span: node.span });
+            return self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion: None });
         };
+        if let Some(lines) = self.chained(left, right, node.span) {
+            return self.fail(environment, QuestionError::RequireChain { span: node.span, lines });
+        }
         let (measure, value, comparison) =
             if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
         let measured = self.measure(measure, environment)?;
         let at = self.tree.expr(measure).span;
         Ok((self.question(measured, at, value, environment)?, Some(comparison)))
+    }
+
+    /// `1 Hz < frequency(1) < 5 Hz` as the two lines that say it.
+    fn chained(&self, left: ExprId, right: ExprId, whole: Span) -> Option<[String; 2]> {
+        let compares = |expr: ExprId| match self.tree.expr(expr).kind {
+            ExprKind::Binary { operator, left, right } if comparison(operator).is_some() => Some((left, right)),
+            _ => None,
+        };
+        let text = |from: usize, to: usize| self.sources.slice(Span::new(whole.file(), from, to)).trim().to_string();
+        let (first, second) = match (compares(left), compares(right)) {
+            (Some((_, middle)), _) => (self.tree.expr(left).span, (self.tree.expr(middle).span.start(), whole.end())),
+            (None, Some((middle, _))) => {
+                let first = Span::new(whole.file(), whole.start(), self.tree.expr(middle).span.end());
+                (first, (self.tree.expr(right).span.start(), whole.end()))
+            }
+            (None, None) => return None,
+        };
+        Some([text(first.start(), first.end()), text(second.0, second.1)])
+    }
+
+    /// The first measure in an expression that should be a number, and its name.
+    fn measure_in(&self, expr: ExprId) -> Option<(Span, String)> {
+        let node = self.tree.expr(expr);
+        if self.is_measure(expr) {
+            let text = self.sources.slice(node.span);
+            let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
+            return Some((node.span, text[..end].to_string()));
+        }
+        match node.kind {
+            ExprKind::Negate { operand } => self.measure_in(operand),
+            ExprKind::Binary { left, right, .. } => self.measure_in(left).or_else(|| self.measure_in(right)),
+            _ => None,
+        }
     }
 
     fn is_measure(&self, expr: ExprId) -> bool {
@@ -403,7 +448,7 @@ impl<'a> Check<'a> {
             Measure::Phase { .. } => PHASE,
             Measure::Stable => {
                 let span = self.tree.expr(expr).span;
-                return self.fail(environment, QuestionError::RequireWhat { span });
+                return self.fail(environment, QuestionError::RequireWhat { span, suggestion: None });
             }
             _ => Expected::new(noun_of(measured.dimension), measured.dimension, example_of(measured.dimension)),
         };

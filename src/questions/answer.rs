@@ -1,6 +1,7 @@
 //! What was found out about the lines `solve` and `require`: plain data for reports.
 
-use crate::base::{Ball, Number, Span};
+use super::cover::Proof;
+use crate::base::{Ball, Number, Span, Unproven};
 use crate::model::scene::Written;
 use std::borrow::Cow;
 
@@ -15,8 +16,10 @@ pub struct Solved {
     pub value: Number,
     /// How it is shown.
     pub unit: Written,
-    /// Bound of |value - root|, SI.
-    pub bound: f64,
+    /// Bound of |value - root|, SI; `None` where none is proven.
+    pub bound: Option<f64>,
+    /// What is known of other values in the range.
+    pub others: Others,
     /// The measure as written.
     pub measure: String,
     /// What it should be, and how it is shown.
@@ -27,11 +30,30 @@ pub struct Solved {
     /// The measure less what it should be, at this value.
     pub residual: Ball,
     /// Derivative of the measure by the parameter, SI; `None` where the measure has none.
-    pub slope: Option<Ball>,
+    pub slope: Option<Derivative>,
     /// At so many values of the range the measure was looked at.
     pub looked_at: usize,
     /// How long the motion was followed, where the measure is one of time, s.
     pub until: Option<Number>,
+}
+
+/// Whether a range holds other values that would do.
+#[derive(Clone, Debug)]
+pub enum Others {
+    /// None: that is proven.
+    None(Proof),
+    /// None outside these parts, which were not settled; their ends in words.
+    Unsettled(Vec<(String, String)>),
+    /// No other was seen among the values that were tried.
+    Unknown,
+}
+
+/// A derivative.
+#[derive(Clone, Copy, Debug)]
+pub enum Derivative {
+    Enclosed(Ball),
+    /// By differences: near to it where the measure is smooth.
+    Seen(Unproven),
 }
 
 /// A requirement and how it stands.
@@ -71,16 +93,18 @@ pub struct Sensitivity {
 }
 
 /// A derivative by a parameter.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Slope {
     Smooth {
         /// df/dp in SI.
-        absolute: Ball,
+        absolute: Derivative,
         /// (p/f) df/dp
-        relative: Ball,
+        relative: Derivative,
     },
-    /// Two that are equal here part on both sides.
-    Splits,
+    /// Equal ones that part on both sides; the derivatives of the parts in SI where they are known, without a bound.
+    Splits(Vec<Unproven>),
+    /// The system is too large to compute its poles twice more for each parameter.
+    NotComputed,
     /// The model has no meaning on both sides, as with a number of parts.
     Undefined,
 }
@@ -111,8 +135,8 @@ impl Solved {
     }
 
     /// The bound in the parameter's own unit.
-    pub fn shown_bound(&self) -> f64 {
-        self.bound / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs())
+    pub fn shown_bound(&self) -> Option<f64> {
+        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * (1.0 + 1e-15))
     }
 
     /// What the measure should be, as it was written.
@@ -121,10 +145,37 @@ impl Solved {
     }
 
     /// (p / f) df/dp: the relative change of the measure for a relative change of the parameter.
-    pub fn relative_slope(&self) -> Option<Ball> {
-        let target = self.target.to_ball();
-        let slope = self.slope? * self.value.to_ball() / target;
-        slope.is_finite().then_some(slope)
+    pub fn relative_slope(&self) -> Option<Derivative> {
+        let factor = self.value.to_ball() / self.target.to_ball();
+        match self.slope? {
+            Derivative::Enclosed(slope) => Some(Derivative::Enclosed(slope * factor)),
+            Derivative::Seen(Unproven(slope)) => Some(Derivative::Seen(Unproven(slope * factor.to_f64()))),
+        }
+        .filter(Derivative::is_finite)
+    }
+}
+
+impl Derivative {
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Derivative::Enclosed(ball) => ball.is_finite(),
+            Derivative::Seen(Unproven(x)) => x.is_finite(),
+        }
+    }
+
+    /// The nearest binary64 number, whether it has a bound or not.
+    pub fn to_f64(&self) -> f64 {
+        match self {
+            Derivative::Enclosed(ball) => ball.to_f64(),
+            Derivative::Seen(Unproven(x)) => *x,
+        }
+    }
+
+    pub fn scaled(&self, by: Ball) -> Derivative {
+        match self {
+            Derivative::Enclosed(ball) => Derivative::Enclosed(*ball * by),
+            Derivative::Seen(Unproven(x)) => Derivative::Seen(Unproven(*x * by.to_f64())),
+        }
     }
 }
 

@@ -8,17 +8,95 @@ pub type Told = String;
 /// What stops `solve`, and what a requirement that does not hold says.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AskedError {
-    NoRoot { span: Span, measure: String, target: Told, name: String, range: (Told, Told), reach: Reach },
-    SeveralRoots { span: Span, measure: String, target: Told, name: String, roots: Vec<Told> },
-    Independent { span: Span, measure: String, at: Span, name: String },
-    NoValue { span: Span, measure: String, name: String, range: (Told, Told), why: String },
-    Twice { span: Span, name: String, first: Span },
-    Singular { span: Span, names: Vec<String>, others: Vec<Span> },
-    Apart { span: Span, names: Vec<String>, others: Vec<Span>, nearest: Vec<(String, Told)>, left: Vec<Told> },
-    SeveralTogether { span: Span, names: Vec<String>, others: Vec<Span>, roots: Vec<String> },
-    Fails { span: Span, value: Told, by: String, mover: Option<Mover> },
-    Undetermined { span: Span, value: Told, limit: Told, bound: String },
-    NoNumber { span: Span, why: String },
+    NoRoot {
+        span: Span,
+        measure: String,
+        target: Told,
+        name: String,
+        range: (Told, Told),
+        reach: Reach,
+    },
+    /// `all`: it is proven that there are no others.
+    SeveralRoots {
+        span: Span,
+        measure: String,
+        target: Told,
+        name: String,
+        roots: Vec<Told>,
+        all: bool,
+    },
+    Touches {
+        span: Span,
+        measure: String,
+        target: Told,
+        name: String,
+        at: Told,
+    },
+    NothingSettled {
+        span: Span,
+        measure: String,
+        target: Told,
+        name: String,
+        parts: Vec<(Told, Told)>,
+    },
+    Unsettled {
+        span: Span,
+        name: String,
+        value: Told,
+        parts: Vec<(Told, Told)>,
+    },
+    Independent {
+        span: Span,
+        measure: String,
+        at: Span,
+        name: String,
+    },
+    NoValue {
+        span: Span,
+        measure: String,
+        name: String,
+        range: (Told, Told),
+        why: String,
+    },
+    Twice {
+        span: Span,
+        name: String,
+        first: Span,
+    },
+    Singular {
+        span: Span,
+        names: Vec<String>,
+        others: Vec<Span>,
+    },
+    Apart {
+        span: Span,
+        names: Vec<String>,
+        others: Vec<Span>,
+        nearest: Vec<(String, Told)>,
+        left: Vec<Told>,
+    },
+    SeveralTogether {
+        span: Span,
+        names: Vec<String>,
+        others: Vec<Span>,
+        roots: Vec<String>,
+    },
+    Fails {
+        span: Span,
+        value: Told,
+        by: String,
+        mover: Option<Mover>,
+    },
+    Undetermined {
+        span: Span,
+        value: Told,
+        limit: Told,
+        bound: String,
+    },
+    NoNumber {
+        span: Span,
+        why: String,
+    },
 }
 
 /// What a measure did over a range.
@@ -31,6 +109,9 @@ pub struct Reach {
     pub jump: Option<Told>,
     /// Somewhere in the range it had no value: why.
     pub gap: Option<String>,
+    /// Whether it is proven that the measure is nowhere what it should be; else so many values were tried.
+    pub proven: bool,
+    pub looks: usize,
 }
 
 /// The parameter that moves a measure most.
@@ -39,8 +120,10 @@ pub struct Mover {
     pub name: String,
     pub declared: Span,
     /// Change of the measure in percent for one percent of the parameter.
-    pub percent: String,
-    /// About what value would do; `None` where a straight line does not reach there with the parameter's sign kept.
+    pub percent: Option<String>,
+    /// Of all parameters that were tried.
+    pub most: bool,
+    /// A value at which the requirement was seen to hold; `None` where none was found.
     pub wanted: Option<Told>,
     pub value: Told,
 }
@@ -50,6 +133,9 @@ impl AskedError {
         Code(match self {
             AskedError::NoRoot { .. } | AskedError::Apart { .. } => "vib::solve::no_root",
             AskedError::SeveralRoots { .. } | AskedError::SeveralTogether { .. } => "vib::solve::several_roots",
+            AskedError::Touches { .. } | AskedError::NothingSettled { .. } | AskedError::Unsettled { .. } => {
+                "vib::solve::unsettled"
+            }
             AskedError::Independent { .. } => "vib::solve::independent",
             AskedError::NoValue { .. } => "vib::solve::no_value",
             AskedError::Twice { .. } => "vib::solve::twice",
@@ -65,7 +151,13 @@ impl AskedError {
         let error = |span: &Span, message: String| Diagnostic::error(self.code(), *span, message);
         match self {
             NoRoot { span, measure, target, name, range, reach } => {
-                let message = format!("no `{name}` in {} .. {} makes `{measure}` {target}", range.0, range.1);
+                let (low, high) = range;
+                let message = if reach.proven {
+                    format!("no `{name}` in {low} .. {high} makes `{measure}` {target}")
+                } else {
+                    let looks = reach.looks;
+                    format!("none of {looks} values of `{name}` in {low} .. {high} makes `{measure}` {target}")
+                };
                 let (least, largest) = (&reach.least, &reach.largest);
                 let seen = format!(
                     "it goes from {} at {name} = {} to {} at {name} = {}",
@@ -77,11 +169,30 @@ impl AskedError {
                     .label(seen + &jump + &gap)
                     .help("ask for a value that is reached, or search in another range")
             }
-            SeveralRoots { span, measure, target, name, roots } => {
+            SeveralRoots { span, measure, target, name, roots, all } => {
                 let message = format!("{} values of `{name}` make `{measure}` {target}", roots.len());
+                let others = if *all { "" } else { "; others are not excluded" };
                 error(span, message)
-                    .label(format!("{name} = {}", listed(roots)))
+                    .label(format!("{name} = {}{others}", listed(roots)))
                     .help("narrow the range to the one that is meant")
+            }
+            Touches { span, measure, target, name, at } => {
+                error(span, format!("it is not settled whether `{measure}` reaches {target}"))
+                    .label(format!("near {name} = {at} it comes as near to it as can be told, without passing it"))
+                    .help("ask for a value that the measure passes, or search in another range")
+            }
+            NothingSettled { span, measure, target, name, parts } => {
+                error(span, format!("no `{name}` was found that makes `{measure}` {target}"))
+                    .label(format!("not settled: {name} in {}; elsewhere in the range there is none", ranges(parts)))
+                    .help("ask for a value that the measure passes, or search in another range")
+            }
+            Unsettled { span, name, value, parts } => {
+                error(span, format!("{name} = {value} was found, but other values of `{name}` are not excluded"))
+                    .label(format!(
+                        "not settled: {name} in {}; elsewhere in the range there is no other",
+                        ranges(parts)
+                    ))
+                    .help("narrow the range to where the value is looked for")
             }
             Independent { span, measure, at, name } => error(span, format!("`{measure}` does not depend on `{name}`"))
                 .label("the same for every value that was tried")
@@ -117,7 +228,7 @@ impl AskedError {
                 let finding = error(span, "this requirement does not hold".to_string())
                     .label(format!("it is {value}, which misses by {by}"));
                 match mover {
-                    None => finding.help("no parameter moves it"),
+                    None => finding.help("no parameter was found that makes it hold"),
                     Some(mover) => moved_by(finding, mover),
                 }
             }
@@ -132,11 +243,16 @@ impl AskedError {
 }
 
 fn moved_by(finding: Diagnostic, mover: &Mover) -> Diagnostic {
-    let Mover { name, declared, percent, wanted, value } = mover;
-    let moves = format!("`{name}` moves it most: {percent} % for each percent of `{name}`");
-    let help = match wanted {
-        Some(wanted) => format!("{moves}; about {name} = {wanted} would do"),
-        None => moves,
+    let Mover { name, declared, percent, most, wanted, value } = mover;
+    let moves = percent.as_ref().map(|percent| {
+        let most = if *most { " most" } else { "" };
+        format!("`{name}` moves it{most}: {percent} % for each percent of `{name}`")
+    });
+    let help = match (moves, wanted) {
+        (Some(moves), Some(wanted)) => format!("{moves}; with {name} = {wanted} it holds"),
+        (None, Some(wanted)) => format!("with {name} = {wanted} it holds"),
+        (Some(moves), None) => format!("{moves}; no value was found that makes it hold"),
+        (None, None) => format!("`{name}` moves it; no value was found that makes it hold"),
     };
     finding.related(*declared, format!("{value} now")).help(help)
 }
@@ -148,6 +264,11 @@ fn together(finding: Diagnostic, others: &[Span]) -> Diagnostic {
 fn quoted(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     listed(&quoted)
+}
+
+/// `1 N/m .. 2 N/m and 5 N/m .. 6 N/m`
+fn ranges(parts: &[(Told, Told)]) -> String {
+    listed(&parts.iter().map(|(low, high)| format!("{low} .. {high}")).collect::<Vec<_>>())
 }
 
 /// `a`, `a and b`, `a, b and c`.

@@ -8,11 +8,15 @@
 //! 3. [`require`]: whether measures keep their limits, and by how much
 //! 4. [`sensitivity`]: what moves frequencies and damping ratios
 
+mod advice;
+mod alone;
 pub mod answer;
+pub mod cover;
 mod derivative;
 pub mod error;
 mod exact;
 mod newton;
+mod over;
 mod probe;
 mod require;
 mod search;

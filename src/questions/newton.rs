@@ -1,11 +1,13 @@
 //! Several unknowns at once: Newton's method from many places of their ranges. In: equations that depend on each other's
-//! unknowns. Out: the one set of values that meets them all, or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
+//! unknowns. Out: the set of values that meets them all, proven to be the only one near by, or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
 
+use super::answer::Others;
 use super::derivative::step;
 use super::error::AskedError;
+use super::over::{Centre, Moved};
 use super::search::{Difference, Root, exactly};
 use super::together::{Pairing, Unknowns, between, known};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Jet, Number};
 
 /// Places along each range from which the method starts, for so many unknowns.
 fn starts_of(unknowns: usize) -> i64 {
@@ -50,10 +52,14 @@ pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<As
     }
     match roots[..] {
         [root] => {
-            let within = problem.bound(root).ok_or_else(|| vec![unknowns.singular(&list)])?;
+            let within = problem.proven(root);
             let (x, looks) = (root.x.clone(), problem.looks.get());
             for (i, &(equation, unknown)) in group.iter().enumerate() {
-                unknowns.take(equation, unknown, &Root { near: x[i], within: within[i] }, looks);
+                let root = match &within {
+                    Some(within) => Root::enclosed(x[i], within[i]),
+                    None => Root::seen(x[i], x[i].hi.abs() * 2f64.powi(-96)),
+                };
+                unknowns.take(equation, unknown, &root, looks, Others::Unknown);
             }
             Ok(())
         }
@@ -61,6 +67,9 @@ pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<As
         _ => Err(vec![problem.several(&roots, &list)]),
     }
 }
+
+/// Enlargements of the box in which one set of values is to be proven.
+const WIDENINGS: usize = 12;
 
 /// More sets of values than this are a curve of them.
 const MOST_TOLD: usize = 6;
@@ -199,17 +208,69 @@ impl<'a, 'b> Problem<'a, 'b> {
         determinant(scaled).abs() < SINGULAR
     }
 
-    /// |J^-1| (|difference| + radius), twice: J changes by less than a half that near to the root.
-    fn bound(&self, end: &End) -> Option<Vec<f64>> {
-        let jacobian = self.jacobian(&end.x, &end.differences)?;
-        let mut bounds = vec![0.0; end.x.len()];
-        for (e, difference) in end.differences.iter().enumerate() {
-            let unit: Vec<Dd> = (0..end.x.len()).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect();
-            let column = solve_linear(&jacobian, &unit)?;
-            bounds.iter_mut().zip(column).for_each(|(bound, x)| *bound += 2.0 * x.hi.abs() * difference.magnitude());
+    /// Distances from an end within which there is one set of values and no other, by Krawczyk's operator: with Y near the
+    /// inverse of the derivatives J, |Y F| + |1 - Y J(box)| r < r. `None` where that could not be shown.
+    fn proven(&self, end: &End) -> Option<Vec<f64>> {
+        let n = end.x.len();
+        let middle = self.jacobian(&end.x, &end.differences)?;
+        let unit = |e: usize| -> Vec<Dd> { (0..n).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect() };
+        let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solve_linear(&middle, &unit(e))).collect();
+        let y = columns?;
+        // |Y F(m)|
+        let step: Vec<f64> = (0..n)
+            .map(|i| (0..n).map(|e| y[e][i].hi.abs() * end.differences[e].magnitude()).sum::<f64>() * (1.0 + 1e-12))
+            .collect();
+        let rounding = |i: usize| end.x[i].hi.abs().max(self.high[i].hi.abs() * 1e-9) * 2f64.powi(-98);
+        let mut radius: Vec<f64> = (0..n).map(|i| 2.0 * step[i] + rounding(i)).collect();
+        for _ in 0..WIDENINGS {
+            let slopes = self.slopes(&end.x, &radius)?;
+            let image = |i: usize| {
+                let left = |j: usize| {
+                    let product = (0..n).fold(Ball::ZERO, |sum, e| sum + Ball::exact(y[e][i]) * slopes[e][j]);
+                    (product - if i == j { Ball::ONE } else { Ball::ZERO }).magnitude()
+                };
+                (step[i] + (0..n).map(|j| left(j) * radius[j]).sum::<f64>()) * (1.0 + 1e-12)
+            };
+            let image: Vec<f64> = (0..n).map(image).collect();
+            if image.iter().zip(&radius).all(|(image, radius)| image < radius) {
+                return Some(radius);
+            }
+            radius.iter_mut().for_each(|radius| *radius *= 16.0);
         }
-        let rounding = |i: usize| end.x[i].hi.abs() * 2f64.powi(-100);
-        Some(bounds.iter().enumerate().map(|(i, bound)| bound + rounding(i)).collect())
+        None
+    }
+
+    /// The derivatives of all measures over a box about these values. Rows: equations.
+    fn slopes(&self, x: &[Dd], radius: &[f64]) -> Option<Vec<Vec<Ball>>> {
+        (0..self.equations.len()).map(|e| self.slopes_of(self.equations[e], x, radius)).collect()
+    }
+
+    fn slopes_of(&self, equation: usize, x: &[Dd], radius: &[f64]) -> Option<Vec<Ball>> {
+        let n = x.len();
+        // One unknown with its derivative, the others anywhere in the box.
+        let values = |own: Option<usize>| {
+            let mut values = self.unknowns.values.clone();
+            for (i, &(_, unknown)) in self.group.iter().enumerate() {
+                let range = Ball::exact(x[i]).widen(radius[i]);
+                values[unknown] = match own {
+                    None => exactly(x[i]),
+                    Some(own) if own == i => Jet::of_parameter(range),
+                    Some(_) => Number::Ball(range),
+                };
+            }
+            values
+        };
+        let centre = self.unknowns.centre(equation, &values(None))?;
+        let moved = |centre: &Centre| -> Option<Vec<Moved>> {
+            (0..n).map(|i| self.unknowns.asked(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
+        };
+        // What the measure is made of stays in its enclosure while it cannot move out of it (it is simple all the way).
+        let first = moved(&centre)?;
+        let wide = centre.widened(&first, radius, 4.0);
+        if !wide.holds(&centre, &moved(&wide)?, radius) {
+            return None;
+        }
+        (0..n).map(|i| self.unknowns.asked(equation, &values(Some(i)), |asked| asked.slope(&wide))?).collect()
     }
 
     fn nothing(&self, ends: &[End], list: &[usize]) -> AskedError {

@@ -7,7 +7,7 @@ use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stab
 use crate::base::{Ball, Dimension, Number};
 use crate::lower::Lowered;
 use crate::model::scene::{Measure, MotionTerm, Output, Question, Scene, Signal};
-use crate::system::LinearSystem;
+use crate::system::{LinearSystem, Signal as DrivenBy};
 
 /// What to measure of the system.
 #[derive(Clone, Debug)]
@@ -21,11 +21,26 @@ pub enum Probe {
     Peak(usize),
     Rms(usize),
     Stable,
+    /// omega^2 of a mode: where a frequency is to be zero, it passes zero there.
+    Square(usize),
+    /// ((s1 - s2) / 2)^2 of the two poles of a motion: where damping is to be critical, it passes zero there.
+    Critical(usize),
 }
 
 /// Adds the outputs that the questions need; one probe for each question.
-pub fn prepare<'q>(scene: &mut Scene, questions: impl IntoIterator<Item = &'q Question>) -> Vec<Probe> {
-    questions.into_iter().map(|question| probe(scene, question)).collect()
+pub fn prepare(scene: &mut Scene, questions: &[Question]) -> Vec<Probe> {
+    questions.iter().map(|question| probe(scene, question)).collect()
+}
+
+/// The same for what is solved for: measures that end where they are asked to be, as a frequency does at zero and a damping
+/// ratio at one, are replaced by what passes zero there.
+pub fn prepare_crossings(scene: &mut Scene, questions: &[Question]) -> Vec<Probe> {
+    let crossing = |question: &Question| match &question.measure {
+        Measure::Frequency { mode } if question.value.is_zero() => Some(Probe::Square(*mode as usize)),
+        Measure::DampingRatio { mode } if question.value.is_one() => Some(Probe::Critical(*mode as usize)),
+        _ => None,
+    };
+    questions.iter().map(|question| crossing(question).unwrap_or_else(|| probe(scene, question))).collect()
 }
 
 fn probe(scene: &mut Scene, question: &Question) -> Probe {
@@ -58,12 +73,12 @@ fn add_output(scene: &mut Scene, question: &Question, terms: &[MotionTerm]) -> u
 impl Probe {
     /// Whether modes are needed.
     pub fn of_modes(&self) -> bool {
-        matches!(self, Probe::Frequency(_)) || self.of_poles()
+        matches!(self, Probe::Frequency(_) | Probe::Square(_)) || self.of_poles()
     }
 
     /// Whether poles are needed.
     pub fn of_poles(&self) -> bool {
-        matches!(self, Probe::Damping(_) | Probe::Stable)
+        matches!(self, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable)
     }
 
     /// Whether the signals are needed.
@@ -107,6 +122,9 @@ impl Measured<'_> {
         let drives = &self.context.drives;
         match probe {
             Probe::Frequency(mode) => self.modes.map_or(NONE, |modes| measures::frequency(modes, *mode)),
+            Probe::Square(mode) => self.modes.map_or(NONE, |modes| measures::square(modes, *mode)),
+            Probe::Critical(1) if system.n() == 1 => measures::discriminant(system),
+            Probe::Critical(motion) => self.poles.map_or(NONE, |poles| measures::critical(poles, *motion)),
             Probe::Damping(motion) => self.poles.map_or(NONE, |poles| measures::damping_ratio(poles, *motion)),
             Probe::Stable => match (self.modes, self.poles) {
                 (Some(modes), Some(poles)) => verdict(stability(system, modes, poles).kind()),
@@ -118,12 +136,21 @@ impl Measured<'_> {
             Probe::Phase(input, output, at) => {
                 transfer.map_or(NONE, |transfer| measures::phase(transfer, *input, *output, at))
             }
+            Probe::Amplitude(_) if !drives.iter().flatten().any(|s| matches!(s, DrivenBy::Harmonic { .. })) => {
+                Measurement::None("no input has a harmonic signal: there is no steady motion")
+            }
             Probe::Amplitude(output) => {
                 transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
+            }
+            Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
+                Measurement::None("no input has a signal that lasts: nothing is moved")
             }
             Probe::Static(output) => {
                 let loads = self.loads();
                 transfer.map_or(NONE, |transfer| measures::static_value(transfer, &loads, *output))
+            }
+            Probe::Peak(_) | Probe::Rms(_) if drives.iter().all(Vec::is_empty) && system.initial.is_empty() => {
+                Measurement::None("there is no signal and no initial state: nothing moves")
             }
             Probe::Peak(output) => match &self.context.until {
                 Some(until) => peak::peak(system, drives, *output, until),

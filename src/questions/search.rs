@@ -29,12 +29,40 @@ pub struct Root {
     pub near: Dd,
     /// Bound of the distance.
     pub within: f64,
+    /// `None` where the measure comes as near to what it should be as can be told, but on no other side is it beyond it.
+    pub proof: Option<Crossing>,
+}
+
+/// The measure was enclosed on different sides at `near` - `within` and `near` + `within`, or is exactly what is asked at `near`,
+/// or a contraction encloses the root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing(());
+
+impl Crossing {
+    /// The measure is exactly what it should be there.
+    pub fn met() -> Crossing {
+        Crossing(())
+    }
+}
+
+impl Root {
+    /// A root that Krawczyk's operator encloses.
+    pub fn enclosed(near: Dd, within: f64) -> Root {
+        Root { near, within, proof: Some(Crossing(())) }
+    }
+
+    /// A root that was seen, without a proof.
+    pub fn seen(near: Dd, within: f64) -> Root {
+        Root { near, within, proof: None }
+    }
 }
 
 /// What a search found.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     pub roots: Vec<Root>,
+    /// Where the measure turns, as near as it was followed: it may just touch there what it should be.
+    pub turns: Vec<Root>,
     /// The first looks, ascending.
     pub looks: Vec<Look>,
     /// Where the measure jumps over what it should be.
@@ -51,6 +79,19 @@ const DECADES: f64 = 20.0;
 const TURNING: usize = 60;
 /// Looks between which a sign changes, at most.
 const NARROWING: usize = 240;
+
+/// Closes in between two numbers at which the measure lies on different sides, where it is known to pass once.
+pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
+    let mut search = Search { measure, count: 0 };
+    let looks = vec![search.look(low.clone()), search.look(high.clone())];
+    let mut seen = Seen::default();
+    search.between(&looks[0], &looks[1], &mut seen);
+    for look in looks.iter().filter(|look| sign(&look.difference) == Some(Ordering::Equal)) {
+        seen.add(search.certified(look));
+    }
+    (seen.looks, seen.count) = (looks, search.count);
+    seen
+}
 
 /// Looks at a range and closes in on every root.
 pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
@@ -78,7 +119,7 @@ struct Search<'a> {
 
 impl Seen {
     /// A root that was seen from two sides counts once.
-    fn add(&mut self, root: Option<Root>) {
+    pub fn add(&mut self, root: Option<Root>) {
         let Some(root) = root else { return };
         let same = |known: &Root| {
             let distance = (known.near - root.near).abs().to_f64();
@@ -147,7 +188,7 @@ impl Search<'_> {
                 && a != Ordering::Equal
                 && b == a.reverse()
             {
-                return Some(Root { near: x, within });
+                return Some(Root { near: x, within, proof: Some(Crossing(())) });
             }
             if a.is_none() || b.is_none() || within > 1e-3 * x.hi.abs() {
                 break;
@@ -155,7 +196,7 @@ impl Search<'_> {
             within *= 16.0;
         }
         // The measure touches what it should be, or is not told from it over a whole range.
-        Some(Root { near: x, within })
+        Some(Root::seen(x, within))
     }
 
     /// Follows |difference| down to where it turns, and looks whether it reaches the other side there.
@@ -194,6 +235,7 @@ impl Search<'_> {
                 break;
             }
         }
+        seen.turns.push(Root::seen(best.at.enclosure().mid, (high.x - best.x).max(best.x - low.x)));
     }
 }
 

@@ -1,26 +1,43 @@
 //! What moves the frequencies and damping ratios: their derivatives by each parameter. In: the text, and the modes and poles
 //! that the report shows. Out: for each parameter a slope for each of them. Clause: spec.md, "Measures, `solve`, `require`".
+//!
+//! The derivatives of simple eigenvalues and poles are enclosed: their vectors from equations bordered to be regular, once; then
+//! the derivative of the matrices for each parameter. Where that is not found, they are seen by differences.
 
-use super::answer::{Sensitivity, Slope};
+use super::answer::{Derivative, Sensitivity, Slope};
 use super::derivative::{NoSlope, slope, step};
+use super::over::{frequency_slope, ratio_slope};
 use super::trial::Text;
 use crate::analysis::measures::damped_motion;
-use crate::analysis::{ModeKind, Modes, Pole, Poles, Request};
-use crate::base::{Ball, Number, Quantity};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::range::Family;
+use crate::analysis::{ModeKind, Modes, Pole, PoleKind, Poles, Request};
+use crate::base::{Ball, Jet, Number, Quantity, Unproven};
 use crate::model::Setting;
 use crate::model::scene::Parameter;
+use crate::system::LinearSystem;
+
+/// The poles of larger systems are not computed twice more for each parameter.
+const MOST_BY_DIFFERENCES: usize = 60;
+/// Slopes of equal frequencies that differ by less, relative, are one.
+const ALIKE: f64 = 1e-9;
 
 /// The derivatives by every parameter, in order of declaration.
 pub fn sensitivities(
     text: &Text,
     settings: &[Setting],
     request: &Request,
+    system: &LinearSystem,
     modes: &Modes,
     poles: &Poles,
 ) -> Vec<Sensitivity> {
     let here = Spectrum::of(modes, poles);
+    let vectors = Vectors::of(system, &here);
     let parameters = text.parameters(settings);
-    parameters.iter().map(|parameter| sensitivity(text, settings, request, parameter, &here)).collect()
+    let (here, vectors, n) = (&here, &vectors, system.n());
+    let all = parameters.iter().map(|parameter| Of { text, settings, request, parameter, here, vectors, n });
+    all.map(|of| of.sensitivity()).collect()
 }
 
 /// The numbers that are told of a system: none where a mode does not oscillate.
@@ -29,6 +46,8 @@ struct Spectrum {
     first: usize,
     /// Hz
     frequencies: Vec<Option<Ball>>,
+    /// omega^2, and which modes are certified only together.
+    squares: Vec<(Ball, Option<u32>)>,
     /// A pole of each damped motion.
     motions: Vec<Pole>,
     poles: Vec<Pole>,
@@ -43,6 +62,7 @@ impl Spectrum {
         Spectrum {
             first: modes.before.count() + 1,
             frequencies: modes.list.iter().map(|mode| frequency(mode.kind, mode.omega)).collect(),
+            squares: modes.list.iter().map(|mode| (mode.omega_squared, mode.cluster)).collect(),
             motions: if is_damped { motions.collect() } else { Vec::new() },
             poles: poles.list.clone(),
         }
@@ -66,42 +86,169 @@ impl Spectrum {
     }
 }
 
-fn sensitivity(
-    text: &Text,
-    settings: &[Setting],
-    request: &Request,
-    parameter: &Parameter,
-    here: &Spectrum,
-) -> Sensitivity {
-    let value = &parameter.value.si;
-    let unit = parameter.unit.factor.clone().unwrap_or(Number::ONE);
-    let h = step(value, &unit, here.relative_error());
-    let at = |si: Number| {
-        let quantity = Quantity { si, ..parameter.value.clone() };
-        let others = settings.iter().filter(|(name, _)| *name != parameter.name).cloned();
-        let moved: Vec<Setting> = others.chain([(parameter.name.clone(), quantity)]).collect();
-        text.modal(&moved, request).map(|modal| Spectrum::of(&modal.modes, &modal.poles)).ok()
-    };
-    let (before, after) = (at(value - &h), at(value + &h));
-    let told = |known: Option<Ball>, of: &dyn Fn(&Spectrum) -> Option<Ball>| {
-        let known = known?;
-        let there = |spectrum: &Option<Spectrum>| {
-            spectrum.as_ref().filter(|there| there.frequencies.len() == here.frequencies.len()).and_then(of)
+/// Enclosed vectors of modes and motions.
+struct Vectors {
+    /// With the enclosure of omega^2 for which they hold; modes of a cluster share theirs.
+    modes: Vec<Option<(Ball, Matrix<Ball>)>>,
+    motions: Vec<Option<Vec<Complex<Ball>>>>,
+}
+
+impl Vectors {
+    fn of(system: &LinearSystem, here: &Spectrum) -> Vectors {
+        let Some(family) = Family::of(system, false) else {
+            return Vectors { modes: vec![None; here.squares.len()], motions: vec![None; here.motions.len()] };
         };
-        Some(match slope(there(&before), Some(known), there(&after), &h) {
-            Ok(absolute) => Slope::Smooth { absolute, relative: absolute * value.to_ball() / known },
-            Err(NoSlope::Kink) => Slope::Splits,
+        let mode = |&(square, cluster): &(Ball, Option<u32>)| {
+            let together: Vec<Ball> = match cluster {
+                None => vec![square],
+                Some(_) => {
+                    here.squares.iter().filter(|(_, other)| *other == cluster).map(|(square, _)| *square).collect()
+                }
+            };
+            let all = hull(&together);
+            Some((all, family.modes_at(all, together.len())?))
+        };
+        let motion = |pole: &Pole| match pole.kind {
+            PoleKind::Oscillation | PoleKind::Flutter => family.motion_at(Complex::new(pole.re, pole.im)),
+            _ => None,
+        };
+        Vectors { modes: here.squares.iter().map(mode).collect(), motions: here.motions.iter().map(motion).collect() }
+    }
+}
+
+/// A ball that holds all of these.
+fn hull(balls: &[Ball]) -> Ball {
+    let first = balls[0];
+    let reach = |ball: &Ball| (*ball - Ball::exact(first.mid)).magnitude();
+    Ball::exact(first.mid).widen(balls[1..].iter().map(reach).fold(first.rad, f64::max))
+}
+
+/// The slopes by one parameter.
+struct Of<'a> {
+    text: &'a Text<'a>,
+    settings: &'a [Setting],
+    request: &'a Request,
+    parameter: &'a Parameter,
+    here: &'a Spectrum,
+    vectors: &'a Vectors,
+    n: usize,
+}
+
+/// What the system is on both sides of the parameter's value.
+struct Sides {
+    h: Number,
+    before: Option<Spectrum>,
+    after: Option<Spectrum>,
+}
+
+impl Of<'_> {
+    fn sensitivity(&self) -> Sensitivity {
+        let Parameter { name, value, unit, .. } = self.parameter;
+        let point = Jet::of_parameter(value.si.enclosure());
+        let (mut frequencies, mut ratios) = (Vec::new(), Vec::new());
+        self.text.family(&self.settings_at(point), |undamped, damped| {
+            frequencies = (0..self.here.squares.len()).map(|i| self.frequency(undamped?, i)).collect();
+            ratios = (0..self.here.motions.len()).map(|i| self.ratio(damped?, i)).collect();
+        });
+        frequencies.resize(self.here.squares.len(), None);
+        ratios.resize(self.here.motions.len(), None);
+        // What has no number has no slope either; the rest is seen by differences.
+        let told = |found: &[Option<Slope>], known: &mut dyn Iterator<Item = bool>| {
+            found.iter().zip(known).any(|(slope, known)| slope.is_none() && known)
+        };
+        let left = told(&frequencies, &mut self.here.frequencies.iter().map(Option::is_some))
+            || told(&ratios, &mut self.here.motions.iter().map(|pole| pole.damping_ratio.is_some()));
+        let sides = if left { Some(self.sides()) } else { None };
+        for (i, slope) in frequencies.iter_mut().enumerate() {
+            *slope = slope
+                .take()
+                .or_else(|| self.by_differences(&sides, self.here.frequencies[i], &|there| there.frequencies[i]));
+        }
+        for (slope, pole) in ratios.iter_mut().zip(&self.here.motions) {
+            if slope.is_none() && pole.damping_ratio.is_some() && self.n > MOST_BY_DIFFERENCES {
+                *slope = Some(Slope::NotComputed);
+            }
+            *slope = slope
+                .take()
+                .or_else(|| self.by_differences(&sides, pole.damping_ratio, &|there| there.ratio_near(pole)));
+        }
+        Sensitivity {
+            parameter: name.clone(),
+            value: value.si.clone(),
+            unit: unit.clone(),
+            first: self.here.first,
+            frequencies,
+            ratios,
+        }
+    }
+
+    fn settings_at(&self, si: Number) -> Vec<Setting> {
+        let quantity = Quantity { si, ..self.parameter.value.clone() };
+        let others = self.settings.iter().filter(|(name, _)| *name != self.parameter.name).cloned();
+        others.chain([(self.parameter.name.clone(), quantity)]).collect()
+    }
+
+    fn smooth(&self, slope: Derivative, known: Ball) -> Slope {
+        Slope::Smooth { absolute: slope, relative: slope.scaled(self.parameter.value.si.to_ball() / known) }
+    }
+
+    /// The enclosed slope of a frequency.
+    fn frequency(&self, family: &Family, i: usize) -> Option<Slope> {
+        let known = self.here.frequencies[i]?;
+        let (square, x) = self.vectors.modes[i].as_ref()?;
+        if x.columns() == 1 {
+            let slope = frequency_slope(self.here.squares[i].0, family.eigenvalue_slope(*square, x)?);
+            return slope.is_finite().then(|| self.smooth(Derivative::Enclosed(slope), known));
+        }
+        let (all, each) = family.cluster_slopes(*square, x)?;
+        let in_hertz = |slope: Ball| frequency_slope(self.here.squares[i].0, slope);
+        if all.rad <= ALIKE * all.mid.hi.abs() || all.is_zero() {
+            return Some(self.smooth(Derivative::Enclosed(in_hertz(all)), known));
+        }
+        let factor = in_hertz(Ball::ONE);
+        Some(Slope::Splits(each.iter().map(|slope| Unproven(slope * factor.to_f64())).collect()))
+    }
+
+    /// The enclosed slope of a damping ratio.
+    fn ratio(&self, family: &Family, i: usize) -> Option<Slope> {
+        let pole = &self.here.motions[i];
+        let slope = family.pole_slope(Complex::new(pole.re, pole.im), self.vectors.motions[i].as_ref()?)?;
+        let slope = ratio_slope((pole.re, pole.im), (slope.re, slope.im));
+        let known = pole.damping_ratio?;
+        slope.is_finite().then(|| self.smooth(Derivative::Enclosed(slope), known))
+    }
+
+    fn sides(&self) -> Sides {
+        let value = &self.parameter.value.si;
+        let unit = self.parameter.unit.factor.clone().unwrap_or(Number::ONE);
+        let h = step(value, &unit, self.here.relative_error());
+        let at = |si: Number| {
+            let settings = self.settings_at(si);
+            if self.n > MOST_BY_DIFFERENCES && !self.here.motions.is_empty() {
+                let modes = self.text.undamped(&settings, self.request).ok()?;
+                return Some(Spectrum::of(&modes, &Poles::default()));
+            }
+            let modal = self.text.modal(&settings, self.request).ok()?;
+            Some(Spectrum::of(&modal.modes, &modal.poles))
+        };
+        Sides { before: at(value - &h), after: at(value + &h), h }
+    }
+
+    fn by_differences(
+        &self,
+        sides: &Option<Sides>,
+        known: Option<Ball>,
+        of: &dyn Fn(&Spectrum) -> Option<Ball>,
+    ) -> Option<Slope> {
+        let known = known?;
+        let Sides { h, before, after } = sides.as_ref()?;
+        let there = |spectrum: &Option<Spectrum>| {
+            spectrum.as_ref().filter(|there| there.frequencies.len() == self.here.frequencies.len()).and_then(of)
+        };
+        Some(match slope(there(before), Some(known), there(after), h) {
+            Ok(seen) => self.smooth(Derivative::Seen(Unproven(seen.to_f64())), known),
+            Err(NoSlope::Kink) => Slope::Splits(Vec::new()),
             Err(NoSlope::Undefined) => Slope::Undefined,
         })
-    };
-    let frequencies = here.frequencies.iter().enumerate();
-    let motions = here.motions.iter();
-    Sensitivity {
-        parameter: parameter.name.clone(),
-        value: value.clone(),
-        unit: parameter.unit.clone(),
-        first: here.first,
-        frequencies: frequencies.map(|(i, known)| told(*known, &|there| there.frequencies[i])).collect(),
-        ratios: motions.map(|pole| told(pole.damping_ratio, &|there| there.ratio_near(pole))).collect(),
     }
 }

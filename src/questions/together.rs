@@ -1,14 +1,16 @@
 //! The lines `solve`: every unknown found, alone where it can be found alone and together where not. In: the text and its
 //! scene. Out: a value for each unknown, or what is wrong. Clause: spec.md, "Measures, `solve`, `require`".
 
-use super::answer::{Shown, Solved, shown, told};
+use super::alone::extremes;
+use super::answer::{Derivative, Others, Shown, Solved, shown, told};
 use super::derivative::{slope, step};
 use super::error::{AskedError, Reach, Told};
 use super::newton;
-use super::search::{Difference, Look, Root, search};
+use super::over::{Asked, Centre, Over};
+use super::search::{Difference, Look, Root, Seen};
 use super::trial::Text;
 use crate::analysis::Measurement;
-use crate::base::{Ball, Dd, Number, Quantity, Rational};
+use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven};
 use crate::model::scene::{Measure, Question, Solve};
 use crate::model::{CheckedScene, Setting};
 
@@ -19,6 +21,8 @@ pub struct Settled {
     /// The values, for whoever tries other values of other parameters.
     pub settings: Vec<Setting>,
     pub solved: Vec<Solved>,
+    /// Parts of ranges that were not settled.
+    pub unsettled: Vec<AskedError>,
 }
 
 /// Finds every unknown.
@@ -28,7 +32,7 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
     if !twice.is_empty() {
         return Err(twice);
     }
-    let mut unknowns = Unknowns::of(*text, solves);
+    let mut unknowns = Unknowns::of(*text, solves, scene.scene().bodies.len());
     for group in unknowns.groups()? {
         match group[..] {
             [(equation, unknown)] => unknowns.alone(equation, unknown)?,
@@ -36,9 +40,10 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
         }
     }
     let solved = (0..solves.len()).map(|i| unknowns.report(i)).collect();
+    let unsettled = (0..solves.len()).filter_map(|i| unknowns.unsettled_part(i)).collect();
     let settings = unknowns.settings();
     match text.scene(&settings) {
-        Ok(scene) => Ok(Settled { scene, settings, solved }),
+        Ok(scene) => Ok(Settled { scene, settings, solved, unsettled }),
         Err(why) => Err(vec![unknowns.refused(why)]),
     }
 }
@@ -58,19 +63,23 @@ pub struct Unknowns<'a> {
     pub solves: &'a [Solve],
     /// SI.
     pub values: Vec<Number>,
-    /// Bounds of the distance from the roots, SI.
-    pub within: Vec<f64>,
+    /// Bounds of the distance from the roots, SI; `None` where none is proven.
+    pub within: Vec<Option<f64>>,
+    /// What is known of other values in the ranges.
+    pub others: Vec<Others>,
     /// Values of each that were looked at.
     pub looks: Vec<usize>,
     /// Which equation was solved for each unknown.
     equation: Vec<usize>,
+    /// Bodies of the scene.
+    parts: usize,
 }
 
 /// An equation and the unknown that it is solved for.
 pub type Pairing = (usize, usize);
 
 impl<'a> Unknowns<'a> {
-    fn of(text: Text<'a>, solves: &'a [Solve]) -> Unknowns<'a> {
+    fn of(text: Text<'a>, solves: &'a [Solve], parts: usize) -> Unknowns<'a> {
         let start = |solve: &Solve| {
             let declared = &solve.parameter.value.si;
             let inside = !(declared - &solve.low).is_negative() && !(&solve.high - declared).is_negative();
@@ -80,9 +89,11 @@ impl<'a> Unknowns<'a> {
             text,
             solves,
             values: solves.iter().map(start).collect(),
-            within: vec![0.0; solves.len()],
+            within: vec![None; solves.len()],
+            others: vec![Others::Unknown; solves.len()],
             looks: vec![0; solves.len()],
             equation: (0..solves.len()).collect(),
+            parts,
         }
     }
 
@@ -103,11 +114,11 @@ impl<'a> Unknowns<'a> {
         let questions = |scene: &CheckedScene| -> Vec<Question> {
             equations.iter().map(|&i| scene.scene().solves[i].question.clone()).collect()
         };
-        match self.text.measure(&self.settings_at(values), questions) {
+        match self.text.crossings(&self.settings_at(values), questions) {
             Err(why) => vec![Difference::None(why); equations.len()],
             Ok(measured) => {
                 let questions = equations.iter().map(|&i| &self.solves[i].question);
-                questions.zip(measured).map(|(question, measured)| difference(question, measured)).collect()
+                questions.zip(measured).map(|(question, measured)| crossing(question, measured)).collect()
             }
         }
     }
@@ -117,6 +128,39 @@ impl<'a> Unknowns<'a> {
         let mut values = self.values.clone();
         values[unknown] = value.clone();
         self.differences(&[equation], &values).pop().unwrap_or(Difference::None(String::new()))
+    }
+
+    /// What is known of an equation's measure while one unknown lies in a range.
+    pub fn over(&self, equation: usize, unknown: usize, range: Ball) -> Over {
+        let mut values = self.values.clone();
+        values[unknown] = Jet::of_parameter(range);
+        self.asked(equation, &values, |asked| asked.over()).unwrap_or_else(Over::silent)
+    }
+
+    /// Asks something of an equation's measure where some of the values are ranges.
+    pub fn asked<T>(&self, equation: usize, values: &[Number], tell: impl FnOnce(&Asked) -> T) -> Option<T> {
+        let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
+        self.text.over(&self.settings_at(values), choose, tell)
+    }
+
+    /// The eigenvalue or the pole that an equation's measure is made of.
+    pub fn centre(&self, equation: usize, values: &[Number]) -> Option<Centre> {
+        let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
+        self.text.centre(&self.settings_at(values), choose)
+    }
+
+    /// The measure is exactly what it should be at a value.
+    pub fn meets(&self, equation: usize, unknown: usize, value: &Number) -> bool {
+        let mut values = self.values.clone();
+        values[unknown] = value.clone();
+        let Ok(scene) = self.text.scene(&self.settings_at(&values)) else { return false };
+        let Some(solve) = scene.scene().solves.get(equation) else { return false };
+        self.text.compared(&scene, &solve.question) == Some(std::cmp::Ordering::Equal)
+    }
+
+    /// Looks over parts of a range that a scene of this size is worth.
+    pub fn effort(&self) -> usize {
+        (60_000 / (self.parts + 7).pow(2)).clamp(60, 1200)
     }
 
     /// Equations and unknowns in the order in which they can be solved; what depends on each other is one group.
@@ -182,36 +226,13 @@ impl<'a> Unknowns<'a> {
         unknowns.iter().map(|&i| self.solves[i].parameter.name.clone()).collect()
     }
 
-    /// One unknown, one equation.
-    fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
-        let solve = &self.solves[unknown];
-        let seen = search(&solve.low, &solve.high, &|value| self.difference(equation, unknown, value));
-        let question = &self.solves[equation].question;
-        let root = match seen.roots[..] {
-            [root] => root,
-            [] => return Err(vec![self.no_root(equation, unknown, &seen.looks, seen.jumps.first())]),
-            _ if constant(&seen.looks) => return Err(vec![self.independent(equation, unknown)]),
-            _ => {
-                let roots = seen.roots.iter().map(|root| self.told(unknown, &super::search::exactly(root.near)));
-                return Err(vec![AskedError::SeveralRoots {
-                    span: solve.span,
-                    measure: self.measure(question),
-                    target: self.target(equation),
-                    name: solve.parameter.name.clone(),
-                    roots: roots.collect(),
-                }]);
-            }
-        };
-        self.take(equation, unknown, &root, seen.count);
-        Ok(())
-    }
-
     /// Settles an unknown: on the shortest number in its own unit that the bound allows.
-    pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, looks: usize) {
+    pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, looks: usize, others: Others) {
         let solve = &self.solves[unknown];
         let value = shortest(root, solve.parameter.unit.factor.as_ref());
         let away = (value.to_ball() - Ball::exact(root.near)).magnitude();
-        self.within[unknown] = (root.within + away) * (1.0 + 1e-12);
+        self.within[unknown] = root.proof.map(|_| (root.within + away) * (1.0 + 1e-12));
+        self.others[unknown] = others;
         self.values[unknown] = value;
         self.looks[unknown] = looks;
         self.equation[unknown] = equation;
@@ -227,6 +248,14 @@ impl<'a> Unknowns<'a> {
         }
     }
 
+    /// What is to be said where parts of an unknown's range were not settled.
+    fn unsettled_part(&self, unknown: usize) -> Option<AskedError> {
+        let Others::Unsettled(parts) = &self.others[unknown] else { return None };
+        let solve = &self.solves[unknown];
+        let (name, value) = (solve.parameter.name.clone(), self.told(unknown, &self.values[unknown]));
+        Some(AskedError::Unsettled { span: solve.span, name, value, parts: parts.clone() })
+    }
+
     /// The model says no to the values that were found.
     fn refused(&self, why: String) -> AskedError {
         let Solve { parameter, span, question, low, high } = &self.solves[0];
@@ -235,35 +264,31 @@ impl<'a> Unknowns<'a> {
         AskedError::NoValue { span: *span, measure, name, range, why }
     }
 
-    fn no_root(&self, equation: usize, unknown: usize, looks: &[Look], jump: Option<&f64>) -> AskedError {
+    /// What was seen of a measure that is nowhere what it should be, as far as is known.
+    pub fn no_root(&self, equation: usize, unknown: usize, seen: &Seen, proven: bool) -> AskedError {
         let solve = &self.solves[unknown];
         let question = &self.solves[equation].question;
         let (measure, name) = (self.measure(question), solve.parameter.name.clone());
         let range = (self.told(unknown, &solve.low), self.told(unknown, &solve.high));
-        let gap = looks.iter().find_map(|look| match &look.difference {
+        let gap = seen.looks.iter().find_map(|look| match &look.difference {
             Difference::None(why) => Some(why.clone()),
             _ => None,
         });
-        let size = |look: &&Look| match &look.difference {
-            Difference::Known(ball) => ball.to_f64(),
-            Difference::Infinite => f64::INFINITY,
-            Difference::None(_) => f64::NAN,
-        };
-        let known = || looks.iter().filter(|look| !size(look).is_nan());
-        let (Some(least), Some(largest)) =
-            (known().min_by(|a, b| size(a).total_cmp(&size(b))), known().max_by(|a, b| size(a).total_cmp(&size(b))))
-        else {
+        let Some((least, largest)) = extremes(&seen.looks) else {
             return AskedError::NoValue { span: solve.span, measure, name, range, why: gap.unwrap_or_default() };
         };
-        if constant(looks) {
+        if constant(&seen.looks) {
             return self.independent(equation, unknown);
         }
         let at = |look: &Look| (self.reached(equation, &look.difference), self.told(unknown, &look.at));
+        let jump = seen.jumps.first();
         let reach = Reach {
             least: at(least),
             largest: at(largest),
             jump: jump.and_then(|&x| Rational::from_f64(x)).map(|x| self.told(unknown, &Number::from(x))),
             gap,
+            proven,
+            looks: seen.count,
         };
         AskedError::NoRoot { span: solve.span, measure, target: self.target(equation), name, range, reach }
     }
@@ -274,18 +299,32 @@ impl<'a> Unknowns<'a> {
     }
 
     /// As it is written.
-    fn measure(&self, question: &Question) -> String {
+    pub fn measure(&self, question: &Question) -> String {
         self.text.sources.slice(question.span).to_string()
     }
 
     /// What a measure should be.
-    fn target(&self, equation: usize) -> Told {
+    pub fn target(&self, equation: usize) -> Told {
         told(&self.in_unit(equation, &self.solves[equation].question.value))
     }
 
     /// What a measure is where it differs by so much.
     pub fn reached(&self, equation: usize, difference: &Difference) -> Told {
+        let question = &self.solves[equation].question;
         match difference {
+            // What passes zero instead of the measure.
+            Difference::Known(ball)
+                if question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. }) =>
+            {
+                if ball.is_negative() { "below 1" } else { "1" }.to_string()
+            }
+            Difference::Known(ball)
+                if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. }) =>
+            {
+                let hertz = ball.abs().sqrt() / (Ball::from(2.0) * Ball::PI);
+                let told = told(&self.in_unit(equation, &Number::Ball(hertz)));
+                if ball.is_negative() { format!("diverging ({told} of growth)") } else { told }
+            }
             Difference::Known(ball) => {
                 let value = self.solves[equation].question.value.to_ball() + *ball;
                 told(&self.in_unit(equation, &Number::Ball(value)))
@@ -305,17 +344,15 @@ impl<'a> Unknowns<'a> {
         let equation = self.equation[unknown];
         let (solve, question) = (&self.solves[unknown], &self.solves[equation].question);
         let value = &self.values[unknown];
-        let residual = known(self.difference(equation, unknown, value));
-        let relative = residual.map_or(1.0, |ball| ball.rad / question.value.to_f64().abs().max(f64::MIN_POSITIVE));
-        let h = step(value, &Number::ONE, relative);
-        let at = |x: Number| known(self.difference(equation, unknown, &x));
-        let slope = slope(at(value - &h), residual, at(value + &h), &h).ok();
+        let residual = self.residual(equation, value);
+        let slope = self.slope(equation, unknown, value, residual);
         Solved {
             parameter: solve.parameter.name.clone(),
             span: solve.span,
             value: value.clone(),
             unit: solve.parameter.unit.clone(),
             bound: self.within[unknown],
+            others: self.others[unknown].clone(),
             measure: self.measure(question),
             target: question.value.clone(),
             target_unit: question.unit.clone(),
@@ -328,11 +365,63 @@ impl<'a> Unknowns<'a> {
     }
 }
 
+impl Unknowns<'_> {
+    /// The measure less what it should be, at the values that were found: a frequency that was to be zero by its square.
+    fn residual(&self, equation: usize, value: &Number) -> Option<Ball> {
+        let unknown = self.equation.iter().position(|&known| known == equation)?;
+        let question = &self.solves[equation].question;
+        let crossing = known(self.difference(equation, unknown, value));
+        match &question.measure {
+            Measure::Frequency { .. } if question.value.is_zero() => {
+                let square = crossing?;
+                let largest = Ball::from(square.magnitude()).sqrt() / (Ball::from(2.0) * Ball::PI);
+                Some(if square.is_zero() { Ball::ZERO } else { Ball::ZERO.widen(largest.magnitude()) })
+            }
+            Measure::DampingRatio { .. } if question.value.is_one() => {
+                let settings = self.settings();
+                let measured = self.text.measure(&settings, |_| vec![question.clone()]).ok()?.pop()?;
+                known(difference(question, measured))
+            }
+            _ => crossing,
+        }
+    }
+
+    /// The derivative of the measure by its unknown: enclosed where the numbers of the system are, by differences elsewhere.
+    fn slope(&self, equation: usize, unknown: usize, value: &Number, residual: Option<Ball>) -> Option<Derivative> {
+        let question = &self.solves[equation].question;
+        if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. })
+            || question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. })
+        {
+            // The square root of what passes zero there has no derivative.
+            return None;
+        }
+        let mut values = self.values.clone();
+        values[unknown] = value.clone();
+        let centre = self.centre(equation, &values);
+        values[unknown] = Jet::of_parameter(value.enclosure());
+        if let Some(slope) = centre.and_then(|centre| self.asked(equation, &values, |asked| asked.slope(&centre))?) {
+            return Some(Derivative::Enclosed(slope));
+        }
+        let relative = residual.map_or(1.0, |ball| ball.rad / question.value.to_f64().abs().max(f64::MIN_POSITIVE));
+        let h = step(value, &Number::ONE, relative);
+        let at = |x: Number| known(self.difference(equation, unknown, &x));
+        let seen = slope(at(value - &h), residual, at(value + &h), &h).ok()?;
+        Some(Derivative::Seen(Unproven(seen.to_f64())))
+    }
+}
+
 pub fn known(difference: Difference) -> Option<Ball> {
     match difference {
         Difference::Known(ball) if ball.is_finite() => Some(ball),
         _ => None,
     }
+}
+
+/// The same for what passes zero where the measure ends (see [`super::probe::prepare_crossings`]).
+fn crossing(question: &Question, measured: Measurement) -> Difference {
+    let ends = matches!(question.measure, Measure::DampingRatio { .. }) && question.value.is_one();
+    let asked = if ends { &Question { value: Number::ZERO, ..question.clone() } } else { question };
+    difference(asked, measured)
 }
 
 /// The measure less what it should be; an angle by the shorter way round.
@@ -353,7 +442,7 @@ pub fn difference(question: &Question, measured: Measurement) -> Difference {
 }
 
 /// The same wherever it was looked at.
-fn constant(looks: &[Look]) -> bool {
+pub fn constant(looks: &[Look]) -> bool {
     looks.len() > 1 && looks.windows(2).all(|pair| pair[0].difference == pair[1].difference)
 }
 
@@ -363,7 +452,7 @@ pub fn between(low: &Number, high: &Number, part: i64, whole: i64) -> Number {
 }
 
 /// The number with the fewest digits, in the unit with this factor, that lies within the bound.
-fn shortest(root: &Root, factor: Option<&Number>) -> Number {
+pub fn shortest(root: &Root, factor: Option<&Number>) -> Number {
     let one = Number::ONE;
     let factor = factor.unwrap_or(&one);
     let target = Ball::exact(root.near) / factor.to_ball();
@@ -454,9 +543,9 @@ mod tests {
 
     #[test]
     fn the_shortest_number_within_the_bound_is_taken() {
-        let root = Root { near: Dd::from(800.0) + Dd::from(1e-26), within: 1e-25 };
+        let root = Root::seen(Dd::from(800.0) + Dd::from(1e-26), 1e-25);
         assert_eq!(shortest(&root, None), Number::from(800));
-        let third = Root { near: Dd::ONE / Dd::from(3.0), within: 1e-6 };
+        let third = Root::seen(Dd::ONE / Dd::from(3.0), 1e-6);
         assert_eq!(shortest(&third, None), Number::from(Rational::from_decimal("0.333333").unwrap()));
     }
 

@@ -2,13 +2,17 @@
 //! and values; out: the measures, or why there are none.
 
 use super::exact;
-use super::probe::{Measured, Probe, prepare};
+use super::over::{Asked, Centre, Drive};
+use super::probe::{Measured, Probe, prepare, prepare_crossings};
+use crate::analysis::measures;
+use crate::analysis::range::Family;
 use crate::analysis::{
     AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal, modes, modes_as, peak, poles,
 };
+use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
 use crate::lower::Lowered;
-use crate::model::scene::{Measure, Parameter, Question};
+use crate::model::scene::{Damping, Measure, Parameter, Question, Scene};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
 use crate::system::{LinearSystem, Signal};
@@ -68,6 +72,74 @@ impl Text<'_> {
         self.measure_scene(&scene, &choose(&scene), None)
     }
 
+    /// The same for what is solved for (see [`prepare_crossings`]).
+    pub fn crossings(
+        &self,
+        values: &[Setting],
+        choose: impl Fn(&CheckedScene) -> Vec<Question>,
+    ) -> Result<Vec<Measurement>, String> {
+        let scene = self.scene(values)?;
+        let questions = choose(&scene);
+        self.applied(&scene, &questions, None, &prepare_crossings, |measured, probes| measured.measure(probes))
+    }
+
+    /// The eigenvalue or the pole that the measure of a question is made of.
+    pub fn centre(&self, values: &[Setting], choose: impl Fn(&CheckedScene) -> Option<Question>) -> Option<Centre> {
+        let scene = self.scene(values).ok()?;
+        let question = choose(&scene)?;
+        let found = self.applied(&scene, std::slice::from_ref(&question), None, &prepare, |measured, probes| {
+            match &probes[0] {
+                Probe::Frequency(mode) => {
+                    let mode = mode.checked_sub(1).and_then(|i| measured.modes?.list.get(i))?;
+                    Some(Centre::Eigenvalue(mode.omega_squared))
+                }
+                Probe::Damping(motion) => {
+                    let pole = measures::damped_motion(measured.poles?, *motion).ok()?;
+                    Some(Centre::Pole(pole.re, pole.im))
+                }
+                _ => Some(Centre::None),
+            }
+        });
+        found.ok()?
+    }
+
+    /// What is known of the measure of a question where some of the values are ranges ([`crate::base::Jet`]).
+    pub fn over<T>(
+        &self,
+        values: &[Setting],
+        choose: impl Fn(&CheckedScene) -> Option<Question>,
+        tell: impl FnOnce(&Asked) -> T,
+    ) -> Option<T> {
+        let prepared = || {
+            let scene = self.scene(values).ok()?;
+            let question = choose(&scene)?;
+            let mut scene = scene.scene().clone();
+            let probe = prepare_crossings(&mut scene, std::slice::from_ref(&question)).pop()?;
+            match (&scene.damping, &probe) {
+                // No damping is in these.
+                (_, Probe::Frequency(_) | Probe::Square(_)) => scene.damping = None,
+                // The shapes that make this damping are not enclosed over ranges.
+                (Some(Damping::Modal { .. }), _) => return None,
+                _ => {}
+            }
+            let scene = CheckedScene::new(scene);
+            let mut said = Diagnostics::new();
+            let lowered = (self.stages.lower)(&scene, &mut said).filter(|lowered| lowered.rest.proven)?;
+            let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
+            Some((scene, question, probe, lowered, context))
+        };
+        let (prepared, lost) = jet::watched(prepared);
+        let (scene, question, probe, lowered, context) = prepared?;
+        let family = Family::of(&lowered.system, lost);
+        let measured =
+            Measured { scene: scene.scene(), lowered: &lowered, modes: None, poles: None, context: &context };
+        let loads = measured.loads();
+        let drive = Drive { signals: &context.drives, loads: &loads };
+        let course = Family::course(&lowered.system, lost);
+        let (family, drive, probe, question) = (family.as_ref(), &drive, &probe, &question);
+        Some(tell(&Asked { family, course, drive, probe, question }))
+    }
+
     /// The measures of a scene. `known` modes and poles are not computed again.
     pub fn measure_scene(
         &self,
@@ -75,13 +147,16 @@ impl Text<'_> {
         questions: &[Question],
         known: Option<(&Modes, &Poles)>,
     ) -> Result<Vec<Measurement>, String> {
-        self.applied(scene, questions, known, |measured, probes| measured.measure(probes))
+        self.applied(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
     /// How the measure of a question compares with its value, decided exactly; `None` where that cannot be done.
     pub fn compared(&self, scene: &CheckedScene, question: &Question) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
-        self.applied(scene, questions, None, |measured, probes| exact::compare(measured, &probes[0], question)).ok()?
+        self.applied(scene, questions, None, &prepare, |measured, probes| {
+            exact::compare(measured, &probes[0], question)
+        })
+        .ok()?
     }
 
     /// Lowers a scene with an output for each question, computes what their probes need, and applies something to it.
@@ -90,6 +165,7 @@ impl Text<'_> {
         scene: &CheckedScene,
         questions: &[Question],
         known: Option<(&Modes, &Poles)>,
+        prepare: &dyn Fn(&mut Scene, &[Question]) -> Vec<Probe>,
         apply: impl FnOnce(&Measured, &[Probe]) -> T,
     ) -> Result<T, String> {
         let mut with_outputs = scene.scene().clone();
@@ -113,6 +189,37 @@ impl Text<'_> {
         let mut said = Diagnostics::new();
         let lowered = (self.stages.lower)(&scene, &mut said).ok_or_else(|| first_error(&said))?;
         modal(&lowered.system, request).map_err(|error| error.to_diagnostic().message)
+    }
+
+    /// The modes without damping with some parameters at these values.
+    pub fn undamped(&self, values: &[Setting], request: &Request) -> Result<Modes, String> {
+        let mut scene = self.scene(values)?.scene().clone();
+        scene.damping = None;
+        let mut said = Diagnostics::new();
+        let lowered = (self.stages.lower)(&CheckedScene::new(scene), &mut said).ok_or_else(|| first_error(&said))?;
+        modes_as(&lowered.system, request).map_err(|error| error.to_diagnostic().message)
+    }
+
+    /// Tells something of the systems without and with damping where some of the values are ranges; of neither where there is none.
+    pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
+        let lowered = |damped: bool| {
+            jet::watched(|| {
+                let mut scene = self.scene(values).ok()?.scene().clone();
+                if damped && matches!(scene.damping, Some(Damping::Modal { .. })) {
+                    // The shapes that make this damping are not enclosed with their derivatives.
+                    return None;
+                }
+                if !damped {
+                    scene.damping = None;
+                }
+                let lowered = (self.stages.lower)(&CheckedScene::new(scene), &mut Diagnostics::new())?;
+                lowered.rest.proven.then_some(lowered.system)
+            })
+        };
+        let (without, with) = (lowered(false), lowered(true));
+        let a = without.0.as_ref().and_then(|system| Family::of(system, without.1));
+        let b = with.0.as_ref().and_then(|system| Family::of(system, with.1));
+        tell(a.as_ref(), b.as_ref());
     }
 
     /// How long the motion is followed for a measure of it.
@@ -154,7 +261,11 @@ fn computed(system: &LinearSystem, probes: &[Probe]) -> Result<(Option<Modes>, O
         return Ok((None, None));
     }
     let of_poles = probes.iter().any(Probe::of_poles);
-    let highest = probes.iter().map(|probe| if let Probe::Frequency(mode) = probe { *mode } else { 0 }).max();
+    let highest = |probe: &Probe| match probe {
+        Probe::Frequency(mode) | Probe::Square(mode) => *mode,
+        _ => 0,
+    };
+    let highest = probes.iter().map(highest).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
     let said = |error: AnalysisError| error.to_diagnostic().message;
     let found = match of_poles || system.n() <= FEW {

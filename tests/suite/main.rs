@@ -34,6 +34,7 @@ mod problems;
 mod properties;
 mod pruning;
 mod published;
+mod questions;
 mod readme;
 mod reports;
 mod response;

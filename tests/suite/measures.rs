@@ -300,8 +300,11 @@ fn sensitivities(text: &str) -> Vec<Slopes> {
     let study = vibc::Study { sensitivity: true, ..vibc::Study::default() };
     let request = vibc::analysis::Request::default();
     let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study);
-    let relative = |slope: &Option<vibc::questions::answer::Slope>| match slope {
-        Some(vibc::questions::answer::Slope::Smooth { relative, .. }) => *relative,
+    use vibc::questions::answer::{Derivative, Slope};
+    let relative = |slope: &Option<Slope>| match slope {
+        Some(Slope::Smooth { relative: Derivative::Enclosed(ball), .. }) => *ball,
+        // By differences, where the rest moves too.
+        Some(Slope::Smooth { relative: Derivative::Seen(x), .. }) => Ball::from(x.0).widen(1e-13 * x.0.abs()),
         other => panic!("{other:?}"),
     };
     let list = outcome.answer.expect("a report").sensitivities;

@@ -35,12 +35,12 @@ fn refused(lines: &str) -> Diagnostic {
 fn is(solved: &Solved, truth: f64, width: f64) {
     let off = (solved.value.to_f64() - truth).abs();
     assert!(
-        off <= solved.bound + 4e-16 * truth.abs(),
+        off <= solved.bound.expect("proven") + 4e-16 * truth.abs(),
         "{} = {} is not {truth}",
         solved.parameter,
         solved.value.to_f64()
     );
-    assert!(solved.bound <= width * truth.abs(), "{}: bound {:e}", solved.parameter, solved.bound);
+    assert!(solved.bound.expect("proven") <= width * truth.abs(), "{}: bound {:?}", solved.parameter, solved.bound);
 }
 
 const TURN: f64 = std::f64::consts::TAU;
@@ -178,9 +178,10 @@ fn advice_would_do() {
     let outcome = run("require frequency(1) > 1 Hz");
     let help = outcome.diagnostics[0].help.clone().expect("advice");
     assert!(help.starts_with("`k` moves it most: 0.5 %"), "{help}");
-    let wanted = help.split("about k = ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a value");
-    // (2 pi)^2 = 39.48, to three digits.
-    assert!((wanted.parse::<f64>().expect("a number") - 39.48).abs() < 0.06, "{wanted}");
+    let wanted = help.split("with k = ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a value");
+    // (2 pi)^2 = 39.478: three digits, on the side that holds.
+    let wanted = wanted.parse::<f64>().expect("a number");
+    assert!(wanted > 39.478 && wanted < 39.6, "{wanted}");
 }
 
 /// At its very limit a rational measure is decided on rational numbers.

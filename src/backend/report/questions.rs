@@ -3,8 +3,8 @@
 use super::super::decimal::{certain, certain_number, upper};
 use super::table::{Align, Table};
 use super::{INDENT, line};
-use crate::base::{Ball, Number};
-use crate::questions::answer::{Requirement, Shown, Solved};
+use crate::base::{Ball, Number, Unproven};
+use crate::questions::answer::{Derivative, Others, Requirement, Shown, Solved};
 
 /// Digits of what was solved for: all that a double holds.
 const MOST: usize = 16;
@@ -30,13 +30,42 @@ pub fn solved(list: &[Solved]) -> String {
             solved.parameter.clone(),
             number(&shown, MOST),
             shown.unit.to_string(),
-            upper(solved.shown_bound()),
+            solved.shown_bound().map_or_else(|| "?".to_string(), upper),
             format!("{} = {}", solved.measure, with_unit(&target, DIGITS)),
             upper(solved.residual.magnitude()),
-            solved.relative_slope().map_or(String::new(), |slope| certain(&slope, FEW)),
+            solved.relative_slope().map_or(String::new(), |slope| derivative(&slope, FEW)),
         ]);
     }
-    line("solved") + &table.text(INDENT) + &followed(list.iter().find_map(|solved| solved.until.as_ref()))
+    let others: String = list.iter().filter_map(others).map(|text| line(text)).collect();
+    line("solved") + &table.text(INDENT) + &others + &followed(list.iter().find_map(|solved| solved.until.as_ref()))
+}
+
+/// What is not proven of the range that a value was looked for in.
+fn others(solved: &Solved) -> Option<String> {
+    let name = &solved.parameter;
+    match &solved.others {
+        Others::None(_) => None,
+        Others::Unsettled(parts) => {
+            let parts: Vec<String> = parts.iter().map(|(low, high)| format!("{low} .. {high}")).collect();
+            Some(format!("{name}: the one found; not settled is {}, elsewhere there is no other", parts.join(", ")))
+        }
+        Others::Unknown => {
+            let looks = solved.looked_at;
+            Some(format!("{name}: the one found with {looks} values tried; others are not excluded"))
+        }
+    }
+}
+
+/// An enclosed derivative to the digits that are certain; one that is not proven to few, and marked.
+pub fn derivative(derivative: &Derivative, digits: usize) -> String {
+    match derivative {
+        Derivative::Enclosed(ball) => certain(ball, digits),
+        Derivative::Seen(Unproven(x)) => format!("≈{}", few_digits_of(*x)),
+    }
+}
+
+fn few_digits_of(x: f64) -> String {
+    certain(&Ball::from(x), 3)
 }
 
 pub fn requirements(list: &[Requirement]) -> String {

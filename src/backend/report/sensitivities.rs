@@ -1,7 +1,8 @@
 //! What moves the frequencies and damping ratios: a row for each parameter.
 
 use super::super::ModalAnswer;
-use super::super::decimal::{certain, certain_number};
+use super::super::decimal::certain_number;
+use super::questions::derivative;
 use super::table::{Align, Table};
 use super::{INDENT, line};
 use crate::base::Number;
@@ -49,10 +50,11 @@ fn cells(sensitivity: &Sensitivity) -> Vec<String> {
 fn told(slope: &Option<Slope>) -> String {
     match slope {
         None => String::new(),
-        Some(Slope::Splits) => "splits".to_string(),
+        Some(Slope::Splits(_)) => "splits".to_string(),
+        Some(Slope::NotComputed) => "-".to_string(),
         Some(Slope::Undefined) => "none".to_string(),
-        Some(Slope::Smooth { relative, .. }) if relative.is_finite() => certain(relative, DIGITS),
+        Some(Slope::Smooth { relative, .. }) if relative.is_finite() => derivative(relative, DIGITS),
         // Of what is zero there is no percentage.
-        Some(Slope::Smooth { absolute, .. }) => if absolute.is_zero() { "0" } else { "from 0" }.to_string(),
+        Some(Slope::Smooth { absolute, .. }) => if absolute.to_f64() == 0.0 { "0" } else { "from 0" }.to_string(),
     }
 }

@@ -27,7 +27,9 @@ pub enum QuestionError {
     ModeNumber { span: Span },
     RangeReversed { span: Span },
     GivenAndSolved { span: Span, word: String, solved: Span },
-    RequireWhat { span: Span },
+    RequireWhat { span: Span, suggestion: Option<&'static str> },
+    RequireChain { span: Span, lines: [String; 2] },
+    MeasureAsValue { span: Span, word: String },
     Unused { span: Span, name: String, kind: DefinitionKind },
     Idle { span: Span, name: String, word: &'static str, why: &'static str },
     IdleGravity { span: Span },
@@ -105,8 +107,22 @@ impl QuestionError {
                     .related(solved, "solved for here")
                     .help("leave this setting out, or take the `solve` line out of the model")
             }
-            RequireWhat { span } => error("vib::require::form", span, "a comparison of a measure is expected here")
-                .help("write `require frequency(1) > 2 Hz` or `require stable`"),
+            RequireWhat { span, suggestion } => {
+                let help = "write `require frequency(1) > 2 Hz` or `require stable`".to_string();
+                let finding = error("vib::require::form", span, "a comparison of a measure is expected here");
+                let help = suggestion.is_none().then_some(help);
+                with_suggestion(finding, suggestion.map(str::to_string), help)
+            }
+            RequireChain { span, lines: [first, second] } => {
+                error("vib::require::form", span, "one line requires one comparison")
+                    .label("two comparisons")
+                    .help(format!("write two lines: `require {first}` and `require {second}`"))
+            }
+            MeasureAsValue { span, word } => {
+                error("vib::measure::value", span, "a measure is compared with a number, not with a measure")
+                    .label(format!("`{word}` is a measure"))
+                    .help("write a number, or a parameter that both sides are compared with in lines of their own")
+            }
             Unused { span, name, kind } => unused(span, &name, kind),
             Idle { span, name, word, why } => {
                 let message = format!("this {word} of `{name}` {why}");

@@ -1,0 +1,305 @@
+//! A system over a whole range of one parameter. In: a linear system whose numbers are enclosed with their derivatives
+//! ([`Jet`]); out: enclosures of what is measured of it, and of the derivative, for every value of the parameter in the range.
+//! They say where a measure cannot be what is asked, and where it only rises or only falls. Clause: spec.md, "Measures, `solve`,
+//! `require`".
+
+pub mod linear;
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::base::{Ball, Dd, Jet, Number};
+use crate::system::{CoordinateId, Form, LinearSystem};
+use linear::{JetMatrix, bordered, solved};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// More coordinates are not taken: the equations are dense, and solved in balls.
+pub const MOST: usize = 30;
+
+/// A system whose numbers hold for every value of a parameter in a range.
+#[derive(Clone, Debug)]
+pub struct Family<'a> {
+    system: &'a LinearSystem,
+    /// Some number depends on the parameter in a way of which the derivative is not known.
+    lost: bool,
+    m: Vec<Vec<Number>>,
+    c: Vec<Vec<Number>>,
+    k: Vec<Vec<Number>>,
+}
+
+/// What every eigenvalue of K - sigma M does as the parameter grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// None falls.
+    Rises,
+    /// None rises.
+    Falls,
+}
+
+/// A complex number with its derivative.
+#[derive(Clone, Debug)]
+pub struct Phasor {
+    pub re: Number,
+    pub im: Number,
+}
+
+impl<'a> Family<'a> {
+    /// `lost` says that some derivative was lost on the way to the system. `None` where there are too many coordinates.
+    pub fn of(system: &'a LinearSystem, lost: bool) -> Option<Family<'a>> {
+        let n = system.n();
+        let few = n > 0 && n <= MOST && !system.is_chained();
+        few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
+    }
+
+    /// What the eigenvalues of K - sigma M do, from the weights of the squares alone: those whose squares only grow, only rise
+    /// (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
+    pub fn course(system: &LinearSystem, lost: bool) -> Option<Course> {
+        if lost {
+            return None;
+        }
+        let (k, m) = (weights(&system.k)?, weights(&system.m)?);
+        let all = |rising: bool| {
+            let way = |slope: &Ball, rising: bool| {
+                slope.is_zero() || if rising { slope.is_positive() } else { slope.is_negative() }
+            };
+            k.iter().all(|slope| way(slope, rising)) && m.iter().all(|slope| way(slope, !rising))
+        };
+        match (all(true), all(false)) {
+            (true, _) => Some(Course::Rises),
+            (_, true) => Some(Course::Falls),
+            _ => None,
+        }
+    }
+
+    /// A number that is zero exactly where omega^2 is an eigenvalue of K, M.
+    pub fn resonance(&self, omega_squared: &Number) -> Option<Jet> {
+        let shifted = |i: usize, j: usize| &self.k[i][j] - &(omega_squared * &self.m[i][j]);
+        let n = self.system.n();
+        let sizes = self.sizes(omega_squared.enclosure().magnitude().sqrt());
+        Some(self.known(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
+    }
+
+    /// The null vectors of K - omega^2 M as columns, where it has so many for the omega^2 in this ball, and whatever lies in it.
+    /// `None` where it may have more.
+    pub fn modes_at(&self, omega_squared: Ball, count: usize) -> Option<Matrix<Ball>> {
+        let n = self.system.n();
+        let square = Number::Ball(omega_squared);
+        let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
+        let sizes = self.sizes(omega_squared.magnitude().sqrt());
+        Some(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, count)?.x.value)
+    }
+
+    /// The derivative of a simple eigenvalue omega^2 of K, M that lies in a ball: x^T (K' - omega^2 M') x / x^T M x.
+    pub fn eigenvalue_slope(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<Ball> {
+        let (slope, mass) = self.reduced(omega_squared, x);
+        let slope = slope[(0, 0)] / mass[(0, 0)];
+        (!self.lost && slope.is_finite()).then_some(slope)
+    }
+
+    /// The derivatives of eigenvalues that are equal, or not told apart: those of K' - omega^2 M' and M on their vectors. They
+    /// lie in the ball, each that of some eigenvalue; and, without a bound, what they are one by one.
+    pub fn cluster_slopes(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<(Ball, Vec<f64>)> {
+        let count = x.columns();
+        let (slope, mass) = self.reduced(omega_squared, x);
+        let still = |value: Matrix<Ball>| JetMatrix { slope: Matrix::none(value.rows(), value.columns()), value };
+        let quotient = solved(&still(mass.clone()), &still(slope.clone()))?.value;
+        let trace = (0..count).fold(Ball::ZERO, |sum, i| sum + quotient[(i, i)]);
+        let mean = trace / Ball::from(count as f64);
+        // Gershgorin: no eigenvalue is farther from the mean than the largest row sum.
+        let row = |i: usize| -> f64 {
+            let left = |j: usize| if i == j { quotient[(i, j)] - mean } else { quotient[(i, j)] };
+            (0..count).map(|j| left(j).magnitude()).sum()
+        };
+        let farthest = (0..count).map(row).fold(0.0, f64::max) * (1.0 + 1e-12);
+        let all = Ball::exact(mean.mid).widen(farthest + mean.rad);
+        let each = each_eigenvalue(&slope, &mass)?;
+        (!self.lost && all.is_finite()).then_some((all, each))
+    }
+
+    /// X^T (K' - omega^2 M') X and X^T M X
+    fn reduced(&self, omega_squared: Ball, x: &Matrix<Ball>) -> (Matrix<Ball>, Matrix<Ball>) {
+        let (n, count) = (self.system.n(), x.columns());
+        let (mut slope, mut mass) = (Matrix::none(count, count), Matrix::none(count, count));
+        for i in 0..n {
+            for j in 0..n {
+                let (k, m) = (Jet::of(&self.k[i][j]), Jet::of(&self.m[i][j]));
+                let change = k.slope - omega_squared * m.slope;
+                for a in 0..count {
+                    for b in 0..count {
+                        let product = x[(i, a)] * x[(j, b)];
+                        slope[(a, b)] = slope[(a, b)] + change * product;
+                        mass[(a, b)] = mass[(a, b)] + m.value * product;
+                    }
+                }
+            }
+        }
+        (slope, mass)
+    }
+
+    /// The vector of a simple pole that lies in a rectangle; `None` where it may not be simple.
+    pub fn motion_at(&self, s: Complex<Ball>) -> Option<Vec<Complex<Ball>>> {
+        let n = self.system.n();
+        // Symmetric form: [[R, -I], [-I, -R]] acts on (x, y) as the complex product does, its second half with the sign turned.
+        // Its null vectors come in twos: i times one is another.
+        let q = |i: usize, j: usize| self.quadratic(s, i % n, j % n, |jet| jet.value);
+        let entry = |i: usize, j: usize| match (i < n, j < n) {
+            (true, true) => q(i, j).re,
+            (false, false) => -q(i, j).re,
+            _ => -q(i, j).im,
+        };
+        let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| Number::Ball(entry(i, j)));
+        let sizes = self.sizes((s.re.magnitude() + s.im.magnitude()) * 0.75);
+        let x = bordered(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x.value;
+        Some((0..n).map(|i| Complex::new(x[(i, 0)], x[(n + i, 0)])).collect())
+    }
+
+    /// The derivative of a simple pole that lies in a rectangle: -x^T (s^2 M' + s C' + K') x / x^T (2 s M + C) x.
+    pub fn pole_slope(&self, s: Complex<Ball>, x: &[Complex<Ball>]) -> Option<Complex<Ball>> {
+        let real = |ball: Ball| Complex::new(ball, Ball::ZERO);
+        let (mut over, mut under) = (real(Ball::ZERO), real(Ball::ZERO));
+        for (i, a) in x.iter().enumerate() {
+            for (j, b) in x.iter().enumerate() {
+                let product = *a * *b;
+                over = over + self.quadratic(s, i, j, |jet| jet.slope) * product;
+                let [m, c] = [&self.m, &self.c].map(|form| real(Jet::of(&form[i][j]).value));
+                under = under + (s * m + s * m + c) * product;
+            }
+        }
+        let size = under.re.square() + under.im.square();
+        let quotient = over * Complex::new(under.re, -under.im);
+        let (re, im) = (-(quotient.re / size), -(quotient.im / size));
+        (!self.lost && re.is_finite() && im.is_finite()).then_some(Complex::new(re, im))
+    }
+
+    /// An entry of s^2 M + s C + K, or of its derivative.
+    fn quadratic(&self, s: Complex<Ball>, i: usize, j: usize, pick: fn(&Jet) -> Ball) -> Complex<Ball> {
+        let of = |form: &[Vec<Number>]| Complex::new(pick(&Jet::of(&form[i][j])), Ball::ZERO);
+        s * s * of(&self.m) + s * of(&self.c) + of(&self.k)
+    }
+
+    /// The damping ratio c / (2 sqrt(k m)) of a single coordinate with positive stiffness and mass: that of its motion below one.
+    pub fn single_ratio(&self) -> Option<Number> {
+        if self.system.n() != 1 {
+            return None;
+        }
+        let root = (&self.k[0][0] * &self.m[0][0]).sqrt()?;
+        self.k[0][0].is_positive().then(|| self.c[0][0].checked_div(&(&root * &Number::from(2)))).flatten()
+    }
+
+    /// c^2 - 4 k m of a single coordinate: zero where its damping is critical.
+    pub fn single_discriminant(&self) -> Option<Number> {
+        let four = Number::from(4);
+        (self.system.n() == 1).then(|| &self.c[0][0].square() - &(&four * &(&self.k[0][0] * &self.m[0][0])))
+    }
+
+    /// H(i omega) from an input to an output.
+    pub fn response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
+        let n = self.system.n();
+        let square = omega.square();
+        let stiffness = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
+        let damping = |i: usize, j: usize| omega * &self.c[i][j];
+        // re and im of (Q_r + i Q_i) x = b_r + i b_i, one below the other.
+        let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+            (true, true) => stiffness(i, j),
+            (true, false) => -&damping(i, j - n),
+            (false, true) => damping(i - n, j),
+            (false, false) => stiffness(i - n, j - n),
+        });
+        let b = &self.system.inputs.get(input)?.b;
+        let (b_re, b_im) = at(n, b, omega);
+        let right = JetMatrix::from_fn(2 * n, 1, |i, _| if i < n { b_re[i].clone() } else { b_im[i - n].clone() });
+        let found = solved(&matrix, &right)?;
+        let x = |i: usize| number(self.known(found.entry(i, 0)));
+        let out = self.system.outputs.get(output)?;
+        let (p_re, p_im) = at(n, &out.p, omega);
+        let (mut re, mut im) = (Number::ZERO, Number::ZERO);
+        for i in 0..n {
+            re = &re + &(&(&p_re[i] * &x(i)) - &(&p_im[i] * &x(n + i)));
+            im = &im + &(&(&p_re[i] * &x(n + i)) + &(&p_im[i] * &x(i)));
+        }
+        let through = |power: usize| {
+            let entries = out.d[power].iter().filter(|(known, _)| *known as usize == input);
+            entries.fold(Number::ZERO, |sum, (_, value)| &sum + value)
+        };
+        let re = &re + &(&through(0) - &(&square * &through(2)));
+        let im = &im + &(omega * &through(1));
+        Some(Phasor { re, im })
+    }
+
+    /// How large the parts of each row of s^2 M + s C + K are on the diagonal.
+    fn sizes(&self, s: f64) -> Vec<f64> {
+        let size = |form: &[Vec<Number>], i: usize| form[i][i].enclosure().magnitude();
+        let sum = |i: usize| s * s * size(&self.m, i) + s * size(&self.c, i) + size(&self.k, i);
+        (0..self.system.n()).map(sum).collect()
+    }
+
+    /// Without its derivative where that is not known.
+    fn known(&self, jet: Jet) -> Jet {
+        if self.lost { Jet { slope: Ball::new(Dd::ZERO, f64::INFINITY), ..jet } } else { jet }
+    }
+
+    /// The same for what was computed from the system's numbers.
+    pub fn told(&self, number: &Number) -> Jet {
+        self.known(Jet::of(number))
+    }
+}
+
+impl Phasor {
+    pub const ZERO: Phasor = Phasor { re: Number::ZERO, im: Number::ZERO };
+
+    pub fn plus(&self, other: &Phasor) -> Phasor {
+        Phasor { re: &self.re + &other.re, im: &self.im + &other.im }
+    }
+
+    /// Times size exp(i phase).
+    pub fn turned(&self, size: &Number, phase: &Number) -> Option<Phasor> {
+        let (sine, cosine) = phase.sin_cos()?;
+        let re = &(&self.re * &cosine) - &(&self.im * &sine);
+        let im = &(&self.re * &sine) + &(&self.im * &cosine);
+        Some(Phasor { re: &re * size, im: &im * size })
+    }
+
+    /// |z|^2
+    pub fn squared(&self) -> Number {
+        &self.re.square() + &self.im.square()
+    }
+}
+
+fn number(jet: Jet) -> Number {
+    Number::Jet(Box::new(jet))
+}
+
+/// c0 + i omega c1 - omega^2 c2 of sparse columns, as real and imaginary parts.
+fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> (Vec<Number>, Vec<Number>) {
+    let (mut re, mut im) = (vec![Number::ZERO; n], vec![Number::ZERO; n]);
+    let square = omega.square();
+    for (i, value) in &parts[0] {
+        re[i.index()] = &re[i.index()] + value;
+    }
+    for (i, value) in &parts[1] {
+        im[i.index()] = &im[i.index()] + &(omega * value);
+    }
+    for (i, value) in &parts[2] {
+        re[i.index()] = &re[i.index()] - &(&square * value);
+    }
+    (re, im)
+}
+
+/// The derivatives of the weights; `None` where a row moves too.
+fn weights(form: &Form) -> Option<Vec<Ball>> {
+    let still = |(_, entry): &(CoordinateId, Number)| Jet::of(entry).slope.is_zero();
+    let terms = form.terms().iter();
+    terms.map(|term| form.row(term).iter().all(still).then(|| Jet::of(&term.weight).slope)).collect()
+}
+
+/// The eigenvalues of a symmetric matrix against a positive definite one, ascending, in binary64.
+fn each_eigenvalue(slope: &Matrix<Ball>, mass: &Matrix<Ball>) -> Option<Vec<f64>> {
+    let count = slope.rows();
+    let plain =
+        |a: &Matrix<Ball>| DMatrix::from_fn(count, count, |i, j| (a[(i, j)].to_f64() + a[(j, i)].to_f64()) / 2.0);
+    let root = plain(mass).cholesky()?.l();
+    let inverse = root.try_inverse()?;
+    let eigen = SymmetricEigen::try_new(&inverse * plain(slope) * inverse.transpose(), f64::EPSILON, 1000)?;
+    let mut each: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
+    each.sort_by(f64::total_cmp);
+    Some(each)
+}

@@ -1,0 +1,193 @@
+//! What would make a requirement hold: a parameter, and a value of it at which the requirement was seen to hold. In: a requirement
+//! that fails. Out: the parameter that moves its measure most, with a value where one was found. Clause: spec.md, "Measures,
+//! `solve`, `require`".
+
+use super::answer::{Requirement, Value, few_digits, shown, told};
+use super::derivative::{slope, step};
+use super::error::Mover;
+use super::require::stands;
+use super::trial::Text;
+use crate::analysis::Measurement;
+use crate::base::{Ball, Number, Quantity, Rational};
+use crate::model::Setting;
+use crate::model::scene::{Parameter, Question, Require};
+
+/// Parameters that are tried, at most: a scene of thousands has them in repetitions.
+const MOST_TRIED: usize = 200;
+/// Parameters for which a value is looked for.
+const MOST_ADVISED: usize = 4;
+/// Parameters that are tried where the requirement has no number that says which way to go.
+const MOST_BLIND: usize = 12;
+/// More than so many times its value is no advice.
+const MOST_RAISED: f64 = 1000.0;
+/// Factors of a parameter that are tried one after another, the smallest changes first.
+const FACTORS: [f64; 8] = [2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 500.0, 0.002];
+/// Steps beyond the estimate: the first at which the requirement holds is told.
+const BEYOND: [f64; 6] = [1.0, 1.01, 1.05, 1.25, 2.0, 4.0];
+/// Halvings between a value that fails and one that does.
+const HALVINGS: usize = 12;
+
+/// A requirement that fails, with the model that it stands in.
+pub struct Advice<'a> {
+    pub text: &'a Text<'a>,
+    pub settings: &'a [Setting],
+    /// Those that are not solved for.
+    pub parameters: &'a [Parameter],
+    /// Number of the requirement.
+    pub index: usize,
+    pub require: &'a Require,
+}
+
+impl Advice<'_> {
+    /// What would do; `None` where nothing was found that moves it.
+    pub fn mover(&self, requirement: &Requirement) -> Option<Mover> {
+        match requirement.value {
+            Value::Number(here) => self.by_slope(here),
+            Value::Infinite | Value::Said(_) => self.blind(),
+        }
+    }
+
+    /// The parameters with the largest slopes first.
+    fn by_slope(&self, here: Ball) -> Option<Mover> {
+        let varied = self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_TRIED);
+        let mut slopes: Vec<(&Parameter, f64)> = varied
+            .filter_map(|parameter| {
+                let slope = self.slope(parameter, here)?.to_f64() * parameter.value.si.to_f64();
+                (slope != 0.0 && slope.is_finite()).then_some((parameter, slope))
+            })
+            .collect();
+        // Stable: of equal ones the first that is declared.
+        slopes.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let (first, slope) = *slopes.first()?;
+        let percent = |slope: f64| few_digits(three_digits(slope / here.to_f64()));
+        let found = slopes.iter().take(MOST_ADVISED).find_map(|&(parameter, slope)| {
+            let wanted = self.reaching(parameter, &here, slope)?;
+            let value = self.at_or_beyond(parameter, wanted)?;
+            Some((parameter, slope, value))
+        });
+        Some(match found {
+            Some((parameter, slope, value)) => Mover {
+                percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
+                most: parameter.name == first.name,
+                ..self.told(parameter, Some(value))
+            },
+            None => Mover {
+                percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
+                most: true,
+                ..self.told(first, None)
+            },
+        })
+    }
+
+    /// Every parameter by the same factors, until the requirement holds; then back to where it begins to.
+    fn blind(&self) -> Option<Mover> {
+        let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_BLIND);
+        let (parameter, factor) = FACTORS.iter().find_map(|&factor| {
+            parameters().find_map(|parameter| {
+                let value = decimal(parameter, parameter.value.si.to_f64() * factor)?;
+                self.holds_at(parameter, &value).then_some((parameter, factor))
+            })
+        })?;
+        let start = parameter.value.si.to_f64();
+        let (mut fails, mut holds) = (1.0, factor);
+        let mut best = decimal(parameter, start * factor)?;
+        for _ in 0..HALVINGS {
+            let middle: f64 = (fails * holds as f64).sqrt();
+            let Some(value) = decimal(parameter, start * middle) else { break };
+            if self.holds_at(parameter, &value) {
+                (holds, best) = (middle, value);
+            } else {
+                fails = middle;
+            }
+        }
+        Some(self.told(parameter, Some(best)))
+    }
+
+    fn told(&self, parameter: &Parameter, wanted: Option<Number>) -> Mover {
+        let in_unit = |si: Number| told(&shown(&si, &parameter.unit, false));
+        Mover {
+            name: parameter.name.clone(),
+            declared: parameter.span,
+            percent: None,
+            most: false,
+            wanted: wanted.map(in_unit),
+            value: in_unit(parameter.value.si.clone()),
+        }
+    }
+
+    /// The first value, from the estimate on away from the present one, at which the requirement is certain to hold.
+    fn at_or_beyond(&self, parameter: &Parameter, wanted: f64) -> Option<Number> {
+        let now = parameter.value.si.to_f64();
+        let values = BEYOND.iter().filter_map(|times| decimal_from(parameter, now, now + (wanted - now) * times));
+        let mut usable = values.filter(|value| {
+            let ratio = value.to_f64() / now;
+            ratio > 0.0 && ratio < MOST_RAISED
+        });
+        usable.find(|value| self.holds_at(parameter, value))
+    }
+
+    fn holds_at(&self, parameter: &Parameter, value: &Number) -> bool {
+        self.measured(parameter, value).is_some_and(|(question, measured)| {
+            stands(&measured, self.require.comparison, &question.value) == Some(true)
+        })
+    }
+
+    fn measured(&self, parameter: &Parameter, value: &Number) -> Option<(Question, Measurement)> {
+        let quantity = Quantity { si: value.clone(), ..parameter.value.clone() };
+        let others = self.settings.iter().filter(|(name, _)| *name != parameter.name).cloned();
+        let moved: Vec<Setting> = others.chain([(parameter.name.clone(), quantity)]).collect();
+        let scene = self.text.scene(&moved).ok()?;
+        let question = scene.scene().requires.get(self.index)?.question.clone();
+        let measured = self.text.measure_scene(&scene, std::slice::from_ref(&question), None).ok()?.pop()?;
+        Some((question, measured))
+    }
+
+    /// The derivative of the requirement's measure by a parameter, by differences: it chooses, and is told to three digits.
+    fn slope(&self, parameter: &Parameter, here: Ball) -> Option<Ball> {
+        let h = step(&parameter.value.si, &Number::ONE, here.relative_error());
+        let at = |si: Number| match self.measured(parameter, &si)? {
+            (_, Measurement::Value(value)) => Some(value),
+            _ => None,
+        };
+        let value = &parameter.value.si;
+        slope(at(value - &h), Some(here), at(value + &h), &h).ok()
+    }
+
+    /// About where the measure reaches its limit: along the power of the parameter that the slope says (stiffnesses and masses
+    /// act like powers), or along the tangent where signs forbid a power. `slope` is by the relative change of the parameter.
+    fn reaching(&self, parameter: &Parameter, here: &Ball, slope: f64) -> Option<f64> {
+        let (value, limit) = (parameter.value.si.to_f64(), self.require.question.value.to_f64());
+        let (here, ratio) = (here.to_f64(), limit / here.to_f64());
+        let power = here / slope;
+        let wanted = if ratio > 0.0 && power.abs() < 100.0 {
+            let ratio = Rational::from_f64(ratio).map(Number::from)?;
+            let power = Rational::from_f64(power).map(Number::from)?;
+            value * ratio.pow(&power)?.to_f64()
+        } else {
+            value * (1.0 + (limit - here) / slope)
+        };
+        wanted.is_finite().then_some(wanted)
+    }
+}
+
+fn three_digits(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
+}
+
+/// Three digits in the parameter's own unit, as it is told.
+fn decimal(parameter: &Parameter, x: f64) -> Option<Number> {
+    let factor = parameter.unit.factor.clone().unwrap_or(Number::ONE);
+    let short = Rational::from_decimal(&format!("{:.2e}", x / factor.to_f64()))?;
+    Some(&Number::from(short) * &factor)
+}
+
+/// The same, rounded away from where one starts.
+fn decimal_from(parameter: &Parameter, start: f64, x: f64) -> Option<Number> {
+    let rounded = decimal(parameter, x)?;
+    if (rounded.to_f64() - x) * (x - start) >= 0.0 {
+        return Some(rounded);
+    }
+    let factor = parameter.unit.factor.as_ref().map_or(1.0, Number::to_f64);
+    let unit = 10f64.powi(format!("{:e}", x / factor).split_once('e')?.1.parse::<i32>().ok()? - 2);
+    decimal(parameter, rounded.to_f64() + (unit * factor.abs()).copysign(x - start))
+}

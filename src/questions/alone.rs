@@ -1,0 +1,230 @@
+//! One unknown and its measure: every root in the range, and a proof that there is no other. In: a `solve` line, the text.
+//! Out: the value, with what is known of others; or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
+
+use super::answer::Others;
+use super::cover::{Cover, Covered, Part, Rest};
+use super::error::AskedError;
+use super::search::{Difference, Look, Root, Seen, exactly, narrow, search, sign};
+use super::together::{Unknowns, constant, shortest};
+use crate::base::{Ball, Dd, Number};
+
+/// How often what was missed is searched for.
+const MOST_ROUNDS: usize = 6;
+/// Open parts so near to a root, relative to it, belong to its bound.
+const AT_A_ROOT: f64 = 1e-12;
+
+/// What a search came to.
+struct Search<'a, 'b> {
+    unknowns: &'a Unknowns<'b>,
+    equation: usize,
+    unknown: usize,
+    seen: Seen,
+    rest: Rest,
+}
+
+impl Unknowns<'_> {
+    /// One unknown, one equation.
+    pub fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
+        let mut search = Search { unknowns: self, equation, unknown, seen: Seen::default(), rest: Rest::Unknown };
+        search.run();
+        let (seen, others) = search.judged().map_err(|error| vec![error])?;
+        self.take(equation, unknown, &seen.roots[0], seen.count, others);
+        Ok(())
+    }
+}
+
+impl Search<'_, '_> {
+    fn measure(&self, at: &Number) -> Difference {
+        self.unknowns.difference(self.equation, self.unknown, at)
+    }
+
+    fn ends(&self) -> (&Number, &Number) {
+        let solve = &self.unknowns.solves[self.unknown];
+        (&solve.low, &solve.high)
+    }
+
+    /// Roots, then the proof that there are no others; what the proof comes upon is searched for.
+    fn run(&mut self) {
+        let (low, high) = (self.ends().0.clone(), self.ends().1.clone());
+        let whole = Part { low: low.enclosure().mid, high: high.enclosure().mid };
+        let monotone = self.unknowns.over(self.equation, self.unknown, whole.ball()).is_monotone();
+        self.seen = if monotone { narrow(&low, &high, &|at| self.measure(at)) } else { Seen::default() };
+        if self.seen.roots.is_empty() && !(monotone && self.lies_on_one_side()) {
+            self.seen = search(&low, &high, &|at| self.measure(at));
+        }
+        if constant(&self.seen.looks) {
+            return;
+        }
+        self.settle_touches();
+        for _ in 0..MOST_ROUNDS {
+            let covered = self.cover(whole);
+            self.seen.count += covered.looks;
+            let before = self.seen.roots.len();
+            for part in &covered.missed {
+                let found = narrow(&exactly(part.low), &exactly(part.high), &|at| self.measure(at));
+                self.seen.count += found.count;
+                self.seen.jumps.extend(found.jumps);
+                found.roots.into_iter().for_each(|root| self.seen.add(Some(root)));
+            }
+            self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+            self.rest = covered.rest;
+            if covered.missed.is_empty() {
+                return;
+            }
+            if self.seen.roots.len() == before {
+                // A jump: it is no root, and nothing more is known of these parts.
+                let parts = match std::mem::replace(&mut self.rest, Rest::Unknown) {
+                    Rest::Open(parts) => parts,
+                    Rest::Empty(_) | Rest::Unknown => Vec::new(),
+                };
+                self.rest = Rest::Open([parts, covered.missed].concat());
+                return;
+            }
+        }
+        self.rest = Rest::Unknown;
+    }
+
+    /// The measure lies on the same side at all looks.
+    fn lies_on_one_side(&self) -> bool {
+        let sides: Vec<_> = self.seen.looks.iter().map(|look| sign(&look.difference)).collect();
+        sides.iter().all(|side| side.is_some_and(|side| side.is_ne()) && *side == sides[0])
+    }
+
+    /// Numbers of few digits where the measure turns or touches: one at which it is exactly what is asked is a root.
+    fn settle_touches(&mut self) {
+        let unit = self.unknowns.solves[self.unknown].parameter.unit.factor.clone();
+        let touches = self.seen.turns.iter().chain(self.seen.roots.iter().filter(|root| root.proof.is_none()));
+        let touches: Vec<Root> = touches.copied().collect();
+        for touch in touches {
+            let short =
+                shortest(&Root { within: touch.within.max(1e-12 * touch.near.hi.abs()), ..touch }, unit.as_ref());
+            self.seen.count += 1;
+            let meets = match self.measure(&short) {
+                Difference::Known(ball) if ball.is_zero() => true,
+                Difference::Known(ball) => {
+                    ball.contains_zero() && self.unknowns.meets(self.equation, self.unknown, &short)
+                }
+                _ => false,
+            };
+            if meets {
+                let near = short.enclosure().mid;
+                self.seen.roots.retain(|root| root.proof.is_some() || (root.near - near).hi.abs() > touch.within * 4.0);
+                let rounding = near.hi.abs() * 2f64.powi(-100);
+                self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::met()) }));
+            }
+        }
+        self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+    }
+
+    /// Settles what lies between the brackets of the roots; what is left beside a root goes into its bound.
+    fn cover(&mut self, whole: Part) -> Covered {
+        let mut parts = Vec::new();
+        let mut from = whole.low;
+        for root in &self.seen.roots {
+            let (low, high) = (root.near - Dd::from(root.within), root.near + Dd::from(root.within));
+            if low > from {
+                parts.push(Part { low: from, high: low });
+            }
+            from = if high > from { high } else { from };
+        }
+        if whole.high > from {
+            parts.push(Part { low: from, high: whole.high });
+        }
+        let over = |range: Ball| self.unknowns.over(self.equation, self.unknown, range);
+        let side = |at: Dd| sign(&self.measure(&exactly(at)));
+        let most = self.unknowns.effort();
+        let mut covered = Cover { over: &over, side: &side, most }.settle(parts);
+        if let Rest::Open(open) = &mut covered.rest {
+            let roots = &mut self.seen.roots;
+            open.retain(|part| {
+                let near = |root: &&mut Root| {
+                    let reach = part.reach(root.near);
+                    reach <= AT_A_ROOT * root.near.hi.abs()
+                };
+                match roots.iter_mut().find(near) {
+                    Some(root) => {
+                        root.within = root.within.max(part.reach(root.near));
+                        false
+                    }
+                    None => true,
+                }
+            });
+        }
+        covered.rest = covered.rest.emptied();
+        covered
+    }
+
+    /// The value, or what is wrong.
+    fn judged(self) -> Result<(Seen, Others), AskedError> {
+        let Search { unknowns, equation, unknown, seen, rest } = self;
+        let proven = matches!(rest, Rest::Empty(_));
+        if constant(&seen.looks) {
+            return Err(unknowns.no_root(equation, unknown, &seen, proven));
+        }
+        let touch = seen.roots.iter().find(|root| root.proof.is_none());
+        let solve = &unknowns.solves[unknown];
+        let told_parts = |parts: &[Part]| -> Vec<(String, String)> {
+            parts
+                .iter()
+                .map(|part| (unknowns.told(unknown, &exactly(part.low)), unknowns.told(unknown, &exactly(part.high))))
+                .collect()
+        };
+        let several = || AskedError::SeveralRoots {
+            span: solve.span,
+            measure: unknowns.measure(&unknowns.solves[equation].question),
+            target: unknowns.target(equation),
+            name: solve.parameter.name.clone(),
+            roots: seen
+                .roots
+                .iter()
+                .filter(|root| root.proof.is_some())
+                .map(|root| unknowns.told(unknown, &exactly(root.near)))
+                .collect(),
+            all: proven && touch.is_none(),
+        };
+        let certain = seen.roots.iter().filter(|root| root.proof.is_some()).count();
+        if certain > 1 {
+            return Err(several());
+        }
+        if let Some(touch) = touch {
+            return Err(AskedError::Touches {
+                span: solve.span,
+                measure: unknowns.measure(&unknowns.solves[equation].question),
+                target: unknowns.target(equation),
+                name: solve.parameter.name.clone(),
+                at: unknowns.told(unknown, &exactly(touch.near)),
+            });
+        }
+        if certain == 0 {
+            return Err(match &rest {
+                Rest::Open(parts) if seen.jumps.is_empty() => AskedError::NothingSettled {
+                    span: solve.span,
+                    measure: unknowns.measure(&unknowns.solves[equation].question),
+                    target: unknowns.target(equation),
+                    name: solve.parameter.name.clone(),
+                    parts: told_parts(parts),
+                },
+                _ => unknowns.no_root(equation, unknown, &seen, proven),
+            });
+        }
+        let others = match rest {
+            Rest::Empty(proof) => Others::None(proof),
+            Rest::Open(parts) => Others::Unsettled(told_parts(&parts)),
+            Rest::Unknown => Others::Unknown,
+        };
+        Ok((seen, others))
+    }
+}
+
+/// The looks of a search, for what is told of them.
+pub fn extremes(looks: &[Look]) -> Option<(&Look, &Look)> {
+    let size = |look: &&Look| match &look.difference {
+        Difference::Known(ball) => ball.to_f64(),
+        Difference::Infinite => f64::INFINITY,
+        Difference::None(_) => f64::NAN,
+    };
+    let known = || looks.iter().filter(|look| !size(look).is_nan());
+    let least = known().min_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let largest = known().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    Some((least, largest))
+}

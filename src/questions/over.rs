@@ -1,0 +1,238 @@
+//! A question over a whole range of a parameter: whether the measure can be what is asked anywhere in it, and whether it only
+//! rises or only falls. In: the model with a parameter that is a range; out: enclosures, or nothing where none was found.
+//! Clause: spec.md, "Measures, `solve`, `require`".
+
+use super::probe::Probe;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::range::{Course, Family, Phasor};
+use crate::base::{Ball, Jet, Number};
+use crate::model::scene::Question;
+use crate::system::Signal;
+
+/// What is known of a measure over a range of a parameter.
+#[derive(Clone, Debug)]
+pub struct Over {
+    /// A number that is zero wherever the measure is what is asked, and its derivative.
+    test: Option<Jet>,
+    /// All eigenvalues move one way, at least not the other.
+    course: Option<Course>,
+    /// It cannot be what is asked, whatever the test says.
+    apart: bool,
+}
+
+impl Over {
+    /// The measure is what is asked nowhere in the range.
+    pub fn excludes(&self) -> bool {
+        self.apart || self.test.as_ref().is_some_and(|test| test.value.is_finite() && !test.value.contains_zero())
+    }
+
+    /// The measure less what is asked changes its sign at most once in the range, and is zero at most there.
+    pub fn is_monotone(&self) -> bool {
+        let slope = self.test.as_ref().map(|test| test.slope);
+        self.course.is_some() || slope.is_some_and(|slope| slope.is_finite() && !slope.contains_zero())
+    }
+
+    pub fn silent() -> Over {
+        Over { test: None, course: None, apart: false }
+    }
+
+    /// Nothing was found out.
+    pub fn is_silent(&self) -> bool {
+        self.test.is_none() && self.course.is_none() && !self.apart
+    }
+}
+
+/// What drives the family: sums of signals, and what lasts of them, for each input.
+pub struct Drive<'a> {
+    pub signals: &'a [Vec<Signal>],
+    pub loads: &'a [(usize, Number)],
+}
+
+/// A question asked of a family of systems.
+pub struct Asked<'a> {
+    /// `None` where the system has too many coordinates for dense equations.
+    pub family: Option<&'a Family<'a>>,
+    pub course: Option<Course>,
+    pub drive: &'a Drive<'a>,
+    pub probe: &'a Probe,
+    pub question: &'a Question,
+}
+
+/// An eigenvalue or a pole that a measure is made of, enclosed over the family.
+#[derive(Clone, Copy, Debug)]
+pub enum Centre {
+    /// omega^2
+    Eigenvalue(Ball),
+    /// Real and imaginary part.
+    Pole(Ball, Ball),
+    /// The measure needs none.
+    None,
+}
+
+/// The derivative of what a centre says, over the family.
+#[derive(Clone, Copy, Debug)]
+pub enum Moved {
+    Eigenvalue(Ball),
+    Pole(Ball, Ball),
+    None,
+}
+
+impl Centre {
+    /// Larger by what these derivatives allow over a box of these radii, and some more.
+    pub fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
+        let by = reach(moved, radius);
+        match *self {
+            Centre::Eigenvalue(square) => Centre::Eigenvalue(square.widen(times * by.0)),
+            Centre::Pole(re, im) => Centre::Pole(re.widen(times * by.0), im.widen(times * by.1)),
+            Centre::None => Centre::None,
+        }
+    }
+
+    /// What lies in `start` at the middle of the box stays in this enclosure, with these derivatives over it.
+    pub fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
+        let by = reach(moved, radius);
+        let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * (1.0 + 1e-12) < wide.rad || by == 0.0;
+        match (*self, *start) {
+            (Centre::Eigenvalue(wide), Centre::Eigenvalue(start)) => inside(wide, start, by.0),
+            (Centre::Pole(re, im), Centre::Pole(re_start, im_start)) => {
+                inside(re, re_start, by.0) && inside(im, im_start, by.1)
+            }
+            (Centre::None, Centre::None) => true,
+            _ => false,
+        }
+    }
+}
+
+/// How far real and imaginary part may move over a box.
+fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
+    moved.iter().zip(radius).fold((0.0, 0.0), |(re, im), (moved, radius)| match moved {
+        Moved::Eigenvalue(slope) => (re + slope.magnitude() * radius, im),
+        Moved::Pole(a, b) => (re + a.magnitude() * radius, im + b.magnitude() * radius),
+        Moved::None => (re, im),
+    })
+}
+
+impl Asked<'_> {
+    /// What is known of the measure over the range that the family stands for.
+    pub fn over(&self) -> Over {
+        let test = |test: Option<Jet>| Over { test, course: None, apart: false };
+        let told = |number: Option<Number>| self.family.and_then(|family| Some(family.told(&number?)));
+        let target = &self.question.value;
+        match self.probe {
+            Probe::Frequency(_) | Probe::Square(_) => {
+                let square = (target * &two_pi()).square();
+                let course = self.course.filter(|_| !matches!(target, Number::Jet(_)));
+                Over { test: self.family.and_then(|family| family.resonance(&square)), course, apart: false }
+            }
+            Probe::Critical(1) => test(told(self.family.and_then(Family::single_discriminant))),
+            Probe::Damping(1) => test(told(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
+            Probe::Gain(..) | Probe::Amplitude(_) => test(told(self.phasor().map(|z| &z.squared() - &target.square()))),
+            Probe::Phase(..) => {
+                let turned = self.phasor().and_then(|z| z.turned(&Number::ONE, &-target));
+                let apart = turned.as_ref().is_some_and(|z| z.re.is_negative());
+                Over { apart, ..test(told(turned.map(|z| z.im))) }
+            }
+            Probe::Static(_) => test(told(self.phasor().map(|z| &z.re - target))),
+            Probe::Damping(_) | Probe::Critical(_) | Probe::Peak(_) | Probe::Rms(_) | Probe::Stable => test(None),
+        }
+    }
+
+    /// The complex number that the measure is made of.
+    fn phasor(&self) -> Option<Phasor> {
+        let family = self.family?;
+        match self.probe {
+            Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
+                family.response(*input, *output, &(at * &two_pi()))
+            }
+            Probe::Static(output) => {
+                lasting(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
+            }
+            Probe::Amplitude(output) => swing(family, self.drive.signals, *output),
+            _ => None,
+        }
+    }
+
+    /// How an eigenvalue or a pole that lies in the centre moves, if it is simple.
+    pub fn moved(&self, centre: &Centre) -> Option<Moved> {
+        match *centre {
+            Centre::Eigenvalue(square) => {
+                let family = self.family?;
+                family.eigenvalue_slope(square, &family.modes_at(square, 1)?).map(Moved::Eigenvalue)
+            }
+            Centre::Pole(re, im) => {
+                let (family, s) = (self.family?, Complex::new(re, im));
+                family.pole_slope(s, &family.motion_at(s)?).map(|s| Moved::Pole(s.re, s.im))
+            }
+            Centre::None => Some(Moved::None),
+        }
+    }
+
+    /// The derivative of the measure, over the family; in the centre lies what it is made of.
+    pub fn slope(&self, centre: &Centre) -> Option<Ball> {
+        let slope = match (self.probe, *centre, self.moved(centre)?) {
+            (Probe::Frequency(_), Centre::Eigenvalue(square), Moved::Eigenvalue(slope)) => {
+                frequency_slope(square, slope)
+            }
+            (Probe::Damping(_), Centre::Pole(re, im), Moved::Pole(re_slope, im_slope)) => {
+                ratio_slope((re, im), (re_slope, im_slope))
+            }
+            _ => {
+                let told = |number: Number| self.family.map(|family| family.told(&number));
+                let z = self.phasor()?;
+                let (re, im) = (told(z.re)?, told(z.im)?);
+                let square = re.value.square() + im.value.square();
+                match self.probe {
+                    Probe::Static(_) => re.slope,
+                    Probe::Gain(..) | Probe::Amplitude(_) => {
+                        (re.value * re.slope + im.value * im.slope) / square.sqrt()
+                    }
+                    Probe::Phase(..) => (re.value * im.slope - im.value * re.slope) / square,
+                    _ => return None,
+                }
+            }
+        };
+        slope.is_finite().then_some(slope)
+    }
+}
+
+/// Of a frequency in Hz, from omega^2 and its derivative.
+pub fn frequency_slope(square: Ball, slope: Ball) -> Ball {
+    slope / (square.sqrt() * Ball::PI * Ball::from(4.0))
+}
+
+/// Of a damping ratio -re / |s|, from a pole and its derivative.
+pub fn ratio_slope((re, im): (Ball, Ball), (re_slope, im_slope): (Ball, Ball)) -> Ball {
+    // d(-re / |s|) = (-re' im^2 + re im im') / |s|^3
+    let size = (re.square() + im.square()).sqrt();
+    (re * im_slope - re_slope * im) * im / (size * size * size)
+}
+
+/// sum H(0) load
+fn lasting(family: &Family, loads: &[(usize, Number)], output: usize) -> Option<Number> {
+    loads.iter().filter(|(_, load)| !load.is_zero()).try_fold(Number::ZERO, |sum, (input, load)| {
+        Some(&sum + &(load * &family.response(*input, output, &Number::ZERO)?.re))
+    })
+}
+
+/// The motion under harmonic signals of one frequency.
+fn swing(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Phasor> {
+    let mut known: Option<&Number> = None;
+    let mut sum = Phasor::ZERO;
+    for (input, signals) in signals.iter().enumerate() {
+        for signal in signals {
+            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
+            let same = |other: &Number| (other - frequency).is_zero() && frequency.exact().is_some();
+            if !known.is_none_or(same) {
+                return None;
+            }
+            known = Some(frequency);
+            let response = family.response(input, output, &(frequency * &two_pi()))?;
+            sum = sum.plus(&response.turned(value, phase)?);
+        }
+    }
+    known.map(|_| sum)
+}
+
+pub fn two_pi() -> Number {
+    &Number::pi() * &Number::from(2)
+}

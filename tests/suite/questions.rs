@@ -1,0 +1,296 @@
+//! What `solve`, `require` and `--sensitivity` claim, against closed forms: every root in a range, touching ones, critical damping,
+//! zero frequencies, several unknowns within their bounds; derivatives beside veering and at repeated frequencies; what is said
+//! of measures of a motion that nothing moves, and that advice is advice that works.
+
+use crate::measures::sources;
+use vibc::backend::ModalAnswer;
+use vibc::base::{Ball, Diagnostic, Number};
+use vibc::model::Overrides;
+use vibc::questions::answer::{Derivative, Others, Slope};
+use vibc::{Failure, Outcome, Study};
+
+fn run(text: &str) -> Outcome<ModalAnswer> {
+    let (sources, file) = sources(text);
+    vibc::analyze(&sources, file, &Overrides::default())
+}
+
+fn answer(text: &str) -> ModalAnswer {
+    let outcome = run(text);
+    assert!(outcome.diagnostics.is_empty(), "{:?}", outcome.diagnostics);
+    outcome.answer.expect("a report")
+}
+
+fn finding(text: &str) -> Diagnostic {
+    let outcome = run(text);
+    let [finding] = &outcome.diagnostics[..] else { panic!("{:?}", outcome.diagnostics) };
+    finding.clone()
+}
+
+/// All numbers that stand in a text.
+fn numbers(text: &str) -> Vec<f64> {
+    text.split(|c: char| !(c.is_ascii_digit() || ".-e".contains(c))).filter_map(|word| word.parse().ok()).collect()
+}
+
+const BLOCK: &str = "param k = 10 N/m\nparam m = 1 kg\nparam c = 0.5 N*s/m\nbody block { mass = m, moves x }\n\
+                     spring s: ground -- block { k = k }\ndamper d: ground -- block { c = c }\n";
+
+/// A light absorber makes a narrow resonance: two of the three roots lie in a thousandth of the range.
+#[test]
+fn roots_between_looks_are_found() {
+    let said = finding(
+        "param p = 10 N/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1e-8 kg, moves x }\n\
+         spring s: ground -- a { k = 20 N/m + p }\nspring t: a -- b { k = 1e-4 * p }\ndamper d: ground -- a { c = 0.01 N*s/m }\n\
+         force F: a along x\noutput y = a.x\nsolve p in 1 N/m .. 100 N/m: gain(F -> y, 300 rad/s) = 1.11200e-5 m/N\n",
+    );
+    assert_eq!(said.code.0, "vib::solve::several_roots");
+    assert!(said.message.starts_with("3 values"), "{}", said.message);
+    assert!(!said.primary.text.contains("not excluded"), "{}", said.primary.text);
+    // Roots of |k_b - m_b w^2|^2 = T^2 |det|^2 in p, by polynomial roots to 60 digits.
+    let roots = numbers(&said.primary.text);
+    for truth in [ROOTS_OF_THE_ABSORBER[0], ROOTS_OF_THE_ABSORBER[1], ROOTS_OF_THE_ABSORBER[2]] {
+        assert!(roots.iter().any(|root| (root - truth).abs() < 1e-5 * truth), "{truth}: {}", said.primary.text);
+    }
+}
+
+const ROOTS_OF_THE_ABSORBER: [f64; 3] = [8.999811380441198, 8.99999995497475, 51.94358470272428];
+
+/// 10 / (10 + (a - 0.3)^2) is 1 at a = 0.3 and nowhere else: the measure touches what is asked.
+#[test]
+fn a_double_root_is_found() {
+    let touching = "param a = 0.5\nparam F0 = 10 N\nbody b { mass = 1 kg, moves x }\n\
+                    spring s: ground -- b { k = (10 + (a - 0.3)^2) * 1 N/m }\nforce F: b along x = step(F0, 0 s)\noutput x = b.x\n";
+    let answer = answer(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1 m\n"));
+    assert_eq!(answer.solved[0].value, Number::from("0.3"));
+    assert!(matches!(answer.solved[0].others, Others::None(_)), "{:?}", answer.solved[0].others);
+    // A little more is never reached, a little less twice.
+    let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1.0001 m\n"));
+    assert_eq!(said.code.0, "vib::solve::no_root");
+    assert!(said.message.starts_with("no `a`"), "{}", said.message);
+    let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 0.9999 m\n"));
+    assert!(said.message.starts_with("2 values"), "{}", said.message);
+}
+
+/// A double root at a place without a short decimal cannot be told from none.
+#[test]
+fn what_is_not_settled_is_told_with_a_status_of_its_own() {
+    let outcome = run(
+        "param a = 0.5\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = (10 + (a - sqrt(0.1))^2) * 1 N/m }\n\
+         force F: b along x = step(10 N, 0 s)\noutput x = b.x\nsolve a in -1 .. 1.1: static(x) = 1 m\n",
+    );
+    assert_eq!(outcome.diagnostics[0].code.0, "vib::solve::unsettled");
+    assert_eq!(outcome.failure(), Some(Failure::Limit));
+}
+
+/// c = 2 sqrt(k m), exactly where that is rational; from there on the ratio is one.
+#[test]
+fn critical_damping_is_solved_for() {
+    let found = answer(&format!("{BLOCK}solve c in 0.1 N*s/m .. 50 N*s/m: damping(1) = 1\n"));
+    let solved = &found.solved[0];
+    let off = Number::from(40).sqrt().expect("positive").to_ball() - solved.value.to_ball();
+    let bound = solved.bound.expect("a bound");
+    assert!(off.mid.hi.abs() <= bound + off.rad && bound < 1e-25, "{off:?} {bound:e}");
+    assert!(matches!(solved.others, Others::None(_)));
+    let exact = BLOCK.replace("10 N/m", "4 N/m");
+    let found = answer(&format!("{exact}solve c in 0.1 N*s/m .. 50 N*s/m: damping(1) = 1\n"));
+    assert_eq!(found.solved[0].value, Number::from(4));
+}
+
+/// An inverted pendulum on a spring: k a^2 = m g l.
+#[test]
+fn a_zero_frequency_is_solved_for() {
+    let text = "param k = 60 N/m\ngravity 9.81 m/s^2\nbody bob { mass = 1 kg, at = (0, 1 m) }\npivot p: ground@(0,0) -- bob\n\
+                spring s: ground@(-1 m, 0.5 m) -- bob@(0, 0.5 m) { k = k }\nsolve k in 10 N/m .. 100 N/m: frequency(1) = 0 Hz\n";
+    assert_eq!(answer(text).solved[0].value, Number::from("39.24"));
+}
+
+/// Each value tried alone says 3 = 3; together they have two solutions, and one where the ranges leave one.
+#[test]
+fn several_sets_of_values_are_told() {
+    let text = |low: &str| {
+        format!(
+            "param a = 1\nparam b = 2\nbody m {{ mass = 1 kg, moves x }}\nbody n {{ mass = 1 kg, moves x }}\n\
+             spring s: ground -- m {{ k = (a + b) * 1 N/m }}\nspring t: ground -- n {{ k = a * b * 1 N/m }}\n\
+             force F: m along x = step(6 N, 0 s)\nforce G: n along x = step(6 N, 0 s)\noutput x = m.x\noutput y = n.x\n\
+             solve a in {low} .. 4: static(x) = 1.2 m\nsolve b in 0.5 .. 4: static(y) = 1 m\n"
+        )
+    };
+    let said = finding(&text("0.5"));
+    assert_eq!(said.code.0, "vib::solve::several_roots");
+    assert!(
+        said.primary.text.contains("a = 2, b = 3") && said.primary.text.contains("a = 3, b = 2"),
+        "{}",
+        said.primary.text
+    );
+    let one = answer(&text("2.6"));
+    for (solved, truth) in one.solved.iter().zip([3, 2]) {
+        let bound = solved.bound.expect("proven");
+        let off = (solved.value.to_ball() - Ball::from(f64::from(truth))).magnitude();
+        assert!(off <= bound && bound < 1e-24, "{off:e} {bound:e}");
+        // Nothing proves that these ranges hold no other set.
+        assert!(matches!(solved.others, Others::Unknown));
+    }
+}
+
+/// Bounds of several unknowns against roots of the equations in closed form: w1^2 + w2^2 and w1^2 w2^2 of two masses on three springs.
+#[test]
+fn bounds_of_several_unknowns_hold() {
+    // K = [[k + q, -q], [-q, k + q]], m = 1: w1^2 = k, w2^2 = k + 2 q.
+    let found = answer(
+        "param k = 1 N/m\nparam q = 1 N/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+         spring s: ground -- a { k = k }\nspring t: a -- b { k = q + 0.1 * k }\nspring u: ground -- b { k = k + 0.1 * q }\n\
+         solve k in 1 N/m .. 30 N/m: frequency(1) = 2 rad/s\nsolve q in 1 N/m .. 30 N/m: frequency(2) = 4 rad/s\n",
+    );
+    let [k, q] = &found.solved[..] else { panic!("two") };
+    // Trace and determinant of K at the values told: 20 and 64 within what the bounds allow.
+    let at = |solved: &vibc::questions::Solved| solved.value.to_ball();
+    let (k_value, q_value) = (at(k), at(q));
+    let tenth = Number::from("0.1").to_ball();
+    let trace = k_value * (Ball::from(2.0) + tenth * Ball::from(2.0)) + q_value * (Ball::from(2.0) + tenth);
+    let (a, b, c) = (k_value, q_value + tenth * k_value, k_value + tenth * q_value);
+    let determinant = (a + b) * (b + c) - b * b;
+    let width = 100.0 * (k.bound.expect("proven") + q.bound.expect("proven"));
+    assert!(width < 1e-20);
+    assert!((trace - Ball::from(20.0)).magnitude() <= width, "{:?}", trace);
+    assert!((determinant - Ball::from(64.0)).magnitude() <= width, "{:?}", determinant);
+}
+
+/// df1/dp of two oscillators with a weak coupling q, beside veering: lambda = (a + b)/2 - sqrt((a - b)^2/4 + q^2), a = p + q, b = 1 + q.
+#[test]
+fn slopes_beside_veering_are_enclosed() {
+    for coupling in ["1e-3", "1e-6", "1e-9", "3e-10", "1e-12"] {
+        let text = format!(
+            "param p = 1.000000001 N/m\nbody a {{ mass = 1 kg, moves x }}\nbody b {{ mass = 1 kg, moves x }}\n\
+             spring s: ground -- a {{ k = p }}\nspring t: ground -- b {{ k = 1 N/m }}\nspring u: a -- b {{ k = {coupling} N/m }}\n"
+        );
+        let (q, half) = (Number::from(coupling), Number::from("0.0000000005"));
+        let root = (&half.square() + &q.square()).sqrt().expect("positive");
+        let mean = &(&Number::ONE + &half) + &q;
+        for (mode, sign) in [(0, -1), (1, 1)] {
+            let sign = Number::from(sign);
+            let square = &mean + &(&sign * &root);
+            // d lambda / dp = 1/2 +- half / (2 root), df = d lambda / (4 pi sqrt(lambda)).
+            let slope = &Number::from("0.5") + &(&sign * &(&(&half / &root) / &Number::from(2)));
+            let truth = &slope / &(&(&Number::from(4) * &Number::pi()) * &square.sqrt().expect("positive"));
+            holds(&text, mode, &truth, 1e-12);
+        }
+    }
+}
+
+/// The slope of a frequency by the first parameter is enclosed, to so many digits, and holds the truth.
+fn holds(text: &str, mode: usize, truth: &Number, width: f64) {
+    let study = Study { sensitivity: true, ..Study::default() };
+    let (sources, file) = sources(text);
+    let request = vibc::analysis::Request::default();
+    let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study);
+    let sensitivities = outcome.answer.expect("a report").sensitivities;
+    match &sensitivities[0].frequencies[mode] {
+        Some(Slope::Smooth { absolute: Derivative::Enclosed(ball), .. }) => {
+            let off = *ball - truth.to_ball();
+            assert!(off.contains_zero(), "{text}: {ball:?} {truth:?}");
+            assert!(ball.relative_error() < width, "{text}: {ball:?}");
+        }
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+fn sensitivities(text: &str) -> Vec<vibc::questions::Sensitivity> {
+    let study = Study { sensitivity: true, ..Study::default() };
+    let (sources, file) = sources(text);
+    let request = vibc::analysis::Request::default();
+    vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study).answer.expect("a report").sensitivities
+}
+
+/// Two alike: a stiffness of both moves both alike; one of them alone parts them, with the slopes of the parts.
+#[test]
+fn slopes_of_repeated_frequencies() {
+    let text = |second: &str| {
+        format!(
+            "param p = 4 N/m\nbody a {{ mass = 1 kg, moves x }}\nbody b {{ mass = 1 kg, moves x }}\n\
+             spring s: ground -- a {{ k = p }}\nspring t: ground -- b {{ k = {second} }}\nspring u: a -- b {{ k = 0 * p }}\n"
+        )
+    };
+    let truth = Number::pi().recip().map(|one| &one / &Number::from(8)).expect("not zero");
+    for mode in [0, 1] {
+        holds(&text("p"), mode, &truth, 1e-12);
+    }
+    let parted = sensitivities(&text("4 N/m"));
+    let Some(Slope::Splits(slopes)) = &parted[0].frequencies[0] else { panic!("{:?}", parted[0].frequencies) };
+    assert!(slopes[0].0.abs() < 1e-12 && (slopes[1].0 - truth.to_f64()).abs() < 1e-12, "{slopes:?}");
+}
+
+/// zeta = c / (2 sqrt(k m)): d zeta/dc = zeta / c, d zeta/dk = -zeta / 2k.
+#[test]
+fn slopes_of_damping_ratios_are_enclosed() {
+    let list = sensitivities(BLOCK);
+    let zeta = &Number::from("0.25") / &Number::from(10).sqrt().expect("positive");
+    let truths = [&zeta / &Number::from(-20), &zeta / &Number::from(-2), &zeta * &Number::from(2)];
+    for (sensitivity, truth) in list.iter().zip(truths) {
+        match &sensitivity.ratios[0] {
+            Some(Slope::Smooth { absolute: Derivative::Enclosed(ball), .. }) => {
+                assert!(
+                    (*ball - truth.to_ball()).contains_zero() && ball.relative_error() < 1e-20,
+                    "{ball:?} {truth:?}"
+                );
+            }
+            other => panic!("{}: {other:?}", sensitivity.parameter),
+        }
+    }
+}
+
+/// What makes an unstable rest stable is found, and works; what `solve` settles is not advised.
+#[test]
+fn advice_works() {
+    let pendulum = |k: &str| {
+        format!(
+            "param m = 1 kg\nparam k = {k}\ngravity 9.81 m/s^2\nbody bob {{ mass = m, at = (0, 1 m) }}\npivot p: ground@(0,0) -- bob\n\
+             spring s: ground@(-1 m, 0.5 m) -- bob@(0, 0.5 m) {{ k = k }}\nrequire stable\n"
+        )
+    };
+    let said = finding(&pendulum("30 N/m"));
+    let help = said.help.expect("advice");
+    let wanted = help.split(" = ").nth(1).and_then(|rest| rest.split(" it").next()).expect("a value");
+    assert!(help.starts_with("with k") || help.starts_with("with m"), "{help}");
+    let mended = if help.starts_with("with k") { pendulum(wanted) } else { pendulum("30 N/m").replace("1 kg", wanted) };
+    assert!(run(&mended).diagnostics.is_empty(), "{help}");
+    let said = finding(
+        "param k = 100 N/m\nparam m = 1 kg\nbody b { mass = m, moves x }\nspring s: ground -- b { k = k }\ndamper d: ground -- b { c = 1 N*s/m }\n\
+         force F: b = step(1 N, 0 s)\noutput x = b.x\nsolve k in 1 N/m .. 1000 N/m: frequency(1) = 2 Hz\nrequire peak(x) < 2 mm\n",
+    );
+    assert!(said.help.as_ref().is_some_and(|help| !help.contains("`k`") && !help.contains("k =")), "{:?}", said.help);
+}
+
+/// Of a motion that nothing moves there is nothing to require.
+#[test]
+fn a_motion_that_nothing_moves_has_no_measure() {
+    let still =
+        "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 100 N/m }\nforce G: b along x\noutput x = b.x\n";
+    for measure in ["amplitude", "static", "peak", "rms"] {
+        let said = finding(&format!("{still}require {measure}(x) < 1 mm\n"));
+        assert_eq!(said.code.0, "vib::require::no_value", "{measure}");
+    }
+}
+
+/// Undamped at its own frequency, in rad/s: infinite, and told so.
+#[test]
+fn an_undamped_resonance_is_infinite() {
+    let said = finding(
+        "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 100 N/m }\nforce F: b = harmonic(1 N, 10 rad/s)\noutput x = b.x\n\
+         require amplitude(x) < 1 mm\n",
+    );
+    assert_eq!(said.code.0, "vib::require::fails");
+    assert!(said.primary.text.contains("infinite"), "{}", said.primary.text);
+}
+
+#[test]
+fn forms_that_are_not_there_are_named() {
+    let text = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\n\
+                spring t: a -- b { k = 100 N/m }\n";
+    let said = finding(&format!("{text}require frequency(2) > 2 * frequency(1)\n"));
+    assert_eq!(said.code.0, "vib::measure::value");
+    let said = finding(&format!("{text}require 1 Hz < frequency(1) < 5 Hz\n"));
+    assert_eq!(said.code.0, "vib::require::form");
+    let help = said.help.expect("what to write");
+    assert!(help.contains("`require 1 Hz < frequency(1)`") && help.contains("`require frequency(1) < 5 Hz`"), "{help}");
+    let said = finding(&format!("{text}require stabel\n"));
+    assert_eq!(said.help.as_deref(), Some("did you mean `stable`?"));
+}
