@@ -422,18 +422,28 @@ fn equal_poles_of_different_parts_are_a_cluster() {
     }
 }
 
+/// A body on a slant, a damper across its way, and what else is given.
+fn across(more: &str) -> super::ask::Answer {
+    super::ask::ask(&format!(
+        "param s = sin(20 deg)\nparam c = cos(20 deg)\n\
+         point p = (-1 m * c, -1 m * s)\npoint q = (1 m * s, -1 m * c)\n\
+         body a {{ mass = 1 kg, at = (0 m, 0 m), moves along (c, s) }}\n\
+         damper d: ground@q -- a {{ c = 2 N*s/m }}\n{more}"
+    ))
+}
+
 /// A damper that stands across the motion has a factor whose ball holds zero: it takes nothing, and cannot feed anything in.
 #[test]
 fn a_damper_across_the_motion_makes_nothing_grow() {
-    let answer = super::ask::ask(
-        "param s = sin(20 deg)\nparam c = cos(20 deg)\n\
-         point p = (-1 m * c, -1 m * s)\npoint q = (1 m * s, -1 m * c)\n\
-         body a { mass = 1 kg, at = (0 m, 0 m), moves along (c, s) }\n\
-         spring f: ground@p -- a { k = 4 N/m }\ndamper d: ground@q -- a { c = 2 N*s/m }\n",
-    );
-    assert!(!answer.lowered.system.c.is_empty());
-    assert!(answer.poles.list.iter().all(|pole| pole.kind == PoleKind::Oscillation), "{:?}", answer.poles.list);
-    let verdict = analysis::stability(&answer.lowered.system, &answer.modes, &answer.poles);
-    assert_eq!(verdict, Stability::Stable);
-    assert!(answer.poles.is_complete());
+    let verdict =
+        |answer: &super::ask::Answer| analysis::stability(&answer.lowered.system, &answer.modes, &answer.poles);
+    let held = across("spring f: ground@p -- a { k = 4 N/m }\n");
+    assert!(!held.lowered.system.c.is_empty());
+    assert!(held.poles.list.iter().all(|pole| pole.kind == PoleKind::Oscillation), "{:?}", held.poles.list);
+    assert_eq!(verdict(&held), Stability::Stable);
+    assert!(held.poles.is_complete());
+    // Without a spring both poles are real, and one of them is not told from zero.
+    let free = across("");
+    assert!(free.poles.list.iter().all(|pole| pole.kind != PoleKind::Undetermined), "{:?}", free.poles.list);
+    assert_eq!(verdict(&free), Stability::Neutral);
 }

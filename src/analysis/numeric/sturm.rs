@@ -201,6 +201,12 @@ mod tests {
         check(&[&[5, 2, 1], &[1, 0, 0, 0, 1]], 0);
         // s^6 - 2 leaps from degree 6 to 5 to 0.
         check(&[&[-2, 0, 0, 0, 0, 0, 1]], 2);
+        // s^4 - 4 s + 1 leaps from degree 3 to 1, where the sign of a leading coefficient counts.
+        check(&[&[1, -4, 0, 0, 1]], 2);
+        check(&[&[5, -4, 0, 0, 1]], 0);
+        check(&[&[1, 4, 0, 0, 1]], 2);
+        check(&[&[5, 4, 0, 0, 1]], 0);
+        check(&[&[1, 4, 0, 0, 1], &[-7, 1]], 3);
         // Double roots count once.
         check(&[&[1, 1], &[1, 1], &[-3, 1]], 2);
         check(&[&[7]], 0);

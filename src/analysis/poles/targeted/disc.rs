@@ -276,3 +276,39 @@ fused! {
 fn sizes_dot(x: &[f64], f: &[f64]) -> f64 {
     x.iter().zip(f).map(|(x, f)| x.abs() * f).sum::<f64>() * UP
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::modes;
+    use crate::analysis::modes::parts::Part;
+    use crate::analysis::poles::targeted::iteration::follow;
+    use crate::analysis::poles::targeted::tests::band;
+    use crate::analysis::poles::targeted::{Large, undamped};
+
+    /// On a circle of radius r the linear part of f is d r, the rest at most a r² + b: with d² < 4 a b no circle proves anything,
+    /// however good the pair is; with a ten thousandth of a, one does.
+    #[test]
+    fn a_circle_on_which_the_slope_does_not_exceed_the_rest_is_none() {
+        let system = band(40, 2, -2, 2, true, 5);
+        let all = modes(&system).expect("modes");
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let frame = large.frame(&all.list[..14], 8).expect("a gap");
+        let start = undamped(&all.list[..8], 8).swap_remove(2);
+        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let applied = large.exact.apply(pair.s, &pair.x);
+        let s = pair.s.to_f64();
+        let slope = Slope::of(&large.exact, s, &applied).least();
+        let inertia = 1e6 * slope / s.im;
+        let rest = 10.0 * slope * slope / inertia;
+        let outside = [(rest * frame.stiffness(frame.top, s, 0.0)).sqrt(), 0.0, 0.0];
+        let circle = |inertia: f64| {
+            let star = Star { along: vec![[0.0; 3]; frame.x.len()], outside };
+            let slope = Slope { value: Complex::real(slope), error: 0.0, inertia };
+            Found { frame: &frame, pair: &pair, s, slope, star, from: 2 }.circle(frame.top, [Precise::ZERO; 2])
+        };
+        assert_eq!(circle(inertia), None);
+        let proved = circle(1e-4 * inertia).expect("the slope is larger there");
+        assert!(proved.s.im.rad >= rest / slope, "{proved:?}");
+    }
+}

@@ -128,7 +128,7 @@ mod tests {
     }
 
     /// A chain with springs to the second neighbour too, and dampers beside all, of about 10^c.
-    fn band(n: usize, k_decades: u64, c: i32, c_decades: u64, held: bool, seed: u64) -> LinearSystem {
+    pub(super) fn band(n: usize, k_decades: u64, c: i32, c_decades: u64, held: bool, seed: u64) -> LinearSystem {
         let (mut system, mut digits) = (blank(n), Digits(seed));
         for i in 0..n {
             push(&mut system.m, &digits.decimal(0, 0), i, None);
