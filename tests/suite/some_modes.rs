@@ -286,3 +286,71 @@ fn damping_of_a_pendulum_of_many_links_is_told() {
         assert!((zeta - expected).abs() <= 1e-14 * expected);
     }
 }
+
+/// The bounds of a chain are those of the same chain in other units: masses and stiffnesses of any size in the range of
+/// binary64 (spec.md 3.9). A factor of both moves no frequency.
+#[test]
+fn chains_of_tiny_and_huge_numbers_keep_their_bounds() {
+    let n = 150;
+    let of = |unit: &str, masses: &str, springs: &str| {
+        let text = format!(
+            "repeat i in 1..{n} {{ body m[i] {{ mass = {unit} kg * {masses}, moves x }} }}
+            spring k[1]: ground -- m[1] {{ k = {unit} N/m * {springs} }}
+            repeat i in 2..{n} {{ spring k[i]: m[i-1] -- m[i] {{ k = {unit} N/m * {springs} }} }}"
+        );
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("scene.vib", &text));
+        let request = Request { which: Which::Lowest(3), ..Request::default() }.to_digits(25);
+        let outcome = vibc::analyze_as(&sources, file, &Overrides::default(), &request);
+        outcome.answer.unwrap_or_else(|| panic!("{unit}: {:?}", outcome.diagnostics)).modes.list
+    };
+    let plain = of("1", "1", "1");
+    // 2 sin((2j - 1) pi / (4n + 2))
+    for (j, mode) in (1..).zip(&plain) {
+        let truth = 2.0 * (f64::from(2 * j - 1) * std::f64::consts::PI / f64::from(4 * n + 2)).sin();
+        assert!((mode.omega.to_f64() - truth).abs() < 1e-15 * truth);
+    }
+    for unit in ["2.3e-308", "1e-306", "1e-291", "1e-150", "1e150", "1e307"] {
+        for (mode, plain) in of(unit, "1", "1").iter().zip(&plain) {
+            let error = (mode.omega.mid - plain.omega.mid).abs().to_f64();
+            assert!(error <= mode.omega.rad + plain.omega.rad, "{unit}: {error:e} {:e}", mode.omega.rad);
+            assert!(mode.omega.rad <= 1e-25 * mode.omega.to_f64(), "{unit}: {:e}", mode.omega.rad);
+        }
+    }
+    // omega itself near the ends of its range: 1e-150 and 1e150 times as large.
+    for (masses, springs, power) in [("1e150", "1e-150", -150), ("1e-150", "1e150", 150)] {
+        for (mode, plain) in of("1", masses, springs).iter().zip(&plain) {
+            let scale = 10f64.powi(power);
+            assert!((mode.omega.to_f64() / scale - plain.omega.to_f64()).abs() < 1e-14 * plain.omega.to_f64());
+            // omega² of 1e-304 has its last bits at 1e-324.
+            let known = if power < 0 { 1e-15 } else { 1e-25 };
+            assert!(mode.omega.rad <= known * mode.omega.to_f64(), "{power}: {:e}", mode.omega.rad);
+        }
+    }
+}
+
+/// Two oscillators apart by 1e-14 and joined by 1e-14, among stiff ones: x_b / x_a = (sqrt 5 - 1) / 2 in the first mode,
+/// whether two modes are asked for, one, or all.
+#[test]
+fn shapes_of_close_frequencies_are_told_apart() {
+    let text = "body a { mass = 1 kg, moves x }
+        body b { mass = 1 kg, moves x }
+        spring sa: ground -- a { k = 1 N/m }
+        spring sb: ground -- b { k = 1 N/m + GAP N/m }
+        spring c: a -- b { k = GAP N/m }
+        repeat i in 1..110 {
+          body z[i] { mass = 1 kg, moves x }
+          spring g[i]: ground -- z[i] { k = 1e6 N/m * (1 + 0.01*i) }
+        }
+        spring l: b -- z[1] { k = 1e-25 N/m }
+        repeat i in 2..110 { spring t[i]: z[i-1] -- z[i] { k = 1e-25 N/m } }";
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    for gap in ["1e-9", "1e-11", "1e-13", "1e-14", "1e-16"] {
+        for which in [Which::Lowest(1), Which::Lowest(2), Which::Lowest(4), Which::All] {
+            let (told, _) = asked(&text.replace("GAP", gap), which);
+            let shape = &told["modes"][0]["shape"];
+            let [a, b] = ["a.x", "b.x"].map(|name| shape[name].as_f64().expect("a number"));
+            assert!((b / a - golden).abs() < 1e-9, "{gap} {which:?}: {}", b / a);
+        }
+    }
+}

@@ -87,3 +87,66 @@ fn weighted(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
     }
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::base::Number;
+    use crate::system::CoordinateId;
+
+    /// Two rods that a spring joins; what the model gives and what gravity makes of each, N m/rad.
+    fn rods(given: [&Number; 2], gravity: [&Number; 2], joined: &str) -> LinearSystem {
+        let mut system = blank(2);
+        let label = system.coordinates[0].name;
+        let source = system.k.source(label);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            let at = || [(CoordinateId(i as u32), Number::ONE)];
+            system.k.push(source, Nature::Property, given[i].clone(), at());
+            system.k.push(source, Nature::Geometric, gravity[i].clone(), at());
+        }
+        push(&mut system.k, joined, 0, Some(1));
+        system
+    }
+
+    /// (a + 0.1 + alpha p)(b + 0.1 + alpha q) = 0.01 has two roots.
+    fn roots(a: f64, b: f64, p: f64, q: f64) -> [f64; 2] {
+        let (a, b) = (a + 0.1, b + 0.1);
+        let (square, middle, rest) = (p * q, a * q + b * p, a * b - 0.01);
+        let root = (middle * middle - 4.0 * square * rest).sqrt();
+        let mut roots = [(-middle - root) / (2.0 * square), (-middle + root) / (2.0 * square)];
+        roots.sort_by(f64::total_cmp);
+        roots
+    }
+
+    fn check(system: &LinearSystem, truth: f64) {
+        let found = buckling(system).expect("a load factor").load_factor;
+        assert!((found.mid.hi - truth).abs() <= 1e-14 * truth + found.rad, "{} {truth}", found.mid.hi);
+        assert!(found.rad < 1e-12 * truth);
+    }
+
+    #[test]
+    fn a_rod_on_its_tip_buckles_under_what_its_spring_holds() {
+        let [five, two, down, up] = ["5", "2", "9.81", "0.4905"].map(Number::from);
+        check(&rods([&five, &two], [&-&down, &-&up], "0.1"), roots(5.0, 2.0, -9.81, -0.4905)[0]);
+    }
+
+    /// A rod that hangs in spite of a negative spring: without its weight it would not stand, with 4.28 times as much of it
+    /// the other one falls.
+    #[test]
+    fn what_stands_by_its_loads_alone_buckles_under_more_of_them() {
+        let [one, two, hangs, stands] = ["1", "2", "9.81", "0.4905"].map(Number::from);
+        let system = rods([&-&one, &two], [&hangs, &-&stands], "0.1");
+        let roots = roots(-1.0, 2.0, 9.81, -0.4905);
+        assert!(roots[0] < 1.0 && (roots[1] - 4.280_849).abs() < 1e-6);
+        check(&system, roots[1]);
+    }
+
+    /// Neither stands without its loads, nor with them: there is no factor.
+    #[test]
+    fn what_has_fallen_has_no_factor() {
+        let [one, two, stands] = ["1", "2", "0.4905"].map(Number::from);
+        assert!(buckling(&rods([&-&one, &-&two], [&-&stands, &-&stands], "0.1")).is_none());
+    }
+}

@@ -17,9 +17,10 @@
 //! Clause: spec.md 10.7; compare Parlett, The Symmetric Eigenvalue Problem (1998), chapters 10 and 11.
 
 use crate::analysis::modes::gram::{Gram, SLACK};
+use crate::analysis::modes::scale::{by_power, exponent};
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::triple::Triple;
-use crate::base::Dd;
+use crate::base::{Ball, Dd};
 use std::cmp::Ordering;
 
 /// The k-th eigenvalue of a pencil.
@@ -224,8 +225,19 @@ fn compare(a: Triple, b: Triple) -> Ordering {
 }
 
 /// The square root of a certified number in double-double, with its radius.
-pub fn root(x: Triple, radius: f64) -> crate::base::Ball {
-    use crate::base::Ball;
+pub fn root(x: Triple, radius: f64) -> Ball {
+    // Squares of numbers far from one lose their low words: the root is taken near one, and scaled back without rounding.
+    match exponent(x.hi()).map(|e| e / 2) {
+        Some(half) if half.abs() > 200 => {
+            let near_one = root_of_ordinary(x.by_power(-2 * half), by_power(radius, -2 * half).next_up());
+            let back = |word: f64| by_power(word, half);
+            Ball::new(Dd { hi: back(near_one.mid.hi), lo: back(near_one.mid.lo) }, back(near_one.rad))
+        }
+        _ => root_of_ordinary(x, radius),
+    }
+}
+
+fn root_of_ordinary(x: Triple, radius: f64) -> Ball {
     if x.hi() <= 0.0 {
         // The number may be negative by its radius only.
         return Ball::new(Dd::ZERO, ((x.hi().abs() + radius) * SLACK).sqrt() * SLACK);
@@ -241,12 +253,85 @@ pub fn root(x: Triple, radius: f64) -> crate::base::Ball {
 }
 
 /// Zero and a bound of sqrt |x|, for an enclosed x whose sign is not certain.
-pub fn unknown_root(x: crate::base::Ball) -> crate::base::Ball {
-    crate::base::Ball::new(Dd::ZERO, x.magnitude().sqrt() * SLACK)
+pub fn unknown_root(x: Ball) -> Ball {
+    Ball::new(Dd::ZERO, x.magnitude().sqrt() * SLACK)
 }
 
 /// A certified number as a ball.
-pub fn ball(x: Triple, radius: f64) -> crate::base::Ball {
+pub fn ball(x: Triple, radius: f64) -> Ball {
     let (mid, dropped) = x.split();
-    crate::base::Ball::new(mid, (radius + dropped.abs()) * SLACK)
+    Ball::new(mid, (radius + dropped.abs()) * SLACK)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::modes::terms::Terms;
+    use crate::analysis::test_systems::{blank, push};
+
+    /// Three masses in a row between walls: eigenvalues 2 - sqrt 2, 2, 2 + sqrt 2.
+    fn row() -> (Terms, Terms) {
+        let mut system = blank(3);
+        for i in 0..3 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, i.checked_sub(1));
+        }
+        push(&mut system.k, "1", 2, None);
+        (Terms::of(&system.k), Terms::of(&system.m))
+    }
+
+    fn enclosed(x: &Matrix<Triple>) -> Vec<Enclosure> {
+        let (k, m) = row();
+        enclose(&Gram::of(&k, x), &Gram::of(&m, x))
+    }
+
+    /// The modes, each entry off by `slip` one way or the other.
+    fn modes(slip: f64) -> Matrix<Triple> {
+        let middle = 2f64.sqrt();
+        let columns = [[1.0, middle, 1.0], [1.0, 0.0, -1.0], [1.0, -middle, 1.0]];
+        Matrix::from_fn(3, 3, |i, j| {
+            let sign = if (i + 2 * j) % 3 == 0 { 1.0 } else { -1.0 };
+            Triple::from(columns[j][i] + sign * slip)
+        })
+    }
+
+    #[test]
+    fn truth_is_enclosed_from_poor_vectors_too() {
+        let root = Dd::from(2.0).sqrt();
+        let truth = [Dd::from(2.0) - root, Dd::from(2.0), Dd::from(2.0) + root];
+        for slip in [0.0, 1e-12, 1e-6, 1e-3] {
+            for (found, truth) in enclosed(&modes(slip)).iter().zip(truth) {
+                let error = (found.lambda - Triple::from(truth)).hi().abs();
+                assert!(
+                    error <= found.radius + 1e-31 && found.radius <= 100.0 * slip * slip + 1e-28,
+                    "{slip:e}: {error:e}"
+                );
+                // Quotients err by the square of the vectors' error: a bound without it would not hold.
+                assert!(slip < 1e-6 || error > 1e-3 * slip * slip, "{slip:e}: {error:e}");
+            }
+        }
+    }
+
+    /// The same vector twice says nothing of the third eigenvalue, however well it fits.
+    #[test]
+    fn vectors_that_depend_on_each_other_certify_nothing() {
+        let modes = modes(0.0);
+        let twice = Matrix::from_fn(3, 3, |i, j| modes[(i, j.min(1))]);
+        assert!(enclosed(&twice).iter().all(|found| found.radius == f64::INFINITY));
+    }
+
+    #[test]
+    fn roots_are_enclosed_over_the_whole_range() {
+        for e in [-300, -250, -100, 0, 100, 250, 300] {
+            // (10^(e/2) (1 + 2^-60))^2, less what three words leave.
+            let root = Triple::from(10f64.powi(e / 2)) + Triple::from(10f64.powi(e / 2) * 2f64.powi(-60));
+            let near_one = root.by_power(-exponent(root.hi()).expect("not zero"));
+            let square = near_one.square().by_power(2 * exponent(root.hi()).expect("not zero"));
+            let radius = 1e-46 * square.hi();
+            let found = super::root(square, radius.max(1e-322));
+            let error = (Triple::from(found.mid) - root).hi().abs();
+            assert!(error <= found.rad, "1e{e}: {error:e} {:e}", found.rad);
+            assert!(e < -250 || found.rad <= 1e-28 * root.hi(), "1e{e}: {:e}", found.rad);
+        }
+    }
 }

@@ -14,6 +14,7 @@ use crate::analysis::modes::correction;
 use crate::analysis::modes::dense;
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::mass;
+use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
 use crate::analysis::modes::terms::Terms;
@@ -110,10 +111,16 @@ pub enum Failure {
 
 /// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance where that can be.
 pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pair>, Failure> {
-    eigenpairs_of(k, &Terms::of(k), &Terms::of(m), n, tolerance)
+    let (stiffness, masses) = (Terms::of(k), Terms::of(m));
+    let Some(scale) = Scale::of(&stiffness, &masses) else {
+        return eigenpairs_of(k, &stiffness, &masses, n, tolerance);
+    };
+    let (k, m) = scale.forms(k, m).ok_or(Failure::Range)?;
+    let pairs = eigenpairs_of(&k, &Terms::of(&k), &Terms::of(&m), n, tolerance)?;
+    pairs.into_iter().map(|pair| scale.unscaled(pair).ok_or(Failure::Range)).collect()
 }
 
-/// The same if the terms are at hand: those of `form` and those of M.
+/// The same if the terms are at hand and of ordinary size: those of `form` and those of M.
 pub fn eigenpairs_of(
     form: &Form,
     stiffness: &Terms,

@@ -135,3 +135,44 @@ impl Norms {
         SLACK * (gamma * x.size * y.size + slips + x.doubt * y.doubt + floor)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::base::{Number, Rational};
+
+    /// Entries of X^T K X against exact fractions, for weights that no binary number is and vectors that are taken as they are.
+    #[test]
+    fn entries_are_within_their_radii() {
+        let mut system = blank(3);
+        let weights = ["0.1", "0.7", "1e9", "3.3e-7"];
+        for (t, weight) in weights.iter().enumerate() {
+            push(&mut system.k, weight, t % 3, (t > 0).then_some((t + 1) % 3));
+        }
+        let terms = Terms::of(&system.k);
+        let x = [[1.0, 1.0 + 1e-10, 1.0 - 1e-9], [0.3, -0.2, 0.7]];
+        let gram = Gram::of(&terms, &Matrix::from_fn(3, 2, |i, j| Triple::from(x[j][i])));
+        let exact = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+        for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+            let mut truth = Number::ZERO;
+            for term in system.k.terms() {
+                let stretch = |x: &[f64; 3]| {
+                    let parts = system.k.row(term).iter().map(|(c, a)| a * &exact(x[c.index()]));
+                    parts.fold(Number::ZERO, |sum, part| &sum + &part)
+                };
+                truth = &truth + &(&(&term.weight * &stretch(&x[i])) * &stretch(&x[j]));
+            }
+            let mid = gram.mid[(i, j)];
+            let error = (&(&exact(mid.hi) + &exact(mid.lo)) - &truth).abs().to_f64();
+            assert!(error > 0.0 && error <= gram.radius(i, j), "{error:e} {:e}", gram.radius(i, j));
+            let Precise { value, radius } = gram.precise(i, j);
+            let (dd, rest) = value.split();
+            let error = (&(&(&exact(dd.hi) + &exact(dd.lo)) + &exact(rest)) - &truth).abs().to_f64();
+            assert!(
+                error <= radius + 1e-47 * truth.to_f64().abs() && radius < gram.radius(i, j),
+                "{error:e} {radius:e}"
+            );
+        }
+    }
+}

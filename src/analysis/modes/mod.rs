@@ -18,6 +18,7 @@ pub(in crate::analysis) mod mass;
 pub(in crate::analysis) mod mesh;
 pub(in crate::analysis) mod parts;
 pub mod request;
+pub(in crate::analysis) mod scale;
 pub mod shape;
 pub(in crate::analysis) mod sparse;
 pub mod splits;
@@ -34,6 +35,7 @@ use crate::analysis::modes::condense::{Condensed, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::parts::{Part, chosen, independent_chained, independent_undamped};
 use crate::analysis::modes::request::{FEW, Request, Which};
+use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
@@ -140,8 +142,26 @@ struct PartPairs {
     infinite: usize,
 }
 
-/// The eigenpairs asked for of a part.
+/// The eigenpairs asked for of a part, by way of numbers of ordinary size.
 fn part_pairs(
+    system: &LinearSystem,
+    part: &Part,
+    forms: &Forms,
+    request: &Request,
+) -> Result<PartPairs, AnalysisError> {
+    let Some(scale) = Scale::of(forms.stiffness, forms.masses) else {
+        return ordinary_pairs(system, part, forms, request);
+    };
+    let out_of_range = || AnalysisError::OutOfRange { at: place(system, part.coordinates[0] as usize) };
+    let (k, m) = scale.forms(forms.k, forms.m).ok_or_else(out_of_range)?;
+    let scaled = Forms { k: &k, m: &m, stiffness: &Terms::of(&k), masses: &Terms::of(&m) };
+    let found = ordinary_pairs(system, part, &scaled, &scale.request(request))?;
+    let pairs: Option<Vec<Pair>> = found.pairs.into_iter().map(|pair| scale.unscaled(pair)).collect();
+    Ok(PartPairs { pairs: pairs.ok_or_else(out_of_range)?, ..found })
+}
+
+/// The eigenpairs asked for of a part.
+fn ordinary_pairs(
     system: &LinearSystem,
     part: &Part,
     forms: &Forms,

@@ -40,6 +40,12 @@ impl Triple {
         if a != 0.0 { Triple { a, b, c } } else { Triple { a: c, b: 0.0, c: 0.0 } }
     }
 
+    /// The same of each word, which has to keep their order of size.
+    #[inline]
+    pub fn map(self, word: impl Fn(f64) -> f64) -> Triple {
+        Triple { a: word(self.a), b: word(self.b), c: word(self.c) }
+    }
+
     /// The leading word: the number to binary64.
     #[inline]
     pub fn hi(self) -> f64 {

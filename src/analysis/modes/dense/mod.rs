@@ -34,6 +34,9 @@ const SPLIT: f64 = 1e-16;
 /// Where a step has settled a repeated eigenvalue, its members' relative radius is below this: it is quadratic in errors of the
 /// vectors of some 1e-15.
 const REPEATED: f64 = 1e-22;
+/// Of the vector of a neighbour that is closer than this part of the eigenvalue no more than that is left in a vector.
+const CLOSE: f64 = 1e-6;
+const MIXED: f64 = 1e-10;
 /// Each step takes eight decades of stiffness further.
 const MAX_STEPS: usize = 5;
 
@@ -62,7 +65,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     let mut rigid = problem.rigid(best.may_be_zero().count());
     let mut worst = best.worst(rigid.dimension);
     for _ in 0..MAX_STEPS {
-        if worst <= problem.tolerance.min(PRINTED) && !best.is_blurred(SPLIT) {
+        if worst <= problem.tolerance.min(PRINTED) && !best.is_blurred(SPLIT) && !best.is_mixed() {
             break;
         }
         let Some(x) = step::improved(&best.x, &best.pencil) else { break };
@@ -73,7 +76,8 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
         let reached = next.worst(rigid.dimension);
         // What cannot be told apart yet has no bound: the step may still have brought it nearer.
         let stuck = reached.is_finite() && reached > 0.25 * worst;
-        if reached <= worst {
+        let sharper = best.is_mixed() && !next.is_mixed() && reached <= 4.0 * worst;
+        if reached <= worst || sharper {
             (best, worst) = (next, reached);
         }
         if stuck {
@@ -197,6 +201,16 @@ impl Candidate {
             let gap = (self.pencil.theta[i] - self.pencil.theta[i - 1]).hi;
             let told = gap <= 0.01 * size(i) && !(self.holds_zero(i - 1) && self.holds_zero(i));
             told && radii > part * gap && radii > REPEATED * size(i)
+        })
+    }
+
+    /// Vectors of close neighbours hold parts of each other that could be told: an eigenvalue feels only the square of them.
+    fn is_mixed(&self) -> bool {
+        let theta = &self.pencil.theta;
+        let gap = |i: usize, j: usize| (theta[j] - theta[i]).hi;
+        (0..theta.len()).any(|i| {
+            let close = (i + 1..theta.len()).take_while(|&j| gap(i, j) <= CLOSE * theta[j].hi.abs());
+            close.map(|j| (gap(i, j), self.pencil.p[(i, j)])).any(|(gap, p)| p.abs() > MIXED * gap && gap > 0.0)
         })
     }
 

@@ -39,6 +39,14 @@ pub struct Ritz {
     coordinates: Vec<f64>,
 }
 
+#[cfg(test)]
+impl Ritz {
+    /// A value that has converged.
+    pub fn of_value(lambda: f64) -> Ritz {
+        Ritz { lambda, residual: 0.0, coordinates: Vec::new() }
+    }
+}
+
 impl<'a> Krylov<'a> {
     /// A basis that starts with `known` vectors, whose eigenvalue is zero.
     pub fn new(factors: &'a Factors<'a>, m: &'a Network, sigma: f64, known: &[Vec<f64>]) -> Option<Krylov<'a>> {

@@ -13,6 +13,7 @@
 //!
 //! Clause: spec.md 10.12.
 
+pub mod close;
 pub mod elimination;
 pub mod krylov;
 pub mod network;
@@ -33,6 +34,7 @@ use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use std::ops::Range;
 
 /// Bases of more vectors than this are not tried.
 const MOST_VECTORS: usize = 400;
@@ -198,6 +200,10 @@ impl<'a> Mesh<'a> {
         let last = (wanted + LOOK_AHEAD).min(converged - 1);
         let best = (wanted..=last).fold(wanted, |best, i| if gap(i) > 1.5 * gap(best) { i } else { best });
         let (below, above) = (ritz[best - 1].lambda, ritz[best].lambda);
+        // Of modes that are close together all are needed to tell the shape of any.
+        if above - below <= close::CLOSE * above.abs() && converged < wanted + FAR_AHEAD {
+            return Err(Lack::Steps);
+        }
         // Nearer to the upper end, as far as the count's roundings allow.
         for part in [0.9, 0.5] {
             let s = below + part * (above - below);
@@ -212,6 +218,10 @@ impl<'a> Mesh<'a> {
     /// The modes of the cut, corrected where their residuals ask for it, with their bounds.
     fn certified(&self, factors: &Factors, cut: &Cut, vectors: Vec<Vec<f64>>, tolerance: f64) -> Option<Vec<Pair>> {
         let (k, m) = (Multiplier::of(self.stiffness, self.k.n()), Multiplier::of(self.masses, self.k.n()));
+        let lambda: Vec<f64> = cut.ritz.iter().map(|ritz| ritz.lambda).collect();
+        let runs = close::runs(&lambda[self.rigid.len().min(lambda.len())..]);
+        let runs: Vec<Range<usize>> =
+            runs.into_iter().map(|run| run.start + self.rigid.len()..run.end + self.rigid.len()).collect();
         let mut basis: Vec<Vec<Dd>> = Vec::with_capacity(vectors.len());
         let (mut norms, mut corrected) = (Vec::with_capacity(vectors.len()), false);
         for (index, (ritz, vector)) in cut.ritz.iter().zip(vectors).enumerate() {
@@ -224,8 +234,13 @@ impl<'a> Mesh<'a> {
             let mut x: Vec<Dd> = vector.iter().map(|&x| Dd::from(x)).collect();
             let mut now = of(&x, Dd::from(ritz.lambda));
             // The bound is about the square of the residual over the gap.
-            let enough = (0.1 * tolerance * (cut.above - ritz.lambda).abs() * ritz.lambda.abs()).sqrt();
-            for _ in 0..MAX_CORRECTIONS {
+            let mut enough = (0.1 * tolerance * (cut.above - ritz.lambda).abs() * ritz.lambda.abs()).sqrt();
+            let mut corrections = MAX_CORRECTIONS;
+            if runs.iter().any(|run| run.contains(&index)) {
+                // What is left of modes outside the run mixes those within.
+                (enough, corrections) = (0.0, MAX_CORRECTIONS_OF_CLOSE);
+            }
+            for _ in 0..corrections {
                 if now.norm <= enough {
                     break;
                 }
@@ -241,6 +256,15 @@ impl<'a> Mesh<'a> {
             }
             norms.push(now.norm);
             basis.push(x);
+        }
+        for run in runs {
+            let Some(apart) = close::separated(self.stiffness, self.masses, &basis[run.clone()]) else { continue };
+            for (index, x) in run.zip(apart) {
+                let theta = residual(&k, &m, &x, Dd::from(lambda[index]), &self.scale).quotient;
+                norms[index] = residual(&k, &m, &x, theta, &self.scale).norm;
+                basis[index] = x;
+                corrected = true;
+            }
         }
         self.enclosed(cut, basis, &norms, corrected)
     }
@@ -311,7 +335,10 @@ impl<'a> Mesh<'a> {
 
 /// Gaps are looked for so many modes beyond those wanted.
 const LOOK_AHEAD: usize = 4;
+/// So many more are found before a cut between two that are close is taken.
+const FAR_AHEAD: usize = 40;
 const MAX_CORRECTIONS: usize = 3;
+const MAX_CORRECTIONS_OF_CLOSE: usize = 8;
 
 /// d with M >= diag(d): M itself, or a part of its diagonal that a count confirms.
 pub(in crate::analysis) fn least_inertia(m: &Network) -> Option<Vec<f64>> {
@@ -403,6 +430,51 @@ mod tests {
             let s = 0.5 * (pair[0].0.hi() + pair[1].0.hi());
             let counts = [Rounding::Down, Rounding::Up].map(|rounding| pattern.count(&k, &m, s, rounding));
             assert_eq!(counts, [Some(number + 1); 2], "below {s:e}");
+        }
+    }
+
+    /// So close to an eigenvalue that rounding decides: 0.3 x^2 - s 0.1 x^2 is zero at s = 3 exactly, which no binary number
+    /// of 0.3 and 0.1 knows.
+    #[test]
+    fn counts_hold_within_the_last_bits_too() {
+        for (k, m, lambda) in [("0.3", "0.1", 3.0), ("0.7", "0.1", 7.0), ("2.1", "0.3", 7.0), ("1.1", "0.1", 11.0)] {
+            let mut system = blank(2);
+            push(&mut system.m, m, 0, None);
+            push(&mut system.m, m, 1, None);
+            push(&mut system.k, k, 0, None);
+            // A second body that hardly feels the first, so that there is a pair to eliminate.
+            push(&mut system.k, "1e9", 1, None);
+            push(&mut system.k, "1e-40", 0, Some(1));
+            let of = |form| Network::of(&Terms::of(form), 2).expect("sparse");
+            let (k, m) = (of(&system.k), of(&system.m));
+            let pattern = Pattern::of(&[&k, &m]).expect("little fill");
+            let mut s = lambda;
+            (0..40).for_each(|_| s = f64::next_down(s));
+            for step in -40..=40 {
+                // The spring of 1e-40 moves the eigenvalue far less than a last bit.
+                let truth = usize::from(step > 0);
+                let count = |rounding| pattern.count(&k, &m, s, rounding).expect("in range");
+                assert!(count(Rounding::Down) >= truth, "{lambda}: {step}");
+                assert!(count(Rounding::Up) <= truth.max(usize::from(step == 0)), "{lambda}: {step}");
+                s = s.next_up();
+            }
+        }
+    }
+
+    /// Vectors as good as can be, but one fewer than there are below the gap: the count tells.
+    #[test]
+    fn a_mode_that_the_vectors_miss_is_counted() {
+        let system = net(9, 2, true);
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let mesh = Mesh::of(&k, &m, system.n()).expect("a net");
+        let all: Vec<f64> = dense(&system).iter().map(|(value, _)| value.hi()).collect();
+        let vectors = |missing: Option<usize>| {
+            let kept = all.iter().enumerate().filter(|(i, _)| Some(*i) != missing).take(30);
+            kept.map(|(_, lambda)| Ritz::of_value(*lambda)).collect::<Vec<_>>()
+        };
+        assert!(mesh.cut_of(vectors(None), 10).is_ok());
+        for missing in [0, 4, 9] {
+            assert!(matches!(mesh.cut_of(vectors(Some(missing)), 10), Err(Lack::Modes)), "{missing}");
         }
     }
 

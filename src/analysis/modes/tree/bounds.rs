@@ -10,9 +10,14 @@
 //! from the leaves; what rounding leaves unbalanced, r, adds |r|_(M^-1) / sqrt(lambda_1). In this norm errors of soft and stiff
 //! directions weigh alike, so vectors of working precision suffice. What M couples along a spring, c, is a force -c b in it.
 //!
+//! Underflow: a node's numbers lie within 2^100 of one ([`LARGEST`](super::forest::LARGEST)), an eigenvalue within 2^250, and
+//! one x is 1, so x^T M x >= 2^-120. Then no product errs by more than 2^-800 besides its relative error, and what squares
+//! below the normal range lose of a root of a sum over at most 2^24 nodes is below 2^-460: that much is added to both roots.
+//!
 //! A tree without ground is held by springs tau M to the ground, which add tau to every eigenvalue.
 //! Clause: spec.md 10.10.
 
+use crate::analysis::modes::mesh::close::CLOSE;
 use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::taken;
@@ -54,6 +59,14 @@ pub struct Frame {
     pub least: f64,
 }
 
+impl Frame {
+    /// Whether a neighbour is so near that vectors of working precision mix the two.
+    pub fn is_close(&self, lambda: f64) -> bool {
+        let near = |other: f64| (other - lambda).abs() <= CLOSE * lambda;
+        self.previous.is_some_and(near) || self.next.is_some_and(near)
+    }
+}
+
 /// An eigenvalue with its radius, and 1 / sqrt(x^T M x).
 pub struct Enclosed {
     pub lambda: Triple,
@@ -70,6 +83,11 @@ impl Enclosed {
 
 /// Covers the few roundings of a radius computed in binary64, sums in pairs.
 const UP: f64 = 1.0 + 1e-12;
+/// Powers of two of the module's text.
+const LEAST_INERTIA: f64 = 1.0 / (1u128 << 120) as f64;
+const LARGEST_EIGENVALUE: f64 = (1u128 << 125) as f64 * (1u128 << 125) as f64;
+const UNDERFLOW: f64 = 1e-138;
+const MOST_NODES: usize = 1 << 24;
 
 /// The eigenvalues near the Rayleigh quotients of vectors side by side, with as many frames of one tree; see the module.
 pub fn enclosed<T: Real, const W: usize>(
@@ -86,10 +104,15 @@ pub fn enclosed<T: Real, const W: usize>(
     let residual = residual(nodes, x, mu, holding, tree);
     // Parts of M of both signs err by parts of kappa x^T M x.
     let sums = energies.strain.relative_error(T::ERROR) + energies.inertia.relative_error(T::ERROR);
-    let rounding = tree.coupled * (sums + 12.0 * T::ERROR);
+    // One rounding more than there are covers what underflow takes of the two sums.
+    let rounding = tree.coupled * (sums + 13.0 * T::ERROR);
     from_fn(|lane| {
-        let elastic = residual.elastic.0[lane];
-        let error = elastic + residual.unbalanced.0[lane] / frames[lane].least.sqrt();
+        let elastic = residual.elastic.0[lane] + UNDERFLOW;
+        let error = elastic + (residual.unbalanced.0[lane] + UNDERFLOW) / frames[lane].least.sqrt();
+        let in_range = |value: f64| (1.0 / LARGEST_EIGENVALUE..=LARGEST_EIGENVALUE).contains(&value);
+        let quotient = (strain.0[lane] / inertia.0[lane]).hi();
+        let sound = inertia.0[lane].hi() >= LEAST_INERTIA && in_range(quotient) && in_range(frames[lane].least);
+        let error = if sound && nodes.len() <= MOST_NODES { error } else { f64::INFINITY };
         near(strain.0[lane], inertia.0[lane], error, rounding, tree, &frames[lane])
     })
 }
@@ -183,4 +206,75 @@ fn residual<T: Real, const W: usize>(
     }
     let root = |sum: PairwiseSum<Beside<f64, W>>| Beside(sum.total().0.map(|sum| (sum * UP).sqrt() * UP));
     Residual { elastic: root(complementary), unbalanced: root(unbalanced) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of n unit masses, held at its first: lambda_j = 4 sin^2((2j - 1) pi / (4n + 2)), x_i = sin((2j - 1) i pi / (2n + 1)).
+    fn chain(n: usize) -> Vec<Node<f64>> {
+        let node = |i: usize| Node {
+            mass: 1.0,
+            ground: if i == 0 { 1.0 } else { 0.0 },
+            stiffness: if i + 1 == n { 0.0 } else { 1.0 },
+            coupling: 0.0,
+            parent: (i + 1).min(n - 1) as u32,
+            children: u32::from(i > 0),
+        };
+        (0..n).map(node).collect()
+    }
+
+    fn angle(n: usize, j: usize) -> f64 {
+        (2 * j - 1) as f64 * std::f64::consts::PI / (2 * n + 1) as f64
+    }
+
+    fn truth(n: usize, j: usize) -> f64 {
+        4.0 * (0.5 * angle(n, j)).sin().powi(2)
+    }
+
+    /// The j-th mode, each second entry off by `slip`, the last one 1.
+    fn found(n: usize, j: usize, slip: f64, frame: Frame) -> Enclosed {
+        let last = (angle(n, j) * n as f64).sin();
+        let entry = |i: usize| (angle(n, j) * (i + 1) as f64).sin() / last;
+        let x: Vec<[f64; 1]> = (0..n).map(|i| [entry(i) * (1.0 + if i % 2 == 0 { slip } else { 0.0 })]).collect();
+        let tree = Tree { breadth: 1.0, coupled: 1.0, data: [4.0 * f64::ERROR, 4.0 * Dd::ERROR] };
+        let [found] = enclosed(&chain(n), &x, &tree, &[frame]);
+        found
+    }
+
+    fn frame(n: usize, j: usize) -> Frame {
+        let previous = (j > 1).then(|| truth(n, j - 1) * (1.0 + 1e-6));
+        Frame { previous, next: Some(truth(n, j + 1) * (1.0 - 1e-6)), holding: 0.0, least: truth(n, 1) * 0.99 }
+    }
+
+    /// A quotient errs by the square of its vector's error, and the radius knows.
+    #[test]
+    fn truth_is_enclosed_from_poor_vectors_too() {
+        for slip in [0.0, 1e-7, 1e-5, 1e-3] {
+            for j in 1..=3 {
+                let (found, truth) = (found(9, j, slip, frame(9, j)), truth(9, j));
+                let error = (found.lambda.hi() - truth).abs();
+                assert!(error <= found.radius, "{slip:e}: {error:e} {:e}", found.radius);
+                assert!(found.radius <= (1e3 * slip * slip + 1e-13) * truth, "{slip:e}: {:e}", found.radius / truth);
+                assert!(slip < 1e-5 || error > 1e-3 * slip * slip * truth, "{slip:e}: {error:e}");
+            }
+        }
+    }
+
+    /// Where a neighbour may be as near as the vector is poor, nothing is told; nor is it where numbers leave the range in
+    /// which the bounds hold.
+    #[test]
+    fn without_room_or_range_nothing_is_told() {
+        let here = frame(9, 2);
+        let crowded = Frame { next: Some(truth(9, 2) * (1.0 + 1e-9)), ..here };
+        assert_eq!(found(9, 2, 1e-3, crowded).relative(), f64::INFINITY);
+        let beside = Frame { next: Some(truth(9, 2) * (1.0 - 1e-9)), ..here };
+        assert_eq!(found(9, 2, 1e-3, beside).relative(), f64::INFINITY);
+        assert_eq!(found(9, 2, 1e-3, Frame { least: 1e-80, ..here }).relative(), f64::INFINITY);
+        let tree = Tree { breadth: 1.0, coupled: 1.0, data: [0.0; 2] };
+        let small: Vec<Node<f64>> = chain(9).iter().map(|node| Node { mass: 1e-90, ..*node }).collect();
+        let [found] = enclosed(&small, &[[1.0]; 9], &tree, &[here]);
+        assert_eq!(found.relative(), f64::INFINITY);
+    }
 }

@@ -33,8 +33,8 @@ const SHIFTS: usize = 3;
 /// Ends this many times as large as each other are divided by their ratio, others by the difference of their roots: that is
 /// how the eigenvalues of long chains lie.
 const FAR: f64 = 16.0;
-/// No eigenvalue of a model in the range of binary64 is this much smaller than the largest.
-const LEAST: f64 = 1e-280;
+/// Eigenvalues that are this much smaller than the largest are not looked for (see [`LARGEST`](super::forest::LARGEST)).
+const LEAST: f64 = 1e-150;
 
 /// Eigenvalues on the way to being told apart.
 pub struct Brackets<'a> {

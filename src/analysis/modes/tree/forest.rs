@@ -9,6 +9,7 @@
 //! Clause: spec.md 10.10.
 
 use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::modes::tree::impedance::LEAST_RATIO;
 use crate::analysis::numeric::dense::Real;
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
@@ -29,6 +30,12 @@ pub struct Forest {
     /// No spring to the ground anywhere: one rigid motion.
     pub floats: bool,
 }
+
+/// The numbers of nodes lie between one over this and this, so that what underflow takes of products is far below what
+/// rounding does; what is coupled or held by nothing is zero.
+pub const LARGEST: f64 = (1u128 << 100) as f64;
+/// The same for ratios of gears and levers, of which squares are taken.
+const LARGEST_RATIO: f64 = LARGEST * LARGEST * LARGEST * LARGEST;
 
 /// A body, and the spring to its parent.
 #[derive(Clone, Copy, Debug)]
@@ -104,7 +111,7 @@ impl Forest {
     /// The tree that the terms are, if they are one: each spring on one coordinate or two, all positive, the springs on two a
     /// spanning tree (springs side by side count as one), each mass on one coordinate or on two that a spring joins.
     pub fn of(masses: &Terms, stiffness: &Terms, n: usize) -> Option<Forest> {
-        let mut known = Known::default();
+        let mut known = Known { relative: [0.0; 2], in_range: true };
         let mut ground = vec![Sum::default(); n];
         let mut edges: Vec<Edge> = Vec::with_capacity(n);
         for t in 0..stiffness.len() {
@@ -143,7 +150,17 @@ impl Forest {
             forest.uncertainty += 4.0 * (depth as f64 + 3.0) * (known.relative[1] + Dd::EPSILON) * (1.0 + 1e-9);
         }
         inertia.into(&mut forest)?;
-        Some(forest)
+        (known.in_range && forest.is_in_range()).then_some(forest)
+    }
+
+    /// See [`LARGEST`].
+    fn is_in_range(&self) -> bool {
+        let within = |x: Dd| (1.0 / LARGEST..=LARGEST).contains(&x.hi.abs());
+        let or_none = |x: Dd| x.is_zero() || within(x);
+        let node = |node: &Node<Dd>| {
+            within(node.mass) && or_none(node.ground) && or_none(node.stiffness) && or_none(node.coupling)
+        };
+        self.nodes.iter().all(node) && self.scales.iter().all(|scale| is_ratio(scale.hi))
     }
 
     /// The tree without its inertia.
@@ -314,20 +331,26 @@ impl Inertia {
         for (i, (node, [mass, coupling])) in nodes.iter().zip(&self.magnitudes).enumerate() {
             let v = node.mass.hi - part * mass + load[i];
             let e = -node.coupling.hi - part * coupling;
-            positive &= v + e > 0.0;
+            let ratio = v / (v + e);
+            positive &= v + e > 0.0 && (v == 0.0 || ratio.abs() > LEAST_RATIO);
             if !node.is_root() {
-                load[node.parent as usize] += e * (v / (v + e));
+                load[node.parent as usize] += e * ratio;
             }
         }
         positive
     }
 }
 
+fn is_ratio(x: f64) -> bool {
+    (1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&x.abs())
+}
+
 /// Numbers taken as double-doubles, and how uncertain they are then.
-#[derive(Default)]
 struct Known {
     /// Of a weight, and of a factor.
     relative: [f64; 2],
+    /// Whether squares of all factors keep their low words.
+    in_range: bool,
 }
 
 impl Known {
@@ -362,6 +385,7 @@ impl Known {
         let (value, dropped) = number.value.split();
         let relative = (number.radius + dropped.abs()) / value.hi.abs() * (1.0 + 1e-9);
         self.relative[kind] = self.relative[kind].max(relative);
+        self.in_range &= kind == 0 || is_ratio(value.hi);
         value
     }
 

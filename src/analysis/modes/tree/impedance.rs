@@ -22,11 +22,15 @@ pub const LANES: usize = 16;
 /// A part of a number that its last bit does not see.
 const TINY: f64 = Dd::EPSILON * Dd::EPSILON;
 
-/// How many eigenvalues are below each of the shifts; `None` where numbers leave the range of binary64.
+/// v / d below this may have been rounded by more than a part of itself, or its product with a spring may.
+pub const LEAST_RATIO: f64 = 1e-250;
+
+/// How many eigenvalues are below each of the shifts; `None` where numbers leave the range of binary64 at either end.
 pub fn counts(nodes: &[Node<f64>], shifts: [f64; LANES]) -> Option<[i64; LANES]> {
     let mut negative = [0i64; LANES];
     let mut handed = Handed::new();
     let mut v = [0.0; LANES];
+    let mut lost = [0u64; LANES];
     for node in nodes {
         let load = handed.take(node.children);
         let mut next = [0.0; LANES];
@@ -35,12 +39,14 @@ pub fn counts(nodes: &[Node<f64>], shifts: [f64; LANES]) -> Option<[i64; LANES]>
             let e = node.stiffness + shifts[lane] * node.coupling;
             let d = away_from_zero(v[lane] + e, node.stiffness);
             negative[lane] += (d.to_bits() >> 63) as i64;
-            next[lane] = e * (v[lane] / d);
+            let ratio = v[lane] / d;
+            lost[lane] |= u64::from(ratio.abs() < LEAST_RATIO) & u64::from(v[lane] != 0.0);
+            next[lane] = e * ratio;
         }
         handed.give(next);
     }
     // Infinities met on the way would have become no numbers here.
-    v.iter().all(|v| !v.is_nan()).then_some(negative)
+    (v.iter().all(|v| !v.is_nan()) && lost == [0; LANES]).then_some(negative)
 }
 
 /// v of the root, which is zero at an eigenvalue, and its derivative, at eight shifts.

@@ -50,6 +50,8 @@ enum Lack {
 
 /// How narrow a bracket has to be beside the distance of its neighbours; tried in turn.
 const NARROW: [f64; 4] = [0.25, 0.01, 1e-4, 1e-8];
+/// A step in double-double after which the next one would change nothing: its square is left.
+const SETTLED: f64 = 1e-18;
 /// Quadratic convergence from a narrow bracket takes two or three steps.
 const MAX_ITERATIONS: usize = 6;
 
@@ -132,7 +134,13 @@ impl<'a> Search<'a> {
             shapes(&self.nodes, shifts, &mut room);
             let last = brackets.len() - 1;
             let found = enclosed(&self.nodes, &room, &self.tree, &from_fn(|lane| frames[lane.min(last)]));
-            let good = |lane: &usize| *lane <= last && settled[*lane] && found[*lane].relative() <= tolerance;
+            // Beside a close neighbour a vector of binary64 is a mixture of the two.
+            let good = |lane: &usize| {
+                *lane <= last
+                    && settled[*lane]
+                    && found[*lane].relative() <= tolerance
+                    && !frames[*lane].is_close(brackets[*lane].middle())
+            };
             let lanes: Vec<usize> = (0..8).filter(good).collect();
             let mut shapes = self.spread(&room, &lanes, |lane| found[lane].scale.hi).into_iter();
             for (lane, (bracket, frame)) in brackets.iter().zip(frames).enumerate() {
@@ -172,7 +180,7 @@ impl<'a> Search<'a> {
         let Vector { shift, x } = self.twisted(bracket).ok_or(Lack::Bracket)?;
         let room: Vec<[f64; 1]> = x.iter().map(|&x| [x]).collect();
         let [found] = enclosed(&self.nodes, &room, &self.tree, &[*frame]);
-        if found.relative() > tolerance {
+        if found.relative() > tolerance || frame.is_close(bracket.middle()) {
             return self.precisely(shift, frame).ok_or(Lack::Bound);
         }
         let x = by_coordinate(self.forest, |i| x[i] * (self.sigma(i).hi * found.scale.hi), 0.0);
@@ -183,9 +191,14 @@ impl<'a> Search<'a> {
     fn precisely(&self, shift: f64, frame: &Frame) -> Option<TreeMode> {
         let nodes = self.forest.nodes_in::<Dd>();
         let (mut shift, mut at) = (Dd::from(shift), None);
-        for _ in 0..2 {
+        // Two steps where the neighbours are far; more from a shift that is hardly nearer to one than to the other.
+        for _ in 0..MAX_ITERATIONS {
             let next = twisted(&nodes, shift, at);
-            shift += next.residual / inertia(&nodes, &next.x);
+            let change = next.residual / inertia(&nodes, &next.x);
+            shift += change;
+            if at.is_some() && change.abs().to_f64() <= SETTLED * shift.abs().to_f64() {
+                break;
+            }
             at = Some(next.at);
         }
         let x: Vec<[Dd; 1]> = twisted(&nodes, shift, at).x.into_iter().map(|x| [x]).collect();

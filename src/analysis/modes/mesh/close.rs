@@ -1,0 +1,101 @@
+//! Vectors of frequencies that lie close together. In: approximate vectors whose span is right; out: the same span, in which
+//! each is the vector of its own frequency.
+//!
+//! What a vector has of another mode is its residual over the distance of the two eigenvalues. Where they agree to ten
+//! digits and more, vectors of working precision are any mixture; but their span is as good as ever, and in it K and M are
+//! small matrices (Rayleigh and Ritz), formed from the terms in double-double and turned by Jacobi's method after what the
+//! eigenvalues have in common is taken off. Clause: spec.md 10.12.
+
+use crate::analysis::modes::gram::Gram;
+use crate::analysis::modes::mass;
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
+use crate::analysis::numeric::jacobi;
+use crate::analysis::numeric::triple::Triple;
+use crate::base::Dd;
+use std::ops::Range;
+
+/// Eigenvalues nearer than this part of themselves are close.
+pub const CLOSE: f64 = 1e-6;
+/// More of them together are a repeated frequency: any basis of its span is one of modes.
+const MOST: usize = 40;
+
+/// Runs of two and more close neighbours, in a list of eigenvalues that ascends.
+pub fn runs(lambda: &[f64]) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for end in 1..=lambda.len() {
+        let goes_on = end < lambda.len() && lambda[end] - lambda[end - 1] <= CLOSE * lambda[end].abs();
+        if !goes_on {
+            if end - start > 1 && end - start <= MOST {
+                runs.push(start..end);
+            }
+            start = end;
+        }
+    }
+    runs
+}
+
+/// The vectors of the single modes in the span of these; `None` where they do not span it to working accuracy.
+pub fn separated(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec<Vec<Dd>>> {
+    let n = x.first()?.len();
+    let columns = Matrix::from_fn(n, x.len(), |i, j| Triple::from(x[j][i]));
+    let (mut k, m) = (Gram::of(stiffness, &columns).mid, Gram::of(masses, &columns).mid);
+    let common = k[(0, 0)] / m[(0, 0)];
+    for j in 0..x.len() {
+        for i in 0..x.len() {
+            k[(i, j)] = k[(i, j)] - common * m[(i, j)];
+        }
+    }
+    let basis = mass::inverse_transpose(&mass::factor(m).ok()?);
+    let image = |j: usize| {
+        let mut image = vec![Dd::ZERO; x.len()];
+        (0..x.len()).for_each(|l| add_scaled(&mut image, basis[(l, j)], k.column(l)));
+        image
+    };
+    let images: Vec<Vec<Dd>> = (0..x.len()).map(image).collect();
+    let mut small = Matrix::from_fn(x.len(), x.len(), |i, j| {
+        let entry = |i: usize, j: usize| dot(basis.column(i), &images[j]);
+        (entry(i, j) + entry(j, i)).scale(0.5)
+    });
+    let mut turned = basis.clone();
+    jacobi::diagonalise(&mut small, &mut turned);
+    let mut order: Vec<usize> = (0..x.len()).collect();
+    order.sort_by(|&a, &b| small[(a, a)].hi.total_cmp(&small[(b, b)].hi));
+    let vector = |&j: &usize| {
+        let mut vector = vec![Dd::ZERO; n];
+        (0..x.len()).for_each(|l| add_scaled(&mut vector, turned[(l, j)], &x[l]));
+        vector
+    };
+    let vectors: Vec<Vec<Dd>> = order.iter().map(vector).collect();
+    vectors.iter().flatten().all(|x| x.is_finite()).then_some(vectors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+
+    /// Two oscillators apart by 1e-14 and joined by 1e-14, K = [1 + 1e-14, -1e-14; -1e-14, 1 + 2e-14]: the modes are those of
+    /// [1, -1; -1, 2], x2 / x1 = (sqrt 5 - 1) / 2 and -(sqrt 5 + 1) / 2, from any mixture of the two.
+    #[test]
+    fn a_mixture_is_taken_apart() {
+        let mut system = blank(2);
+        (0..2).for_each(|i| push(&mut system.m, "1", i, None));
+        push(&mut system.k, "1", 0, None);
+        push(&mut system.k, "1.00000000000001", 1, None);
+        push(&mut system.k, "1e-14", 0, Some(1));
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let mixed = [[0.8, 0.6], [-0.6, 0.8]].map(|x| x.map(Dd::from).to_vec());
+        let found = separated(&k, &m, &mixed).expect("a basis");
+        let ratio = |x: &[Dd]| (x[1] / x[0]).to_f64();
+        assert!((ratio(&found[0]) - (5f64.sqrt() - 1.0) / 2.0).abs() < 1e-14, "{}", ratio(&found[0]));
+        assert!((ratio(&found[1]) + (5f64.sqrt() + 1.0) / 2.0).abs() < 1e-14, "{}", ratio(&found[1]));
+    }
+
+    #[test]
+    fn close_neighbours_run_together() {
+        assert_eq!(runs(&[1.0, 1.0 + 1e-9, 1.0 + 2e-9, 2.0, 3.0, 3.0]), [0..3, 4..6]);
+        assert!(runs(&[-1.0, 1.0, 2.0]).is_empty() && runs(&[]).is_empty());
+    }
+}
