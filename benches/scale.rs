@@ -122,7 +122,7 @@ fn measured((name, size, text): &Scene) -> String {
     let lower = clock.seconds();
     let lowered = outcome.lowered.expect("a rest");
     let n = black_box(&lowered).system.n();
-    let proven = if lowered.rest.proven { "" } else { "  (rest not proven)" };
+    let proven = if lowered.rest.is_proven() { "" } else { "  (rest not proven)" };
     let peak = peak_megabytes().map_or("?".into(), |mb| format!("{mb:.0}"));
     let (check, found) = (check - parse, lower - check);
     format!("{name:22}{size:>9}{n:>10}{parse:>9.3}{check:>9.3}{found:>9.3}{lower:>9.3}{peak:>9}{proven}")

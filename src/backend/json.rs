@@ -457,7 +457,7 @@ fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
         displacement: ByName { names, values: displacement.map(|(_, q)| q.to_f64() + 0.0).collect() },
         distance: distance(answer),
         residual: answer.rest.residual,
-        proven: answer.rest.proven,
+        proven: answer.rest.is_proven(),
         steps: answer.rest.steps,
         tensions: Named(tensions.collect()),
     }

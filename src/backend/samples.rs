@@ -119,11 +119,9 @@ pub fn upright_rod() -> ModalAnswer {
     answer.system.k = Form::new();
     answer.rest = Rest {
         displacement: vec![Number::Ball(Ball::new(Dd::from(0.01), 1e-18))],
-        dependent: Vec::new(),
         residual: 3e-17,
-        proven: true,
         steps: 4,
-        tensions: Vec::new(),
+        ..Rest::unloaded()
     };
     answer.modes = Modes { list: vec![falling], infinite: 0, ..Modes::default() };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
@@ -170,14 +168,7 @@ impl With for Form {
 }
 
 fn as_drawn(n: usize) -> Rest {
-    Rest {
-        displacement: vec![Number::ZERO; n],
-        dependent: Vec::new(),
-        residual: 0.0,
-        proven: true,
-        steps: 0,
-        tensions: Vec::new(),
-    }
+    Rest { displacement: vec![Number::ZERO; n], ..Rest::unloaded() }
 }
 
 fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(Label, f64)]) -> Mode {

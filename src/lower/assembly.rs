@@ -12,7 +12,7 @@ use super::error::LowerError;
 use super::initial;
 use super::kinematics::{End, Freely, Index, Kinematics, Path, Reach, State};
 use super::loads::{self, Between};
-use super::rest::{Held, survey};
+use super::rest::{Held, Slack, survey};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Damper, Stretch, Stretched, Vector};
@@ -33,16 +33,25 @@ enum Order {
     Acceleration = 2,
 }
 
-/// The linear system about a state that is a rest; `held` are the tensions found for `rest as drawn`.
+/// What is known of tensions beside what the state says.
+#[derive(Clone, Copy)]
+pub struct Tensions<'a> {
+    /// Those found for `rest as drawn`.
+    pub held: Option<&'a Held>,
+    /// Springs without any.
+    pub slack: &'a Slack,
+}
+
+/// The linear system about a state that is a rest.
 pub fn assemble(
     scene: &Scene,
     kinematics: &Kinematics,
     constraints: &Constraints,
     reduction: &Reduction,
     state: &State<Number>,
-    held: Option<&Held>,
+    tensions: Tensions,
 ) -> Result<LinearSystem, Vec<LowerError>> {
-    let mut assembly = Assembly::new(scene, kinematics, reduction, state, held);
+    let mut assembly = Assembly::new(scene, kinematics, reduction, state, tensions);
     assembly.inertia();
     assembly.gravity();
     for (number, element) in scene.elements.iter().enumerate() {
@@ -67,7 +76,7 @@ pub struct Assembly<'a> {
     kinematics: &'a Kinematics,
     reduction: &'a Reduction,
     state: &'a State<Number>,
-    held: Option<&'a Held>,
+    tensions: Tensions<'a>,
     words: Words,
     m: Form,
     c: Form,
@@ -86,7 +95,7 @@ impl<'a> Assembly<'a> {
         kinematics: &'a Kinematics,
         reduction: &'a Reduction,
         state: &'a State<Number>,
-        held: Option<&'a Held>,
+        tensions: Tensions<'a>,
     ) -> Assembly<'a> {
         let mut m = Form::new();
         let mut k = Form::new();
@@ -97,7 +106,7 @@ impl<'a> Assembly<'a> {
             kinematics,
             reduction,
             state,
-            held,
+            tensions,
             words: scene.words.clone(),
             m,
             c: Form::new(),
@@ -227,8 +236,11 @@ impl<'a> Assembly<'a> {
                 let stretched = self.stretched(&spring.stretch);
                 let source = self.k.source(plain(element.name));
                 self.slope_square(Order::Displacement, source, &spring.stiffness, &stretched);
-                let found = self.held.and_then(|held| held.rate(number));
-                let rate = found.map_or_else(|| stretched.rate(&spring.tension(&stretched)), Number::clone);
+                let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
+                    Some(rate) => rate.clone(),
+                    None if self.tensions.slack.has(self.kinematics, &self.between) => Number::ZERO,
+                    None => stretched.rate(&spring.tension(&stretched)),
+                };
                 self.tension(source, &rate, &stretched);
             }
             Law::Damper { damping } => {
@@ -397,7 +409,7 @@ impl<'a> Assembly<'a> {
         if constraints.is_empty() {
             return;
         }
-        let forces = match self.held {
+        let forces = match self.tensions.held {
             Some(held) => held.slopes.clone(),
             None => survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn()),
         };

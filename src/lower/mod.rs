@@ -24,7 +24,7 @@ pub mod tree;
 pub use account::{Account, Remark, account};
 pub use at_rest::{SpringAtRest, springs_at_rest};
 pub use drives::drives;
-pub use rest::{Dependent, Rest, Tension};
+pub use rest::{Dependent, Proven, Rest, Tension};
 
 use crate::base::{Diagnostic, Diagnostics};
 use crate::model::CheckedScene;
@@ -83,8 +83,8 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let reduction = constraints.reduction(scene, &kinematics, &found.state)?;
     constraints.check_redundant(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
-    let held = found.held.as_ref();
-    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, held)?;
+    let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
+    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
     let rest = found.finish(scene, &kinematics, &reduction, &system)?;
     Ok((Lowered { system, rest }, notes))
 }

@@ -124,7 +124,7 @@ impl Text<'_> {
             }
             let scene = CheckedScene::new(scene);
             let mut said = Diagnostics::new();
-            let lowered = (self.stages.lower)(&scene, &mut said).filter(|lowered| lowered.rest.proven)?;
+            let lowered = (self.stages.lower)(&scene, &mut said).filter(|lowered| lowered.rest.is_proven())?;
             let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
             Some((scene, question, probe, lowered, context))
         };
@@ -213,7 +213,7 @@ impl Text<'_> {
                     scene.damping = None;
                 }
                 let lowered = (self.stages.lower)(&CheckedScene::new(scene), &mut Diagnostics::new())?;
-                lowered.rest.proven.then_some(lowered.system)
+                lowered.rest.is_proven().then_some(lowered.system)
             })
         };
         let (without, with) = (lowered(false), lowered(true));

@@ -46,8 +46,11 @@ fn displacement(answer: &ModalAnswer) -> String {
         table.row(vec![answer.system.display(coordinate.name), certain_number(value, DIGITS), unit]);
     }
     let far = farthest(answer);
-    let mut text =
-        line(format!("rest: displaced from the drawing by up to {far}{}", trust(answer))) + &table.text(INDENT);
+    let mut text = line(format!("rest: displaced from the drawing by up to {far}{}", trust(answer)));
+    if !answer.rest.is_proven() {
+        text += &line("  bounds below are those of the scene linearised here; that a rest is here they do not say");
+    }
+    text += &table.text(INDENT);
     if left > 0 {
         text += &line(format!("... and {left} smaller ones (--format json has all)"));
     }
@@ -68,7 +71,7 @@ fn farthest(answer: &ModalAnswer) -> String {
 /// The drawing is the rest: what holds it there, where that was found.
 fn as_drawn(answer: &ModalAnswer) -> String {
     let rest = &answer.rest;
-    let trust = if rest.proven && rest.residual == 0.0 { String::new() } else { trust(answer) };
+    let trust = if rest.is_proven() && rest.residual == 0.0 { String::new() } else { trust(answer) };
     let mut pulling: Vec<&Tension> = rest.tensions.iter().filter(|found| !found.tension.is_zero()).collect();
     if pulling.is_empty() {
         return line(format!("rest: as drawn{trust}"));
@@ -98,7 +101,7 @@ fn as_drawn(answer: &ModalAnswer) -> String {
 /// What is known about a rest that was computed.
 fn trust(answer: &ModalAnswer) -> String {
     let rest = &answer.rest;
-    let proven = if rest.proven { "proven" } else { "NOT proven" };
+    let proven = if rest.is_proven() { "proven" } else { "NOT proven" };
     let left = match rest.residual {
         0.0 => "balanced exactly".to_string(),
         residual => format!("unbalanced ≤ {} of the largest force", upper(residual)),

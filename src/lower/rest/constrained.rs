@@ -8,9 +8,11 @@
 
 use super::newton::{BALANCED, Descended, FIRST_RADIUS, LARGEST_RADIUS, MAX_STEPS, STILL};
 use super::potential::{Detail, ELSEWHERE, Energy, Potential};
+use super::trust::{Region, Shifted};
 use crate::lower::constraints::equation::Equation;
 use crate::lower::kinematics::{Index, Kinematics, Reach, State};
-use nalgebra::{DMatrix, DVector, linalg::QR};
+use nalgebra::linalg::{Cholesky, QR};
+use nalgebra::{DMatrix, DVector, Dyn};
 
 /// A part with constraints on its way down.
 pub struct Descent<'a> {
@@ -66,7 +68,8 @@ impl Descent<'_> {
             if self.imbalance(&here) <= BALANCED {
                 return Ended::Settled(self.ended(true, steps, here));
             }
-            let Some((step, predicted)) = step(&here.curvature, &gradient, radius) else { break };
+            let noise = BALANCED * self.acting(&here).amax();
+            let Some((step, predicted)) = step(&here.curvature, &gradient, noise, radius) else { break };
             let (before, length) = (self.values(), step.norm());
             self.walk(&(&here.basis * step));
             let back = self.comes_back();
@@ -216,14 +219,20 @@ impl Descent<'_> {
 
     /// The largest force that is left, relative to those that act on its coordinate, reactions included.
     fn imbalance(&self, here: &Here) -> f64 {
-        let (_, rows) = self.constraints();
-        let reactions = rows.map(f64::abs).transpose() * here.multipliers.map(f64::abs);
+        let acting = self.acting(here);
         let relative = |place: usize| {
-            let acting = here.energy.forces[place] * self.unit(self.coordinates[place]) + reactions[place];
             let left = here.left[place].abs();
-            if left == 0.0 { 0.0 } else { left / acting }
+            if left == 0.0 { 0.0 } else { left / acting[place] }
         };
         (0..here.left.len()).map(relative).fold(0.0, f64::max)
+    }
+
+    /// The sizes of all forces and reactions on each coordinate.
+    fn acting(&self, here: &Here) -> DVector<f64> {
+        let (_, rows) = self.constraints();
+        let reactions = rows.map(f64::abs).transpose() * here.multipliers.map(f64::abs);
+        let forces = here.energy.forces.iter().zip(self.coordinates).map(|(force, i)| force * self.unit(*i));
+        DVector::from_iterator(self.coordinates.len(), forces) + reactions
     }
 }
 
@@ -240,34 +249,35 @@ fn split(rows: &DMatrix<f64>, gradient: &DVector<f64>) -> (DMatrix<f64>, DVector
     (basis, multipliers.unwrap_or_else(|| DVector::zeros(m)))
 }
 
-/// The step that makes gradient . y + y . curvature y / 2 least within the radius, and what that gains: by the shifts of
-/// Moré and Sorensen, as in `newton`. `None` where numbers leave binary64.
-fn step(curvature: &DMatrix<f64>, gradient: &DVector<f64>, radius: f64) -> Option<(DVector<f64>, f64)> {
+/// The step of a trust region in the coordinates of the basis; `None` where numbers leave binary64. `noise`: what rounding may
+/// make of an entry of the gradient.
+fn step(curvature: &DMatrix<f64>, gradient: &DVector<f64>, noise: f64, radius: f64) -> Option<(DVector<f64>, f64)> {
     let n = gradient.len();
     if n == 0 {
         return Some((DVector::zeros(0), 0.0));
     }
     let scale = curvature.amax().max(gradient.amax() / radius);
-    let mut shift = 0.0;
-    for _ in 0..200 {
-        let shifted = curvature + DMatrix::identity(n, n) * shift;
-        let Some(factors) = shifted.clone().cholesky().filter(|factors| is_sound(factors.l_dirty(), &shifted)) else {
-            shift = if shift == 0.0 { 1e-10 * scale } else { 4.0 * shift };
-            continue;
-        };
-        let step = -factors.solve(gradient);
-        let length = step.norm();
-        if !length.is_finite() || shift > 1e30 * scale {
-            return None;
-        }
-        if length <= 1.1 * radius {
-            let predicted = 0.5 * (shift * length * length - gradient.dot(&step));
-            return Some((step, predicted));
-        }
-        let bent = factors.solve(&step);
-        shift += (length / radius - 1.0) * length * length / step.dot(&bent);
+    let (noise, measure) = (vec![noise; n], vec![1.0; n]);
+    let region = Region { gradient: gradient.as_slice(), noise: &noise, measure: &measure, scale, radius };
+    let found = region.step(&Dense(curvature))?;
+    Some((DVector::from_vec(found.direction), found.predicted))
+}
+
+struct Dense<'a>(&'a DMatrix<f64>);
+
+impl Shifted for Dense<'_> {
+    type Factors = Cholesky<f64, Dyn>;
+
+    fn factor(&self, shift: f64) -> Option<Cholesky<f64, Dyn>> {
+        let n = self.0.nrows();
+        let shifted = self.0 + DMatrix::identity(n, n) * shift;
+        shifted.clone().cholesky().filter(|factors| is_sound(factors.l_dirty(), &shifted))
     }
-    None
+
+    fn solve(&self, factors: &Cholesky<f64, Dyn>, x: &mut [f64]) {
+        let solved = factors.solve(&DVector::from_column_slice(x));
+        x.copy_from_slice(solved.as_slice());
+    }
 }
 
 /// Whether every pivot is more than the rounding of what it was made from.

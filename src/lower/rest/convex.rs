@@ -11,14 +11,15 @@ use super::definite::{Scaled, estimate};
 use super::enclosure::Refinement;
 use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
+use super::proof::Proven;
 use crate::base::{Ball, Dd, Number};
 use crate::lower::kinematics::Index;
 use crate::system::ldl::Factors;
 
 /// A pivot that is less than this part of what it was made from is rounding.
 const LEAST_PIVOT: f64 = 1e-13;
-/// Refines the state and encloses the rest; false where that is not proven, the radii are estimates then.
-pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) -> bool {
+/// Refines the state and encloses the rest; where that is not proven, the radii are estimates.
+pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) -> Option<Proven> {
     let mut middle: Vec<Dd> = moving.iter().map(|i| part.state.value(*i).to_ball().mid).collect();
     let sizes = |middle: &[Dd], i: usize| middle[i].hi.abs().max(NEAR);
     let curvature = Scaled::to_ones(moving.len(), entries(part.energy(local, moving.len(), Detail::Curvature)));
@@ -26,7 +27,7 @@ pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) 
     let (Some(curvature), Some(factors)) = (curvature, factors) else {
         // The search in binary64 stops where a step is 1e-13 of an angle or a length.
         part.place(moving, &middle, |i| 1e-13 * sizes(&middle, i).max(1.0));
-        return false;
+        return None;
     };
     let mut last = f64::INFINITY;
     for _ in 0..MAX_REFINEMENTS {
@@ -43,7 +44,7 @@ pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) 
         }
     }
     let proven = prove(part, local, moving, &middle, &curvature, &factors);
-    if !proven {
+    if proven.is_none() {
         // Another step would gain as many digits as the last one did.
         part.place(moving, &middle, |i| last * sizes(&middle, i));
     }
@@ -58,7 +59,7 @@ fn prove(
     middle: &[Dd],
     curvature: &Scaled,
     factors: &Factors,
-) -> bool {
+) -> Option<Proven> {
     let n = moving.len();
     part.place(moving, middle, |_| 0.0);
     let gradient = part.energy(local, n, Detail::Gradient).gradient;
@@ -71,13 +72,11 @@ fn prove(
     let rounding = middle.iter().zip(scale).map(|(at, scale)| at.hi.abs() * Dd::EPSILON / scale).fold(0.0, f64::max);
     let radius = (4.0 * force / sigma).max(rounding);
     if !radius.is_finite() {
-        return false;
+        return None;
     }
     part.place(moving, middle, |i| radius * scale[i] * (1.0 + 1e-15));
     let within = Scaled::by(scale.clone(), entries(part.energy(local, n, Detail::Curvature)));
-    within
-        .and_then(|within| within.least_eigenvalue(sigma))
-        .is_some_and(|least| force <= least * radius * (1.0 - 1e-15))
+    Proven::convexity(force, within?.least_eigenvalue(sigma)?, radius)
 }
 
 fn entries(energy: Energy<Number>) -> Vec<(u32, u32, Ball)> {

@@ -8,6 +8,7 @@
 
 use super::linear::{Squares, solved};
 use super::potential::Detail;
+use super::proof::Proven;
 use super::{Tension, survey};
 use crate::base::{Ball, Number};
 use crate::elements::Scalar;
@@ -28,7 +29,7 @@ pub struct Held {
     pub tensions: Vec<Tension>,
     /// Largest force that is left, relative to the largest that acts.
     pub residual: f64,
-    pub proven: bool,
+    pub proven: Option<Proven>,
 }
 
 impl Held {
@@ -61,7 +62,9 @@ struct Balance<'a> {
     /// dV/dq of the loads alone, on all coordinates.
     slopes: Vec<Number>,
     left: Vec<Unbalanced>,
-    proven: bool,
+    /// Forces and pivots that may be zero, and were taken for zero.
+    unsettled: Vec<Number>,
+    proven: Option<Proven>,
     /// The sum of the sizes of all loads at each coordinate.
     sizes: Vec<f64>,
     /// The largest force that is left because it may be zero, relative to the loads there.
@@ -107,7 +110,8 @@ impl<'a> Balance<'a> {
             forces,
             slopes: loads.gradient,
             left: Vec::new(),
-            proven: true,
+            unsettled: Vec::new(),
+            proven: Proven::balanced(&[]),
             sizes: loads.forces,
             residual: 0.0,
         }
@@ -192,7 +196,7 @@ impl<'a> Balance<'a> {
             return;
         }
         if force.may_be_zero() {
-            self.proven = false;
+            self.unsettled.push(force.clone());
             let left = force.to_ball().magnitude() / self.sizes[coordinate as usize].max(f64::MIN_POSITIVE);
             self.residual = self.residual.max(left);
             return;
@@ -233,7 +237,7 @@ impl<'a> Balance<'a> {
         let pivots = reduce(&mut matrix, &mut forces);
         for i in (0..n).filter(|i| !pivots.contains(i)) {
             // Whether a motion is without stiffness is known for certain only where its pivot is an exact zero.
-            self.proven &= matrix[i][i].is_zero();
+            self.unsettled.push(matrix[i][i].clone());
             self.judge(part[i], &forces[i]);
         }
         let y = substitute(&matrix, &forces, &pivots);
@@ -260,7 +264,7 @@ impl<'a> Balance<'a> {
             Ok(solution) => solution,
             Err(row) => return self.judge(part[row], &Number::Ball(forces[row])),
         };
-        self.proven &= solution.proven;
+        self.proven = Proven::and(self.proven, solution.proven);
         self.residual = self.residual.max(solution.residual);
         for column in columns {
             let Column { row, length_squared, .. } = &self.columns[column];
@@ -300,7 +304,8 @@ impl<'a> Balance<'a> {
             tensions.push(Tension { spring, tension, turns: element.geometry == Geometry::Torsion });
             rates[column.element] = Some(rate);
         }
-        Ok(Held { rates, slopes, tensions, residual: self.residual, proven: self.proven })
+        let proven = Proven::and(self.proven, Proven::balanced(&self.unsettled));
+        Ok(Held { rates, slopes, tensions, residual: self.residual, proven })
     }
 }
 

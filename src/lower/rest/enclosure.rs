@@ -4,6 +4,7 @@ use super::convex;
 use super::exact::simplest;
 use super::krawczyk::{self, Equations, Inverse, NEAR};
 use super::potential::{Detail, ELSEWHERE, Energy, Potential};
+use super::proof::Proven;
 use super::survey::Part;
 use crate::base::{Ball, Dd, Number};
 use crate::lower::kinematics::{Index, Kinematics, State};
@@ -24,7 +25,7 @@ pub struct Refinement<'a> {
 pub struct Refined {
     /// Largest force that is left, relative to the largest that acts.
     pub residual: f64,
-    pub proven: bool,
+    pub proven: Option<Proven>,
 }
 
 /// Parts with more coordinates are refined and proven with sparse factors.
@@ -91,40 +92,40 @@ impl<'a> Refinement<'a> {
         coordinates.iter().zip(&stays).filter(|(_, stays)| !**stays).map(|(coordinate, _)| *coordinate).collect()
     }
 
-    fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> bool {
+    fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> Option<Proven> {
         if moving.is_empty() {
-            return true;
+            // What stays as drawn does so only without any force.
+            return Proven::balanced(&[]);
         }
         if moving.len() > MAX_DENSE {
             return convex::refine_and_prove(self, local, moving);
         }
         let mut middle: Vec<Dd> = moving.iter().map(|i| self.state.value(*i).to_ball().mid).collect();
         let mut forces = Forces { part: self, local, moving };
-        let Some(inverse) = forces.inverse() else { return false };
+        let inverse = forces.inverse()?;
         if inverse.is_singular() {
             inverse.without_drift(&mut middle);
         }
         let last = inverse.refine(&mut forces, &mut middle);
         let proven = inverse.prove(&mut forces, &middle);
-        if !proven {
+        if proven.is_none() {
             // An estimate: another step would gain as many digits as the last one did.
             forces.place(&middle, &|i| last * middle[i].hi.abs().max(NEAR));
         }
         // Along a motion that nothing holds there is a choice of rests.
         let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
-        self.is_exactly_rational(local, moving, known) || proven
+        self.is_exactly_rational(local, moving, known).or(proven)
     }
 
     /// Whether all forces vanish exactly at the simplest fractions within the relative distance `known`; leaves the state there then.
-    fn is_exactly_rational(&mut self, local: &[u32], moving: &[Index], known: f64) -> bool {
+    fn is_exactly_rational(&mut self, local: &[u32], moving: &[Index], known: f64) -> Option<Proven> {
         let balls: Vec<Ball> = moving.iter().map(|i| self.state.value(*i).to_ball()).collect();
         let fractions: Option<Vec<_>> = balls.iter().map(|ball| simplest(*ball, known)).collect();
-        let Some(fractions) = fractions else { return false };
-        for (coordinate, fraction) in moving.iter().zip(fractions) {
+        for (coordinate, fraction) in moving.iter().zip(fractions?) {
             self.state.set(self.kinematics, *coordinate, Number::Exact(fraction));
         }
-        let exact = self.energy(local, moving.len(), Detail::Gradient).gradient.iter().all(Number::is_zero);
-        if !exact {
+        let exact = Proven::balanced(&self.energy(local, moving.len(), Detail::Gradient).gradient);
+        if exact.is_none() {
             for (coordinate, ball) in moving.iter().zip(balls) {
                 self.set(*coordinate, ball);
             }

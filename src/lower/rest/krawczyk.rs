@@ -6,6 +6,7 @@
 //! Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear systems*, SIAM
 //! J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
+use super::proof::Proven;
 use crate::base::{Ball, Dd, Number};
 use nalgebra::{DMatrix, DVector};
 
@@ -85,7 +86,7 @@ impl Inverse {
     }
 
     /// Finds radii that the Krawczyk operator maps into themselves; leaves the equations at that box.
-    pub fn prove(&self, equations: &mut impl Equations, middle: &[Dd]) -> bool {
+    pub fn prove(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<Proven> {
         let n = middle.len();
         equations.place(middle, &|_| 0.0);
         let left = equations.left();
@@ -95,14 +96,14 @@ impl Inverse {
         for _ in 0..6 {
             equations.place(middle, &|i| radius[i]);
             let mapped = self.mapped(equations.slope(), &defect, &radius);
-            if mapped.iter().zip(&radius).all(|(mapped, radius)| mapped < radius) {
-                return true;
+            if let Some(proven) = Proven::inclusion(&mapped, &radius) {
+                return Some(proven);
             }
             for (radius, mapped) in radius.iter_mut().zip(&mapped) {
                 *radius = 4.0 * mapped.max(*radius);
             }
         }
-        false
+        None
     }
 
     /// A bound of |Y F|_i.
@@ -160,4 +161,78 @@ pub fn dense<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: u
         (ball.mid.lo.abs() + ball.rad) * (1.0 + 1e-15)
     });
     (middle, spread)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// z^2 = c.
+    struct Square {
+        c: Number,
+        z: Number,
+    }
+
+    impl Equations for Square {
+        fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64) {
+            self.z = Number::Ball(Ball::new(middle[0], radius(0)));
+        }
+
+        fn left(&self) -> Vec<Number> {
+            vec![&(&self.z * &self.z) - &self.c]
+        }
+
+        fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+            let twice = &self.z + &self.z;
+            dense([(0, 0, &twice)], 1)
+        }
+    }
+
+    /// What is told about z^2 = c near a start, and the box that it ends with.
+    fn told(c: &str, start: f64) -> (bool, Ball) {
+        let c = match c.strip_prefix('-') {
+            Some(c) => -&Number::from(c),
+            None => Number::from(c),
+        };
+        let mut square = Square { c, z: Number::ZERO };
+        let mut middle = [Dd::from(start)];
+        square.place(&middle, &|_| 0.0);
+        let inverse = Inverse::of(&square.slope().0, &[1.0]).expect("finite");
+        inverse.refine(&mut square, &mut middle);
+        let proven = inverse.prove(&mut square, &middle).is_some();
+        (proven, square.z.to_ball())
+    }
+
+    #[test]
+    fn a_simple_root_is_in_its_box() {
+        for (c, start) in [("2", 1.41421356), ("0.3", 0.547722557), ("1e-10", 1.0000001e-5)] {
+            let (proven, z) = told(c, start);
+            assert!(proven && z.rad < 1e-25 * z.mid.hi && z.rad > 0.0, "{c}: {z:?}");
+            // The squares of the ends are on both sides of c.
+            let end = |side: f64| Number::Ball(Ball::exact(z.mid + Dd::from(side * z.rad)));
+            let beyond = |side: f64| &(&end(side) * &end(side)) - &Number::from(c);
+            assert!(beyond(1.0).is_positive() && beyond(-1.0).is_negative(), "{c}");
+        }
+    }
+
+    /// Two roots in one, and none at all: a derivative that changes its sign in the box proves nothing.
+    #[test]
+    fn a_double_root_and_none_are_not_proven() {
+        assert!(!told("0", 1e-12).0);
+        for c in ["-1e-6", "-1e-14", "-1e-24"] {
+            for start in [1e-3, 1e-7, 1e-12] {
+                assert!(!told(c, start).0, "{c} {start:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn motions_that_nothing_holds_are_found() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]);
+        let inverse = Inverse::of(&matrix, &[1.0, 1.0]).expect("finite");
+        assert!(inverse.is_singular());
+        let mut middle = [Dd::from(3.0), Dd::from(1.0)];
+        inverse.without_drift(&mut middle);
+        assert!((middle[0] + middle[1]).abs().to_f64() < 1e-15 && (middle[0].to_f64() - 1.0).abs() < 1e-15);
+    }
 }

@@ -7,6 +7,7 @@
 //! diagonal by S: |S^-1 (q - q~)| is at most |S (f - K q~)| over a lower bound of the least eigenvalue of S K S.
 
 use super::definite::{Scaled, estimate};
+use super::proof::Proven;
 use super::survey::{Part, Survey};
 use crate::base::{Ball, Dd, Number};
 use crate::elements::Scalar;
@@ -19,7 +20,7 @@ use crate::system::ldl::{Factors, Symmetric};
 pub struct Solved {
     pub displacement: Vec<(Index, Number)>,
     pub residual: f64,
-    pub proven: bool,
+    pub proven: Option<Proven>,
 }
 
 /// Coordinates on which a force is left that nothing balances, N or N m.
@@ -90,7 +91,7 @@ pub struct Solution {
     pub values: Vec<Ball>,
     /// Largest force that is left, relative to the largest that acts.
     pub residual: f64,
-    pub proven: bool,
+    pub proven: Option<Proven>,
 }
 
 /// Solves K q = f, or names the row of a pivot that is rounding only.
@@ -114,11 +115,11 @@ pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
     }
     let bounds = stiffness.bounds_of_springs(&factors, &left).or_else(|| stiffness.bounds_by_the_least(&left));
     // Without a proof: what another step of refinement would change is far below what the last one did.
-    let radius = |i: usize| bounds.as_ref().map_or(last, |bounds| bounds[i]);
+    let radius = |i: usize| bounds.as_ref().map_or(last, |(bounds, _)| bounds[i]);
     let values = middle.iter().enumerate().map(|(i, middle)| Ball::new(*middle, radius(i))).collect();
     let largest = forces.iter().map(Ball::magnitude).fold(0.0, f64::max);
     let residual = left.iter().map(|left| left.mid.hi.abs()).fold(0.0, f64::max) / largest;
-    Ok(Solution { values, residual, proven: bounds.is_some() })
+    Ok(Solution { values, residual, proven: bounds.map(|(_, proven)| proven) })
 }
 
 impl Squares {
@@ -167,7 +168,7 @@ impl Squares {
     }
 
     /// Bounds of |q - q~|, where K is an M-matrix.
-    fn bounds_of_springs(&self, factors: &Factors, left: &[Ball]) -> Option<Vec<f64>> {
+    fn bounds_of_springs(&self, factors: &Factors, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
         let springs = |(weight, row): (Ball, &[(u32, Ball)])| match row {
             [_] => true,
             [(_, a), (_, b)] => weight.is_positive() && (*a * *b).is_negative(),
@@ -184,17 +185,15 @@ impl Squares {
         // K w = -(0 - K w), in balls.
         let at: Vec<Dd> = w.iter().map(|w| Dd::from(*w)).collect();
         let v: Vec<f64> = self.left(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
-        if !v.iter().all(|v| *v > 0.0) {
-            return None;
-        }
+        let regular = Proven::positivity(&w, &v)?;
         let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, f64::max);
-        Some(w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect())
+        Some((w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect(), regular))
     }
 }
 
 impl Squares {
     /// Bounds of |q - q~| where the least eigenvalue of S K S is certainly positive.
-    fn bounds_by_the_least(&self, left: &[Ball]) -> Option<Vec<f64>> {
+    fn bounds_by_the_least(&self, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
         let entries = self.squares().flat_map(|(weight, row)| {
             let ordered = move |a: usize| row[..=a].iter().map(move |b| (row[a].0, b.0, weight * row[a].1 * b.1));
             (0..row.len()).flat_map(ordered)
@@ -202,14 +201,75 @@ impl Squares {
         let scaled = Scaled::to_ones(self.n, entries.collect())?;
         let sigma = 0.5 * estimate(&scaled.factor(0.0, 0.0)?, self.n);
         let least = scaled.least_eigenvalue(sigma)?;
+        let regular = Proven::definiteness(least)?;
         let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).powi(2));
         // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
         let norm = squares.sum::<f64>().sqrt() * (1.0 + 1e-7);
-        Some(scaled.scale.iter().map(|scale| norm / least * scale * (1.0 + 1e-15)).collect())
+        Some((scaled.scale.iter().map(|scale| norm / least * scale * (1.0 + 1e-15)).collect(), regular))
     }
 }
 
 /// The least number of a ball.
 fn least(ball: Ball) -> f64 {
     if ball.is_positive() { ball.mignitude() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rational;
+
+    /// sum w a a^T of rational numbers with the solution q_i = (i + 1) / 3, which no binary number is: what is told of it.
+    fn told(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
+        let truth: Vec<Number> = (0..n as i64).map(|i| Number::from(Rational::new(i + 1, 3))).collect();
+        let mut forces = vec![Number::ZERO; n];
+        let mut all = Squares::new(n);
+        for (weight, row) in squares {
+            all.push(Number::from(*weight).to_ball(), row.iter().map(|(i, a)| (*i, Number::from(*a).to_ball())));
+            let parts = row.iter().map(|(i, a)| &Number::from(*a) * &truth[*i as usize]);
+            let stretch = parts.fold(Number::ZERO, |sum, part| &sum + &part);
+            for (i, a) in row {
+                forces[*i as usize] = &forces[*i as usize] + &(&stretch * &Number::from(weight * a));
+            }
+        }
+        let forces: Vec<Ball> = forces.iter().map(Number::to_ball).collect();
+        (solved(&all, &forces).unwrap_or_else(|row| panic!("row {row}")), truth)
+    }
+
+    fn check(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) {
+        let (solution, truth) = told(n, squares);
+        assert!(solution.proven.is_some());
+        for (value, truth) in solution.values.iter().zip(&truth) {
+            let part = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+            let error = (&(&part(value.mid.hi) + &part(value.mid.lo)) - truth).abs().to_f64();
+            assert!(error > 0.0 && error <= value.rad, "{error:e} {:e}", value.rad);
+            assert!(value.rad <= 1e-22 * truth.to_f64(), "{:e}", value.rad);
+        }
+    }
+
+    fn chain(n: u32) -> Vec<(i64, Vec<(u32, i64)>)> {
+        let spring = |i: u32| (i64::from(1 + i % 7), if i == 0 { vec![(0, 1)] } else { vec![(i - 1, -1), (i, 1)] });
+        (0..n).map(spring).collect()
+    }
+
+    #[test]
+    fn truth_is_in_the_balls_of_a_chain_of_springs() {
+        check(40, &chain(40));
+    }
+
+    /// Squares over three coordinates: no matrix of springs.
+    #[test]
+    fn truth_is_in_the_balls_of_a_bending_beam() {
+        let mut squares = chain(40);
+        squares.extend((2..40).map(|i| (5, vec![(i - 2, 1), (i - 1, -2), (i, 1)])));
+        check(40, &squares);
+    }
+
+    /// So nearly singular that no lower bound of the eigenvalues is left: solved, but not proven.
+    #[test]
+    fn what_rounding_may_make_singular_is_not_proven() {
+        let both = (1_000_000_000_000_000, vec![(0, 1), (1, 1)]);
+        let (solution, _) = told(2, &[both, (7, vec![(0, 1)])]);
+        assert!(solution.proven.is_none());
+    }
 }

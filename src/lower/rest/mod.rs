@@ -17,8 +17,11 @@ mod krawczyk;
 pub mod linear;
 pub mod newton;
 pub mod potential;
+pub mod proof;
 mod reactions;
+mod slack;
 pub mod survey;
+mod trust;
 
 use super::constraints::equation::Equation;
 use super::constraints::{Constraints, Reduction};
@@ -30,8 +33,10 @@ use crate::elements::Scalar;
 use crate::model::scene::Scene;
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
 pub use drawn::Held;
-use enclosure::{MAX_DENSE, Refinement};
+use enclosure::{MAX_DENSE, Refined, Refinement};
 use newton::{Descended, Descent};
+pub use proof::Proven;
+pub use slack::Slack;
 use survey::{Part, Survey};
 
 /// The rest that lowering found, measured from the drawing.
@@ -45,8 +50,8 @@ pub struct Rest {
     /// Largest generalised force that is left, relative to the largest that acts in its part; exactly 0 where the rest is
     /// known exactly.
     pub residual: f64,
-    /// Whether the enclosure is proven (see spec.md, "Rest").
-    pub proven: bool,
+    /// What shows that the rest is in its enclosure; `None` where nothing does (see spec.md, "Rest").
+    pub proven: Option<Proven>,
     /// Newton steps that were taken; 0 where the drawing is the rest.
     pub steps: u32,
     /// The springs whose tension `rest as drawn` found, in order of declaration.
@@ -78,20 +83,14 @@ pub struct Found {
     survey: Option<Survey>,
     /// The tensions that hold the drawing, where it is declared to be the rest.
     pub held: Option<Held>,
+    /// Where no spring has any tension.
+    pub slack: Slack,
 }
 
 /// The rest of a scene.
 pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<Found, Vec<LowerError>> {
     let state = loads::drawn(scene, kinematics);
-    let rest = Rest {
-        displacement: Vec::new(),
-        dependent: Vec::new(),
-        residual: 0.0,
-        proven: true,
-        steps: 0,
-        tensions: Vec::new(),
-    };
-    let mut found = Found { rest, state, survey: None, held: None };
+    let mut found = Found { rest: Rest::unloaded(), state, survey: None, held: None, slack: Slack::default() };
     if scene.rest_as_drawn.is_some() {
         return found.held_as_drawn(scene, kinematics, constraints);
     }
@@ -104,7 +103,7 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     }
     let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
     let left = if drawn.is_trivial() { forces } else { drawn.left_of(&forces) };
-    if left.iter().all(Number::is_zero) && constraints.hold_exactly(kinematics, &found.state) {
+    if Proven::balanced(&left).is_some() && constraints.hold_exactly(kinematics, &found.state) {
         return Ok(found);
     }
     let forces = left;
@@ -156,7 +155,7 @@ impl Found {
     ) -> Result<(), Vec<LowerError>> {
         let mut steering: State<f64> = self.state.converted(kinematics);
         let mut lost = Vec::new();
-        let Survey { parts, local, .. } = survey;
+        let Survey { parts, local, forces } = survey;
         for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
             if !part.constraints.is_empty() {
                 if let Err(error) = self.search_along(scene, kinematics, constraints, part, local, &mut steering) {
@@ -164,17 +163,24 @@ impl Found {
                 }
                 continue;
             }
-            let descended = descend(kinematics, part, local, &mut steering);
+            let drawn: Vec<f64> = part.coordinates.iter().map(|i| forces[*i as usize].to_f64()).collect();
+            let descended = descend(kinematics, part, local, drawn, &mut steering);
             if !descended.settled {
                 lost.push(no_rest(scene, kinematics, part, &descended));
                 continue;
             }
             let values: Vec<f64> = part.coordinates.iter().map(|i| *steering.value(*i)).collect();
             let refinement = Refinement::new(kinematics, part, &mut self.state);
-            let refined = refinement.run(local, &values);
+            let mut refined = refinement.run(local, &values);
+            if refined.proven.is_none()
+                && let Some(proven) = slack::prove(kinematics, part, local, &values, &mut self.state)
+            {
+                refined = Refined { residual: 0.0, proven: Some(proven) };
+                self.slack.add(kinematics, part);
+            }
             self.rest.steps += descended.steps;
             self.rest.residual = self.rest.residual.max(refined.residual);
-            self.rest.proven &= refined.proven;
+            self.rest.proven = Proven::and(self.rest.proven, refined.proven);
         }
         if lost.is_empty() { Ok(()) } else { Err(lost) }
     }
@@ -221,7 +227,7 @@ impl Found {
         let refined = balance.run(&values);
         self.rest.steps += descended.steps;
         self.rest.residual = self.rest.residual.max(refined.residual);
-        self.rest.proven &= refined.proven;
+        self.rest.proven = Proven::and(self.rest.proven, refined.proven);
         Ok(())
     }
 
@@ -251,7 +257,7 @@ impl Found {
             }
             rest.steps += 1;
             rest.residual = rest.residual.max(solved.residual);
-            rest.proven &= solved.proven;
+            rest.proven = Proven::and(rest.proven, solved.proven);
         }
         let held = large.iter().filter(|part| !part.constraints.is_empty()).flat_map(|part| &part.coordinates);
         rest.let_follow(kinematics, reduction, &state, held.copied());
@@ -260,6 +266,23 @@ impl Found {
 }
 
 impl Rest {
+    /// The rest of a scene in which nothing pulls: its drawing.
+    pub fn unloaded() -> Rest {
+        Rest {
+            displacement: Vec::new(),
+            dependent: Vec::new(),
+            residual: 0.0,
+            proven: Proven::balanced(&[]),
+            steps: 0,
+            tensions: Vec::new(),
+        }
+    }
+
+    /// Whether something shows that the rest is in its enclosure.
+    pub fn is_proven(&self) -> bool {
+        self.proven.is_some()
+    }
+
     /// Places the dependent ones among some coordinates of linear parts where the independent ones and the bases put them.
     fn let_follow(
         &mut self,
@@ -303,11 +326,11 @@ fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Num
 }
 
 /// The way down from the drawing; none where no force is certainly there.
-fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], state: &mut State<f64>) -> Descended {
+fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], drawn: Vec<f64>, state: &mut State<f64>) -> Descended {
     let potential = part.potential.converted();
     let length = part.length();
-    let descent =
-        Descent { kinematics, coordinates: &part.coordinates, local, potential, state, length, linear: part.linear };
+    let (coordinates, linear) = (&part.coordinates[..], part.linear);
+    let descent = Descent { kinematics, coordinates, local, potential, state, drawn, length, linear };
     if part.unbalanced { descent.run() } else { descent.stay() }
 }
 

@@ -1,11 +1,12 @@
 //! The way down: from the drawing to a rest of one part, in binary64. Clause: spec.md, "Rest".
 //!
-//! Newton steps with a trust region: p = -(H + lambda D)^-1 g, with the least lambda for which H + lambda D is positive
-//! definite and |p|_D is within the radius (J. J. More, D. C. Sorensen, *Computing a trust region step*, SIAM J. Sci. Stat.
-//! Comput. 4 (1983) 553-572). D measures angles in radians and translations in lengths of the part. Every step lowers the
-//! energy, so the way ends in a minimum; a coordinate on which nothing pulls stays where it is drawn, also on top of a hill.
+//! Newton steps with a trust region ([`trust`](super::trust)). D measures angles in radians and translations in lengths of
+//! the part. Every step lowers the energy, so the way ends in a minimum; a coordinate on which nothing pulls stays where it
+//! is drawn, also on top of a hill. One on which anything pulls leaves it: the first step goes by the forces as drawn in the
+//! model's own numbers, which are not rounding however small they are.
 
 use super::potential::{Detail, Energy, Potential};
+use super::trust::{Region, Shifted, Step};
 use crate::lower::kinematics::{Index, Kinematics, State};
 use crate::system::ldl::{Factors, Symmetric};
 
@@ -16,6 +17,8 @@ pub struct Descent<'a> {
     pub local: &'a [u32],
     pub potential: Potential<f64>,
     pub state: &'a mut State<f64>,
+    /// dV/dq as drawn, each number right to its last digits.
+    pub drawn: Vec<f64>,
     /// The longest spring or arm of the part, m.
     pub length: f64,
     pub linear: bool,
@@ -50,12 +53,15 @@ impl Descent<'_> {
         let mut radius = if self.linear { AWAY } else { FIRST_RADIUS };
         let mut matrix = Matrix::default();
         let mut energy = self.energy(Detail::Curvature);
+        energy.gradient.clone_from(&self.drawn);
         for steps in 0..MAX_STEPS {
-            if imbalance(&energy) <= BALANCED {
+            matrix.take(&energy);
+            if imbalance(&energy) <= BALANCED && (steps > 0 || !matrix.is_a_hill(&measure)) {
                 return Descended { settled: true, steps, energy };
             }
-            matrix.take(&energy);
-            let Some(step) = matrix.step(&energy.gradient, &measure, radius) else { break };
+            let unsure = if steps == 0 { 0.0 } else { BALANCED };
+            let noise: Vec<f64> = energy.forces.iter().map(|force| unsure * force).collect();
+            let Some(step) = matrix.step(&energy.gradient, &noise, &measure, radius) else { break };
             let before = self.values();
             self.walk(&step.direction);
             let next = self.energy(Detail::Curvature);
@@ -143,15 +149,6 @@ pub struct Matrix {
     symmetric: Option<Symmetric>,
 }
 
-/// A step and what it promises.
-struct Step {
-    direction: Vec<f64>,
-    /// |p|_D
-    length: f64,
-    /// What a quadratic energy would fall by.
-    predicted: f64,
-}
-
 impl Matrix {
     pub fn take(&mut self, energy: &Energy<f64>) {
         let places = energy.curvature.iter().map(|(i, j, _)| (*i, *j));
@@ -169,41 +166,43 @@ impl Matrix {
         self.symmetric.as_ref()?.factor(|_| 0.0, LEAST_PIVOT).ok()
     }
 
+    /// Whether it is certainly negative along some motion.
+    fn is_a_hill(&self, measure: &[f64]) -> bool {
+        let Some(symmetric) = &self.symmetric else { return false };
+        let shift = 1e-10 * self.size(measure);
+        symmetric.factor(|row| shift * measure[row], LEAST_PIVOT).is_err()
+    }
+
+    /// The largest entry of its diagonal, measured by D.
+    fn size(&self, measure: &[f64]) -> f64 {
+        let sizes = self.symmetric.as_ref().map_or(Vec::new(), Symmetric::diagonal);
+        sizes.iter().zip(measure).map(|(size, weight)| size.abs() / weight).fold(0.0, f64::max)
+    }
+
     /// `None` where no shift makes a step: numbers beyond binary64.
-    fn step(&self, gradient: &[f64], measure: &[f64], radius: f64) -> Option<Step> {
+    fn step(&self, gradient: &[f64], noise: &[f64], measure: &[f64], radius: f64) -> Option<Step> {
         let symmetric = self.symmetric.as_ref()?;
-        let sizes = symmetric.diagonal();
-        let size = sizes.iter().zip(measure).map(|(size, weight)| size.abs() / weight).fold(0.0, f64::max);
         let pulls = gradient.iter().zip(measure).map(|(pull, weight)| pull.abs() / weight.sqrt()).fold(0.0, f64::max);
         // Where nothing is stiff the force itself sets the scale: a step of the radius.
-        let scale = size.max(pulls / radius);
-        let mut shift = 0.0;
-        for _ in 0..200 {
-            let Ok(factors) = symmetric.factor(|row| shift * measure[row], LEAST_PIVOT) else {
-                shift = if shift == 0.0 { 1e-10 * scale } else { 4.0 * shift };
-                continue;
-            };
-            let mut direction: Vec<f64> = gradient.iter().map(|pull| -pull).collect();
-            factors.solve(&mut direction);
-            let length = norm(&direction, measure);
-            if !length.is_finite() || shift > 1e30 * scale {
-                return None;
-            }
-            if length <= 1.1 * radius {
-                let slope: f64 = gradient.iter().zip(&direction).map(|(pull, step)| pull * step).sum();
-                return Some(Step { predicted: 0.5 * (shift * length * length - slope), direction, length });
-            }
-            // One Newton step of 1 / |p(shift)| towards 1 / radius.
-            let mut response: Vec<f64> = direction.iter().zip(measure).map(|(step, weight)| step * weight).collect();
-            let weighted = response.clone();
-            factors.solve(&mut response);
-            let curvature: f64 = response.iter().zip(&weighted).map(|(a, b)| a * b).sum();
-            shift += (length / radius - 1.0) * length * length / curvature;
-        }
-        None
+        let scale = self.size(measure).max(pulls / radius);
+        Region { gradient, noise, measure, scale, radius }.step(&Measured { symmetric, measure })
     }
 }
 
-fn norm(step: &[f64], measure: &[f64]) -> f64 {
-    step.iter().zip(measure).map(|(step, weight)| step * step * weight).sum::<f64>().sqrt()
+/// A matrix with the measure in which it is shifted.
+struct Measured<'a> {
+    symmetric: &'a Symmetric,
+    measure: &'a [f64],
+}
+
+impl Shifted for Measured<'_> {
+    type Factors = Factors;
+
+    fn factor(&self, shift: f64) -> Option<Factors> {
+        self.symmetric.factor(|row| shift * self.measure[row], LEAST_PIVOT).ok()
+    }
+
+    fn solve(&self, factors: &Factors, x: &mut [f64]) {
+        factors.solve(x);
+    }
 }

@@ -7,6 +7,7 @@ use super::enclosure::{self, MAX_DENSE, Refined};
 use super::exact::simplest;
 use super::krawczyk::{self, Equations, Inverse, NEAR};
 use super::potential::{Detail, ELSEWHERE, Potential};
+use super::proof::Proven;
 use crate::base::{Ball, Dd, Number, Rational};
 use crate::lower::constraints::equation::Equation;
 use crate::lower::kinematics::{Index, Kinematics, Reach, State};
@@ -39,48 +40,47 @@ impl Balance<'_> {
         Refined { residual: self.residual(), proven }
     }
 
-    fn refine_and_prove(&mut self, middle: &mut [Dd]) -> bool {
+    fn refine_and_prove(&mut self, middle: &mut [Dd]) -> Option<Proven> {
         if middle.len() > 2 * MAX_DENSE {
             // The search in binary64 stops where a step is 1e-13 of an angle or a length.
             let sizes: Vec<f64> = middle.iter().map(|at| at.hi.abs().max(1.0)).collect();
             self.place(middle, &|i| 1e-12 * sizes[i]);
-            return false;
+            return None;
         }
         self.place(middle, &|_| 0.0);
         let (slope, _) = self.slope();
-        let Some(inverse) = Inverse::of(&slope, &equilibrium(&slope)) else { return false };
+        let inverse = Inverse::of(&slope, &equilibrium(&slope))?;
         if inverse.is_singular() {
             inverse.without_drift(middle);
         }
         let last = inverse.refine(self, middle);
         let proven = inverse.prove(self, middle);
-        if !proven {
+        if proven.is_none() {
             // An estimate: another step would gain as many digits as the last one did.
             let radius = |i: usize| last * middle[i].hi.abs().max(NEAR);
             self.place(middle, &radius);
         }
         // Along a motion that nothing holds there is a choice of rests.
         let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
-        self.is_exactly_rational(known) || proven
+        self.is_exactly_rational(known).or(proven)
     }
 
     /// Whether everything balances exactly at the simplest fractions within the relative distance `known`; leaves the state
     /// there then.
-    fn is_exactly_rational(&mut self, known: f64) -> bool {
+    fn is_exactly_rational(&mut self, known: f64) -> Option<Proven> {
         let fraction = |ball: Ball| if ball.contains_zero() { Some(Rational::ZERO) } else { simplest(ball, known) };
         let balls: Vec<Ball> = self.coordinates.iter().map(|i| self.state.value(*i).to_ball()).collect();
         let multipliers = self.multipliers.clone();
         let fractions: Option<Vec<_>> =
             balls.iter().copied().chain(multipliers.iter().map(Number::to_ball)).map(fraction).collect();
-        let Some(fractions) = fractions else { return false };
-        for (place, fraction) in fractions.into_iter().map(Number::Exact).enumerate() {
+        for (place, fraction) in fractions?.into_iter().map(Number::Exact).enumerate() {
             match self.coordinates.get(place) {
                 Some(coordinate) => self.state.set(self.kinematics, *coordinate, fraction),
                 None => self.multipliers[place - self.coordinates.len()] = fraction,
             }
         }
-        let exact = self.left().iter().all(Number::is_zero);
-        if !exact {
+        let exact = Proven::balanced(&self.left());
+        if exact.is_none() {
             for (coordinate, ball) in self.coordinates.iter().zip(balls) {
                 self.set(*coordinate, ball);
             }
@@ -183,7 +183,7 @@ impl Equations for Balance<'_> {
 
 /// Factors of rows and columns that make the largest entry of each about 1: a few rounds of D. Ruiz, *A scaling algorithm to
 /// equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034.
-fn equilibrium(matrix: &DMatrix<f64>) -> Vec<f64> {
+pub fn equilibrium(matrix: &DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scale = vec![1.0; n];
     for _ in 0..8 {

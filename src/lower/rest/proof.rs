@@ -1,0 +1,82 @@
+//! What shows that a scene rests where it is told to rest. A [`Proven`] is made by these tests alone, so that nothing says
+//! `proven` by itself. Clause: spec.md 7.2, 7.5, 7.6.
+
+use crate::base::Number;
+
+/// The rest lies in the enclosure told. Only the tests of this file make one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Proven(());
+
+impl Proven {
+    /// Every force vanishes exactly.
+    pub fn balanced<'a>(forces: impl IntoIterator<Item = &'a Number>) -> Option<Proven> {
+        forces.into_iter().all(Number::is_zero).then_some(Proven(()))
+    }
+
+    /// An operator that has its fixed points at the rests maps a box into its interior: bounds of how far from the middle
+    /// the image reaches, and the radii of the box.
+    pub fn inclusion(mapped: &[f64], radii: &[f64]) -> Option<Proven> {
+        let inside = |(mapped, radius): (&f64, &f64)| mapped < radius && radius.is_finite();
+        (mapped.len() == radii.len() && mapped.iter().zip(radii).all(inside)).then_some(Proven(()))
+    }
+
+    /// The energy rises everywhere on a sphere: `force` bounds the gradient at its middle from above, `least` the curvature
+    /// within from below.
+    pub fn convexity(force: f64, least: f64, radius: f64) -> Option<Proven> {
+        let rises = least > 0.0 && radius.is_finite() && force <= least * radius * (1.0 - 1e-15);
+        rises.then_some(Proven(()))
+    }
+
+    /// A linear system is regular: K w > 0 for some w > 0 where K has no positive entry off its diagonal.
+    pub fn positivity(w: &[f64], least_of_kw: &[f64]) -> Option<Proven> {
+        let positive = |x: &[f64]| x.iter().all(|x| *x > 0.0 && x.is_finite());
+        (w.len() == least_of_kw.len() && positive(w) && positive(least_of_kw)).then_some(Proven(()))
+    }
+
+    /// A linear system is regular: `least` bounds its eigenvalues from below.
+    pub fn definiteness(least: f64) -> Option<Proven> {
+        (least > 0.0 && least.is_finite()).then_some(Proven(()))
+    }
+
+    /// Both of two parts are.
+    pub fn and(first: Option<Proven>, second: Option<Proven>) -> Option<Proven> {
+        first.and(second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Ball;
+
+    #[test]
+    fn forces_that_may_be_zero_do_not_balance() {
+        assert!(Proven::balanced(&[Number::ZERO, Number::ZERO]).is_some());
+        let near = Number::Ball(Ball::new(crate::base::Dd::ZERO, 1e-30));
+        assert_eq!(Proven::balanced(&[Number::ZERO, near]), None);
+    }
+
+    #[test]
+    fn a_box_on_its_own_edge_is_not_inside() {
+        assert!(Proven::inclusion(&[0.5, 0.0], &[1.0, 0.1]).is_some());
+        for (mapped, radii) in
+            [([0.5, 0.1], [1.0, 0.1]), ([f64::NAN, 0.0], [1.0, 1.0]), ([1.0, 1.0], [f64::INFINITY; 2])]
+        {
+            assert_eq!(Proven::inclusion(&mapped, &radii), None);
+        }
+        assert_eq!(Proven::inclusion(&[0.5], &[1.0, 1.0]), None);
+    }
+
+    #[test]
+    fn what_is_not_positive_proves_nothing() {
+        assert!(Proven::convexity(0.9, 1.0, 1.0).is_some() && Proven::definiteness(1e-300).is_some());
+        for (force, least, radius) in [(1.0, 1.0, 1.0), (0.0, 0.0, 1.0), (0.0, -1.0, 1.0), (f64::NAN, 1.0, 1.0)] {
+            assert_eq!(Proven::convexity(force, least, radius), None);
+        }
+        assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(Proven::definiteness), [None; 4]);
+        assert!(Proven::positivity(&[1.0, 2.0], &[0.1, 0.1]).is_some());
+        for (w, v) in [([1.0, 0.0], [1.0, 1.0]), ([1.0, 1.0], [1.0, f64::NAN]), ([1.0, 1.0], [1.0, -1.0])] {
+            assert_eq!(Proven::positivity(&w, &v), None);
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Rests without any tension: a body that floats on a spring, parts that nothing but their own springs hold. In: a part near
+//! such a rest; out: a rest that is proven, in which every spring is exactly slack. Clause: spec.md 7.5.
+//!
+//! Where nothing pulls but springs, every place at which all of them have their free lengths is a rest, and where they leave
+//! motions free there are many: no operator contracts onto one of them. The one nearest to the drawing is unique (or, if
+//! that is not found, the one nearest to where the search ended): with e the stretches beyond the free lengths, D the
+//! measure of [`newton`](super::newton) and q0 the place that it is near to, it solves
+//!
+//!   D (q - q0) + sum lambda_e grad e = 0,   e(q) = 0,
+//!
+//! which is enclosed as in [`krawczyk`]. A solution in the box is a place without tension, whatever its lambda are.
+
+use super::krawczyk::{self, Equations, Inverse};
+use super::potential::{Detail, ELSEWHERE, Potential};
+use super::proof::Proven;
+use super::reactions::equilibrium;
+use super::survey::Part;
+use crate::base::{Ball, Dd, Number};
+use crate::elements::{Scalar, Spring};
+use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use crate::lower::loads::{self, Between};
+use nalgebra::DMatrix;
+
+/// The coordinates of parts that rest without any tension.
+#[derive(Clone, Debug, Default)]
+pub struct Slack {
+    /// Empty where there are none.
+    of: Vec<bool>,
+}
+
+impl Slack {
+    /// Whether a spring has no tension at rest, exactly.
+    pub fn has(&self, kinematics: &Kinematics, between: &Between<Number>) -> bool {
+        let of = |i: Index| self.of.get(i as usize) == Some(&true);
+        !self.of.is_empty()
+            && (between.path.coordinates(kinematics).any(|(i, angle)| of(i) || angle.is_some_and(of))
+                || between.angles.into_iter().flatten().any(of))
+    }
+
+    pub fn add(&mut self, kinematics: &Kinematics, part: &Part) {
+        self.of.resize(kinematics.total(), false);
+        part.coordinates.iter().for_each(|i| self.of[*i as usize] = true);
+    }
+}
+
+/// Numbers of coordinates and springs together, for dense matrices.
+const MAX_DENSE: usize = 300;
+/// Newton steps that gain sixteen digits each at the end; more of them where the way is bent.
+const MAX_STEPS: usize = 20;
+/// Relative size of a step after which the next one would change nothing.
+const STILL: f64 = 1e-20;
+
+/// Puts the part at a rest without tension near the values found in binary64, and proves it; leaves the state where it was
+/// if it cannot.
+pub fn prove(
+    kinematics: &Kinematics,
+    part: &Part,
+    local: &[u32],
+    values: &[f64],
+    state: &mut State<Number>,
+) -> Option<Proven> {
+    let potential = &part.potential;
+    let nothing_else = potential.dead.is_empty() && potential.torques.is_empty() && part.constraints.is_empty();
+    let all_springs = potential.springs.iter().all(|(spring, _)| spring.stiffness.is_positive());
+    if !(nothing_else && all_springs) || values.len() + potential.springs.len() > MAX_DENSE {
+        return None;
+    }
+    let before: Vec<Number> = part.coordinates.iter().map(|i| state.value(*i).clone()).collect();
+    let unit = |i: &Index| if kinematics.is_angle(*i) { 1.0 } else { part.length() };
+    let units: Vec<f64> = part.coordinates.iter().map(unit).collect();
+    let drawing = vec![0.0; values.len()];
+    let mut nearest = Nearest { kinematics, part, local, from: &drawing, units, state, multipliers: Vec::new() };
+    let mut proven = nearest.prove(values);
+    if proven.is_none() {
+        nearest.from = values;
+        proven = nearest.prove(values);
+    }
+    if proven.is_none() {
+        for (coordinate, value) in part.coordinates.iter().zip(before) {
+            state.set(kinematics, *coordinate, value);
+        }
+    }
+    proven
+}
+
+/// The equations of the module's text.
+struct Nearest<'a> {
+    kinematics: &'a Kinematics,
+    part: &'a Part,
+    local: &'a [u32],
+    from: &'a [f64],
+    units: Vec<f64>,
+    state: &'a mut State<Number>,
+    multipliers: Vec<Number>,
+}
+
+impl Nearest<'_> {
+    fn prove(&mut self, start: &[f64]) -> Option<Proven> {
+        let mut middle: Vec<Dd> = start.iter().copied().map(Dd::from).collect();
+        middle.resize(start.len() + self.part.potential.springs.len(), Dd::ZERO);
+        for _ in 0..MAX_STEPS {
+            self.place(&middle, &|_| 0.0);
+            let (slope, _) = self.slope();
+            let inverse = Inverse::of(&slope, &equilibrium(&slope)).filter(|inverse| !inverse.is_singular())?;
+            if inverse.refine(self, &mut middle) <= STILL {
+                return inverse.prove(self, &middle);
+            }
+        }
+        None
+    }
+
+    /// 1 / unit^2
+    fn weight(&self, place: usize) -> Number {
+        Number::Ball(Ball::from(1.0) / Ball::from(self.units[place]) / Ball::from(self.units[place]))
+    }
+
+    /// What gives the gradient sum lambda grad e: each spring with a tension of its own and without stiffness.
+    fn pulls(&self) -> Potential<Number> {
+        let pull = |((spring, between), multiplier): (&(Spring<Number>, Between<Number>), &Number)| {
+            let (stretch, preload) = (spring.stretch.clone(), multiplier.clone());
+            (Spring { stretch, stiffness: Number::ZERO, preload }, between.clone())
+        };
+        let springs = self.part.potential.springs.iter().zip(&self.multipliers).map(pull).collect();
+        Potential { springs, ..Potential::default() }
+    }
+
+    /// The stretch of each spring beyond its free length, and its gradient over places in the part.
+    fn stretches(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
+        let (mut reach, mut row) = (Reach::default(), Vec::new());
+        let of = |(spring, between): &(Spring<Number>, Between<Number>)| {
+            reach.measure(self.kinematics, self.state, &between.path);
+            let stretched = spring.stretch.at(&reach.displacement, &between.turn(self.state));
+            let length = loads::slope(&stretched, &reach, between, &mut row).root();
+            let placed = row.iter().map(|(i, entry)| (self.local[*i as usize], entry / &length));
+            let placed = placed.filter(|(place, _)| *place != ELSEWHERE).collect();
+            (&spring.tension(&stretched) / &spring.stiffness, placed)
+        };
+        self.part.potential.springs.iter().map(of).collect()
+    }
+}
+
+impl Equations for Nearest<'_> {
+    fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64) {
+        let ball = |place: usize| Number::Ball(Ball::new(middle[place], radius(place)));
+        let n = self.from.len();
+        for (place, coordinate) in self.part.coordinates.iter().enumerate() {
+            self.state.set(self.kinematics, *coordinate, ball(place));
+        }
+        self.multipliers = (n..middle.len()).map(ball).collect();
+    }
+
+    fn left(&self) -> Vec<Number> {
+        let n = self.from.len();
+        let mut left = self.pulls().at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
+        for (place, coordinate) in self.part.coordinates.iter().enumerate() {
+            let moved = self.state.value(*coordinate) - &Number::Ball(Ball::from(self.from[place]));
+            left[place] = &left[place] + &(&self.weight(place) * &moved);
+        }
+        left.extend(self.stretches().into_iter().map(|(stretch, _)| stretch));
+        left
+    }
+
+    fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let n = self.from.len();
+        let mut entries = self.pulls().at(self.kinematics, self.state, self.local, n, Detail::Curvature).curvature;
+        entries.extend((0..n).map(|place| (place as u32, place as u32, self.weight(place))));
+        for (k, (_, row)) in self.stretches().into_iter().enumerate() {
+            entries.extend(row.into_iter().map(|(place, entry)| ((n + k) as u32, place, entry)));
+        }
+        krawczyk::dense(entries.iter().map(|(i, j, value)| (*i, *j, value)), n + self.multipliers.len())
+    }
+}

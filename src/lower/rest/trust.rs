@@ -1,0 +1,229 @@
+//! One step of a trust region: p that makes g . p + p . H p / 2 least for |p|_D <= radius. In: a matrix that can be factored
+//! with a shift s D, the gradient; out: the step and what it promises. Clause: spec.md 7.4.
+//!
+//! p = -(H + s D)^-1 g with the least s >= 0 for which H + s D is positive definite and p fits (J. J. Moré, D. C. Sorensen,
+//! *Computing a trust region step*, SIAM J. Sci. Stat. Comput. 4 (1983) 553-572). Where H is not positive definite the step
+//! reaches the edge of the region, however small g is: near the top of a hill the way down is long. If g hardly feels the
+//! direction z in which H is negative, p is led to the edge along z, downhill; where g does not feel it at all, as far as
+//! its rounding tells, z stays out: a coordinate on which nothing pulls stays where it is drawn, also on top of a hill.
+
+/// H + s D in factors.
+pub trait Shifted {
+    type Factors;
+
+    /// `None` where the matrix with the shift is not positive definite to working precision.
+    fn factor(&self, shift: f64) -> Option<Self::Factors>;
+
+    /// x <- (H + s D)^-1 x.
+    fn solve(&self, factors: &Self::Factors, x: &mut [f64]);
+}
+
+/// A step and what it promises.
+pub struct Step {
+    pub direction: Vec<f64>,
+    /// |p|_D
+    pub length: f64,
+    /// What a quadratic energy would fall by.
+    pub predicted: f64,
+}
+
+/// What a step is looked for with.
+pub struct Region<'a> {
+    pub gradient: &'a [f64],
+    /// What rounding may make of each entry of the gradient, besides a few units of its own last place.
+    pub noise: &'a [f64],
+    /// The diagonal of D.
+    pub measure: &'a [f64],
+    /// What the entries of H, and of the gradient over the radius, are measured in: their largest.
+    pub scale: f64,
+    pub radius: f64,
+}
+
+/// The longest step so far of a matrix that is not positive definite.
+struct Short<F> {
+    shift: f64,
+    factors: F,
+    step: Step,
+}
+
+const MAX_TRIALS: usize = 200;
+/// The least shift, as a part of the scale: what is less negative than that is rounding.
+const LEAST_SHIFT: f64 = 1e-10;
+/// A step that ends this much beyond the edge is in the region.
+const BEYOND: f64 = 1.1;
+/// One that reaches this part of the way to the edge is long enough where H is not positive definite.
+const FAR_ENOUGH: f64 = 0.1;
+/// Shifts this close to each other are one: the factors cannot tell.
+const TOGETHER: f64 = 1e-12;
+/// What rounding lets a part of a step be told from zero by.
+const ROUNDING: f64 = 1e-13;
+const INVERSE_STEPS: usize = 3;
+
+impl Region<'_> {
+    /// `None` where no shift makes a step: numbers beyond binary64.
+    pub fn step<M: Shifted>(&self, matrix: &M) -> Option<Step> {
+        // A shift for which H + s D is not positive definite.
+        let mut low: Option<f64> = None;
+        let mut short: Option<Short<M::Factors>> = None;
+        let mut shift = 0.0;
+        for _ in 0..MAX_TRIALS {
+            let Some(factors) = matrix.factor(shift) else {
+                low = Some(shift);
+                shift = match &short {
+                    Some(found) if found.shift - shift <= TOGETHER * found.shift => break,
+                    Some(found) => between(shift, found.shift),
+                    None if shift == 0.0 => LEAST_SHIFT * self.scale,
+                    None => 4.0 * shift,
+                };
+                continue;
+            };
+            let step = self.at(matrix, &factors, shift);
+            if !step.length.is_finite() || shift > 1e30 * self.scale {
+                return None;
+            }
+            let fits = step.length <= BEYOND * self.radius;
+            let negative = low.filter(|low| *low >= LEAST_SHIFT * self.scale);
+            if fits && (negative.is_none() || step.length >= FAR_ENOUGH * self.radius) {
+                return Some(step);
+            }
+            let next = shift + self.correction(matrix, &factors, &step);
+            let Some(low) = negative.filter(|_| fits) else {
+                shift = next;
+                continue;
+            };
+            let together = shift - low <= TOGETHER * shift || self.gradient.iter().all(|pull| *pull == 0.0);
+            short = Some(Short { shift, factors, step });
+            if together {
+                break;
+            }
+            shift = if next > low && next < shift { next } else { between(low, shift) };
+        }
+        short.map(|short| self.led_downhill(matrix, short))
+    }
+
+    fn at<M: Shifted>(&self, matrix: &M, factors: &M::Factors, shift: f64) -> Step {
+        let mut direction: Vec<f64> = self.gradient.iter().map(|pull| -pull).collect();
+        matrix.solve(factors, &mut direction);
+        let length = self.norm(&direction);
+        let predicted = 0.5 * (shift * length * length - dot(self.gradient, &direction));
+        Step { direction, length, predicted }
+    }
+
+    /// One Newton step of 1 / |p(shift)| towards 1 / radius.
+    fn correction<M: Shifted>(&self, matrix: &M, factors: &M::Factors, step: &Step) -> f64 {
+        let weighted = self.weighted(&step.direction);
+        let mut response = weighted.clone();
+        matrix.solve(factors, &mut response);
+        (step.length / self.radius - 1.0) * step.length * step.length / dot(&response, &weighted)
+    }
+
+    /// A short step, and from there along the direction in which H is most negative, to the edge; the step as it is where
+    /// the gradient does not tell which way is down.
+    fn led_downhill<M: Shifted>(&self, matrix: &M, short: Short<M::Factors>) -> Step {
+        let Short { shift, factors, step } = short;
+        // Any start that is not orthogonal by some symmetry.
+        let start = |(i, weight): (usize, &f64)| (1.0 + 0.1 * (i % 7) as f64) / weight.sqrt();
+        let mut z: Vec<f64> = self.measure.iter().enumerate().map(start).collect();
+        // z . (H + s D) z
+        let mut above = 0.0;
+        for _ in 0..INVERSE_STEPS {
+            let length = self.norm(&z);
+            z.iter_mut().for_each(|z| *z /= length);
+            let weighted = self.weighted(&z);
+            let mut next = weighted.clone();
+            matrix.solve(&factors, &mut next);
+            above = dot(&next, &weighted) / self.norm(&next).powi(2);
+            z = next;
+        }
+        let length = self.norm(&z);
+        z.iter_mut().for_each(|z| *z /= length);
+        // The part of p along z is -(g . z) / above: so near the pole it is large beside what z has of other directions.
+        let along = dot(&self.weighted(&z), &step.direction);
+        let noise: f64 = self.noise.iter().zip(&z).map(|(noise, z)| noise * z.abs()).sum();
+        let is_told = along.abs() > ROUNDING * step.length + noise / above;
+        let curvature = above - shift;
+        if !(is_told && curvature < 0.0 && self.radius > step.length) {
+            return step;
+        }
+        let way = along.signum() * (self.radius - step.length);
+        let predicted = step.predicted + way * above * along - (0.5 * way * way + way * along) * curvature;
+        let direction: Vec<f64> = step.direction.iter().zip(&z).map(|(step, z)| step + way * z).collect();
+        Step { length: self.norm(&direction), direction, predicted }
+    }
+
+    fn norm(&self, step: &[f64]) -> f64 {
+        step.iter().zip(self.measure).map(|(step, weight)| step * step * weight).sum::<f64>().sqrt()
+    }
+
+    fn weighted(&self, step: &[f64]) -> Vec<f64> {
+        step.iter().zip(self.measure).map(|(step, weight)| step * weight).collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A number between two, nearer to their ratio's middle where they are far apart.
+fn between(low: f64, high: f64) -> f64 {
+    if high > 4.0 * low && low > 0.0 { low.sqrt() * high.sqrt() } else { 0.5 * (low + high) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// diag(h) with D = 1.
+    struct Diagonal(Vec<f64>);
+
+    impl Shifted for Diagonal {
+        type Factors = Vec<f64>;
+
+        fn factor(&self, shift: f64) -> Option<Vec<f64>> {
+            let pivots: Vec<f64> = self.0.iter().map(|h| h + shift).collect();
+            pivots.iter().zip(&self.0).all(|(pivot, h)| *pivot > 1e-13 * (h.abs() + shift)).then_some(pivots)
+        }
+
+        fn solve(&self, pivots: &Vec<f64>, x: &mut [f64]) {
+            x.iter_mut().zip(pivots).for_each(|(x, pivot)| *x /= pivot);
+        }
+    }
+
+    fn step(h: &[f64], gradient: &[f64], noise: f64) -> Step {
+        let n = h.len();
+        let (noise, measure) = (vec![noise; n], vec![1.0; n]);
+        let region = Region { gradient, noise: &noise, measure: &measure, scale: 2.0, radius: 0.5 };
+        region.step(&Diagonal(h.to_vec())).expect("finite")
+    }
+
+    #[test]
+    fn inside_the_region_it_is_newtons_step() {
+        let step = step(&[2.0, 1.0], &[0.4, -0.1], 0.0);
+        assert_eq!(step.direction, [-0.2, 0.1]);
+        assert!((step.predicted - 0.045).abs() < 1e-15);
+    }
+
+    /// From the top of a hill the way is long, however little it leans: down to a slope of 1e-300.
+    #[test]
+    fn on_a_hill_the_step_reaches_the_edge() {
+        for slope in [1e-1, 1e-7, -1e-9, 1e-12, -1e-15, 1e-40, 1e-300] {
+            let step = step(&[-1.0, 3.0], &[slope, 0.0], 0.0);
+            assert!(step.length >= 0.05 && step.length <= 0.55, "{slope:e}: {}", step.length);
+            assert!(step.direction[0] * slope < 0.0 && step.direction[1].abs() < 1e-12);
+            assert!(step.predicted > 1e-3, "{slope:e}: {}", step.predicted);
+        }
+    }
+
+    /// What nothing pulls at stays on top of its hill, and so does what only rounding pulls at.
+    #[test]
+    fn without_a_slope_there_is_no_way_down() {
+        for (slope, noise) in [(0.0, 0.0), (1e-16, 1e-15)] {
+            let step = step(&[-1.0, 3.0], &[slope, 0.03], noise);
+            assert!(
+                step.direction[0].abs() < 1e-2 && (step.direction[1] + 0.0075).abs() < 1e-3,
+                "{:?}",
+                step.direction
+            );
+        }
+    }
+}
