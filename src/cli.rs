@@ -274,7 +274,14 @@ pub struct Check {
 pub struct MeasureOptions {
     /// How long `peak` and `rms` follow the motion, such as 10s; from the poles and signals without it
     #[arg(long, value_name = "TIME", value_parser = time)]
-    pub until: Option<Number>,
+    pub until: Option<Readings<Number>>,
+}
+
+impl MeasureOptions {
+    /// The time, as its number is read beside the model.
+    pub fn until(&self, overrides: &OverrideOptions) -> Option<&Number> {
+        self.until.as_ref().map(|until| until.of_literals(overrides.literals))
+    }
 }
 
 #[derive(Debug, Args)]

@@ -55,7 +55,8 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(status) => return status,
     };
-    let study = vibc::Study { until: options.measured.until.as_ref(), sensitivity: options.sensitivity };
+    let until = options.measured.until(&options.overrides);
+    let study = vibc::Study { until, sensitivity: options.sensitivity };
     let mut analysis = vibc::analyze_with(&input.sources, input.model, &input.overrides, &options.request(), &study);
     let status = failure(analysis.failure());
     show(&input.sources, std::mem::take(&mut analysis.diagnostics), messages);
@@ -336,7 +337,8 @@ fn deliver(output: Option<&Path>, text: &str) -> Status {
 fn check(options: &Check, messages: &Messages) -> Status {
     let checked = options.files.iter().map(|file| match read_all(file, &options.overrides) {
         Ok(input) => {
-            let outcome = vibc::check(&input.sources, input.model, &input.overrides, options.measured.until.as_ref());
+            let until = options.measured.until(&options.overrides);
+            let outcome = vibc::check(&input.sources, input.model, &input.overrides, until);
             let status = failure(outcome.failure());
             let stand = outcome.answer.map_or(String::new(), |list| {
                 backend::report::requirements(&input.sources.file(input.model).name, &list)

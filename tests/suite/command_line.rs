@@ -460,6 +460,30 @@ fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
     assert!(many.err.contains("samples"), "{}", many.err);
 }
 
+/// x = sin t: half a second brings it to 0.4794255386 m, no further.
+#[test]
+fn measures_are_followed_for_the_time_that_is_said() {
+    let folder = folder();
+    let model = |limit: &str| {
+        let text = format!(
+            "body a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ k = 1 N/m }}\n\
+             initial a {{ vx = 1 m/s }}\noutput x = a.x\nrequire peak(x) < {limit} m\n"
+        );
+        file(&folder, &format!("swing{limit}.vib"), text)
+    };
+    let (holds, fails) = (model("0.4794255387"), model("0.4794255386"));
+    for command in ["analyze", "check"] {
+        for more in [&["--until", "500ms"][..], &["--until", "0.5s", "--literals", "binary64"]] {
+            let of = |path: &str| run(&[&[command, path], more].concat());
+            assert_eq!(of(&holds).status, 0, "{command} {more:?}: {}", of(&holds).err);
+            assert_eq!(of(&fails).status, 1, "{command} {more:?}: {}", of(&fails).err);
+        }
+        assert_eq!(run(&[command, &holds]).status, 1, "a whole swing goes to 1 m");
+        let refused = run(&[command, &holds, "--until", "3 kg"]);
+        assert_eq!((refused.status, refused.out.as_str()), (2, ""));
+    }
+}
+
 #[test]
 fn damping_of_all_modes_gives_each_its_ratio() {
     let folder = folder();
