@@ -307,7 +307,7 @@ fn absolute(value: &Value) -> Result<Value, Fault> {
 }
 
 fn trigonometric(value: &Value, pick: fn(Number, Number) -> Result<Number, Fault>) -> Result<Value, Fault> {
-    let (sine, cosine) = plain(quantity(value)?)?.sin_cos().ok_or(Fault::Domain("below 1e9 radians"))?;
+    let (sine, cosine) = plain(quantity(value)?)?.sin_cos().ok_or(Fault::Domain("known to less than a radian"))?;
     scalar(pick(sine, cosine)?, Dimension::NONE, Angle::Plain).map(Value::Scalar)
 }
 

@@ -103,7 +103,7 @@ impl Number {
         })
     }
 
-    /// Sine and cosine of an angle in radians; `None` for angles too large to have digits left.
+    /// Sine and cosine of an angle in radians; `None` where not even its quadrant is known.
     pub fn sin_cos(&self) -> Option<(Number, Number)> {
         if self.is_zero() {
             return Some((Number::ZERO, Number::ONE));
@@ -112,10 +112,12 @@ impl Number {
             return Some(sin_cos_of_pi(fraction));
         }
         let ball = self.enclosure();
-        if ball.magnitude() > MAX_ANGLE {
-            return None;
-        }
-        let (s, c) = sin_cos(ball);
+        let (s, c) = match self {
+            Number::Exact(value) if ball.mid.hi.abs() > NEAR => wide::sin_cos(&value.to_big(), 0.0),
+            _ if !ball.is_finite() || ball.rad > LEAST_KNOWN => return None,
+            _ if ball.mid.hi.abs() > NEAR => wide::sin_cos_of_ball(ball)?,
+            _ => sin_cos(ball),
+        };
         if let Number::Jet(jet) = self {
             return Some((jet.through(s, c), jet.through(c, -s)));
         }
@@ -208,8 +210,11 @@ fn twelfths_of_pi(y: &Number, x: &Number) -> Option<i64> {
     Some(upwards * if x.is_positive() { rise } else { 12 - rise })
 }
 
-/// Beyond this the reduction by pi would leave fewer digits than a bound is worth.
-const MAX_ANGLE: f64 = 1e9;
+/// Up to this angle the multiples of pi/2 are taken off in double-double; beyond it as integers, to as many digits of pi
+/// as the angle has before its point and forty more.
+const NEAR: f64 = 1e5;
+/// An angle that is off by more than this may be in any quadrant.
+const LEAST_KNOWN: f64 = 1.0;
 
 /// exp(x) = 2^k exp(r)^(2^6), r = (x - k ln 2) / 64: |r| < 0.006, thirteen terms leave less than 1e-38.
 fn exp(x: Ball) -> Ball {
@@ -249,17 +254,31 @@ fn ln(x: Ball) -> Ball {
     Ball::exact(y) + (z * Ball::from(2.0)).widen(size.powi(3))
 }
 
-/// Sine and cosine: r = x - k pi/2 with |r| <= pi/4, halved thrice, Taylor, then doubled back.
+/// Sine and cosine: r = x - k pi/2 with |r| <= pi/4.
 fn sin_cos(x: Ball) -> (Ball, Ball) {
     let k = (x.mid.hi / std::f64::consts::FRAC_PI_2).round();
     let half_pi = Ball::PI * Ball::from(0.5);
-    let r = x - half_pi * Ball::from(k);
+    turned(k.rem_euclid(4.0) as i64, near_zero(x - half_pi * Ball::from(k)))
+}
+
+/// Sine and cosine of r + quarters pi/2 from those of r.
+fn turned(quarters: i64, (sine, cosine): (Ball, Ball)) -> (Ball, Ball) {
+    match quarters {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+/// Sine and cosine of a small angle by their series:
+/// sin r = r sum (-r^2)^i / (2i+1)!, cos r = sum (-r^2)^i / (2i)!: sixteen terms leave less than |r|^32 / 32!.
+fn near_zero(r: Ball) -> (Ball, Ball) {
     if r.magnitude() > 2.0 {
         // So wide that nothing is known.
         return (Ball::new(Dd::ZERO, 1.0), Ball::new(Dd::ZERO, 1.0));
     }
     let r2 = r.square();
-    // sin r = r sum (-r^2)^i / (2i+1)!, cos r = sum (-r^2)^i / (2i)!: sixteen terms leave less than |r|^32 / 32!.
     let (mut sine, mut cosine) = (r, Ball::ONE);
     let (mut s_term, mut c_term) = (r, Ball::ONE);
     for i in 1..16 {
@@ -269,13 +288,75 @@ fn sin_cos(x: Ball) -> (Ball, Ball) {
         cosine = cosine + c_term;
         sine = sine + s_term;
     }
-    let rest = r.magnitude().powi(32) / 2.6e35;
-    let (sine, cosine) = (sine.widen(rest), cosine.widen(rest));
-    match k.rem_euclid(4.0) as i64 {
-        0 => (sine, cosine),
-        1 => (cosine, -sine),
-        2 => (-sine, -cosine),
-        _ => (-cosine, sine),
+    let rest = r.magnitude().powi(32) / LEFT_OUT;
+    (sine.widen(rest), cosine.widen(rest))
+}
+
+/// 32!, rounded down.
+const LEFT_OUT: f64 = 2.63e35;
+
+/// Angles with many digits before the point.
+mod wide {
+    use super::{near_zero, turned};
+    use crate::base::number::{Ball, Dd, Rational};
+    use num_bigint::BigInt;
+    use num_integer::Integer;
+    use num_rational::BigRational;
+    use num_traits::ToPrimitive;
+
+    /// Bits behind the point of what is left.
+    const BEHIND: u64 = 120;
+
+    pub fn sin_cos_of_ball(angle: Ball) -> Option<(Ball, Ball)> {
+        let (high, low) = (Rational::from_f64(angle.mid.hi)?, Rational::from_f64(angle.mid.lo)?);
+        Some(sin_cos(&(high.to_big() + low.to_big()), angle.rad))
+    }
+
+    /// Sine and cosine of an angle that is off by at most `error`.
+    pub fn sin_cos(angle: &BigRational, error: f64) -> (Ball, Ball) {
+        let (quarters, left) = reduced(angle);
+        turned(quarters, near_zero(left.widen(error)))
+    }
+
+    /// The angle less a multiple of pi/2, and that multiple modulo 4. With x and p for 2^bits times the angle and pi, off by
+    /// less than one and two, x - k p / 2 is off by less than k + 3: with |k| below 2^size, the left is known to 2^-BEHIND.
+    fn reduced(angle: &BigRational) -> (i64, Ball) {
+        let size = (angle.numer().bits() + 4).saturating_sub(angle.denom().bits());
+        let bits = BEHIND + size + 2;
+        let x = (angle.numer() << bits).div_floor(angle.denom());
+        let p = pi(bits);
+        // The nearest multiple: floor(2 x / p + 1/2).
+        let doubled: BigInt = &x * 4 + &p;
+        let k = doubled.div_floor(&(&p * 2));
+        let left: BigInt = &x * 2 - &k * &p;
+        let quarters = k.mod_floor(&BigInt::from(4)).to_i64().unwrap_or(0);
+        let scaled = left >> (bits + 1 - BEHIND);
+        // Rounded down by less than one unit at 2^-BEHIND, and once more to two words of binary64.
+        let high = scaled.to_f64().unwrap_or(0.0);
+        let low = (&scaled - BigInt::from(high as i128)).to_f64().unwrap_or(0.0);
+        let unit = 0.5f64.powi(BEHIND as i32);
+        let left = Dd::new(high * unit, low * unit);
+        (quarters, Ball::new(left, 3.0 * unit + left.hi.abs() * Dd::EPSILON))
+    }
+
+    /// 2^bits pi, to within two: Machin's 16 arctan(1/5) - 4 arctan(1/239), with thirty bits more inside.
+    fn pi(bits: u64) -> BigInt {
+        const MORE: u64 = 30;
+        let one = BigInt::from(1) << (bits + MORE);
+        (arctan_of_inverse(5, &one) * 16 - arctan_of_inverse(239, &one) * 4) >> MORE
+    }
+
+    /// one arctan(1/n) = sum (-1)^i one / ((2 i + 1) n^(2 i + 1)): each term is rounded by less than two units.
+    fn arctan_of_inverse(n: i64, one: &BigInt) -> BigInt {
+        let mut power = one / n;
+        let mut sum = power.clone();
+        let mut i = 1i64;
+        while power.bits() > 0 {
+            power /= -(n * n);
+            sum += &power / (2 * i + 1);
+            i += 1;
+        }
+        sum
     }
 }
 
@@ -414,12 +495,73 @@ mod tests {
         assert_eq!(Number::from(1000).exp(), None);
     }
 
+    /// Digits from 400-digit evaluations; the last angle is the binary64 number nearest to a multiple of pi/2.
     #[test]
-    fn large_angles_keep_a_true_bound() {
-        // sin(1e6), digits from a 60-digit evaluation of the series.
-        let (s, _) = Number::from(1_000_000).sin_cos().expect("in range");
-        let s = s.to_ball();
-        assert!((s.to_f64() - 1e6f64.sin()).abs() < 1e-15);
-        assert!(s.rad < 1e-24);
+    fn large_angles_keep_their_digits() {
+        let power = |base: i64, n: i32| Number::from(base).powi(n).expect("a number");
+        let cases = [
+            (
+                Number::from(1_000_000),
+                "-0.34999350217129295211765248678077146906140660532872",
+                "0.93675212753314478693853253507491877570809780421237",
+            ),
+            (
+                power(10, 12),
+                "-0.6112387023768894981920204153246305664962",
+                "0.7914463018528902700537662141143323039868",
+            ),
+            (
+                power(10, 22),
+                "-0.8522008497671888017727058937530293682618",
+                "0.5232147853951389454975944733847094921409",
+            ),
+            (
+                Number::from("123456789012345678901234567890.5"),
+                "0.7187105688964201866732262794492366956453",
+                "-0.6953093686673465585249517595732048448838",
+            ),
+            (
+                power(10, 300),
+                "-0.9857504251603769966090475314298954690777",
+                "-0.1682144443742450728518756644355558445331",
+            ),
+        ];
+        for (angle, sine, cosine) in cases {
+            let (s, c) = angle.sin_cos().expect("an angle");
+            assert_is(Some(s), sine);
+            assert_is(Some(c), cosine);
+            let (s, c) = (-&angle).sin_cos().expect("an angle");
+            assert_is(Some(-&s), sine);
+            assert_is(Some(c), cosine);
+        }
+        let near = &Number::from(6_381_956_970_095_103) * &power(2, 797);
+        let ball = Number::Ball(Ball::from(near.to_f64()));
+        for angle in [near, ball] {
+            let (s, c) = angle.sin_cos().expect("an angle");
+            assert_is(Some(s), "0.9999999999999999999999999999999999998902");
+            let c = c.to_ball();
+            assert!((c.to_f64() + 4.687_165_924_254_627e-19).abs() < 1e-33 && c.rad < 1e-34, "{c:?}");
+        }
+        // What is off by a little has an enclosure that is off by no less, and what is off by more is not told.
+        let wide = Number::Ball(Ball::new(Dd::from(1e12), 1e-3)).sin_cos().expect("an angle").0.to_ball();
+        for end in [-1e-3, 1e-3] {
+            let truth = Number::Ball(Ball::exact(Dd::new(1e12, end))).sin_cos().expect("an angle").0.to_ball();
+            assert!((wide - truth).contains_zero() && wide.rad < 1.1e-3);
+        }
+        assert_eq!(Number::Ball(Ball::new(Dd::from(1e12), 1.5)).sin_cos(), None);
+    }
+
+    /// Sixteen terms at the largest angle that the series takes: what they leave out is seen, and is in the radius.
+    #[test]
+    fn the_remainder_of_the_series_is_in_the_radius() {
+        let (s, c) = near_zero(Ball::from(1.99));
+        let angle = Number::from(Rational::from_f64(1.99).expect("a number"));
+        let (truth_s, truth_c) = angle.sin_cos().expect("an angle");
+        for (x, truth) in [(s, truth_s), (c, truth_c)] {
+            let off = (x.mid - truth.to_ball().mid).abs().to_f64();
+            assert!(off <= x.rad, "{off:e} {:e}", x.rad);
+        }
+        let off = (c.mid - angle.sin_cos().expect("an angle").1.to_ball().mid).abs().to_f64();
+        assert!(off > 0.9 * c.rad, "a tenth of the radius would do: {off:e} {:e}", c.rad);
     }
 }
