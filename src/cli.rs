@@ -152,6 +152,9 @@ pub struct Simulate {
     /// The time between samples, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Readings<Number>,
+    /// Add a column NAME_bound after each column of the CSV: the bound of each sample
+    #[arg(long)]
+    pub bounds: bool,
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
     pub format: TableFormat,

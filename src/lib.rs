@@ -191,6 +191,9 @@ fn motion(
     let drives = lower::drives(&scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
     let history = analysis::respond(&system, &drives, times);
     let history = history.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+    let places: Vec<base::Span> = scene.scene().outputs.iter().map(|output| output.span).collect();
+    let findings = analysis::response::findings(&system, &drives, &history, &places);
+    findings.into_iter().for_each(|finding| diagnostics.push(finding));
     let outputs: Vec<usize> = (0..system.outputs.len()).collect();
     let steady = if has_harmonics(&drives) {
         analysis::steady(&analysis::Transfer::of(&system), &drives, &outputs)
@@ -636,7 +639,8 @@ fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 }
 
 /// What says that a number could not be found, rather than that the model is wrong.
-const LIMITS: [&str; 10] = [
+const LIMITS: [&str; 11] = [
+    "vib::motion::unsettled",
     "vib::rest::not_found",
     "vib::limit::depth",
     "vib::limit::loops",

@@ -177,10 +177,10 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     }
     let text = match options.format {
         TableFormat::Text => backend::simulation::text(&motion.model, &motion.system, &motion.history, &motion.steady),
-        TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history),
+        TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history, options.bounds),
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
-    deliver(options.output.as_deref(), &text)
+    deliver(options.output.as_deref(), &text).max(status)
 }
 
 fn emit(options: &Emit, messages: &Messages) -> Status {

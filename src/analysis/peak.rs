@@ -4,125 +4,234 @@
 use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::measures::Measurement;
-use crate::analysis::response::course::{Followed, Next, Piece, TERMS, follow};
+use crate::analysis::response::course::{Followed, follow};
+use crate::analysis::response::square::mean_square;
 use crate::base::{Ball, Dd, Number, Rational};
 use crate::system::{LinearSystem, Signal};
 
 const UP: f64 = 1.0 + 1e-12;
+/// Twice the relative error of one operation in two words.
+const UNIT: f64 = 2.0 * Dd::EPSILON;
 const TOO_LONG: Measurement =
     Measurement::None("the fastest motion has too many cycles in that time: choose a shorter one with `--until`");
 
 /// The largest |output| from 0 to `until`.
 pub fn peak(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: &Number) -> Measurement {
     let mut largest = Largest::default();
-    let followed = follow(system, drives, output, until, &mut |piece| largest.look(piece));
-    measured(followed, || {
-        let (low, high) = (largest.low.max(0.0), largest.high.max(0.0));
-        if high == 0.0 {
-            return Ball::ZERO;
-        }
-        Ball::new(Dd::from(0.5 * (low + high)), (0.5 * (high - low) + high * f64::EPSILON) * UP)
-    })
+    measured(follow(system, drives, output, until, &mut largest), |()| largest.ball())
 }
 
 /// sqrt(integral of output^2 / until) from 0 to `until`.
 pub fn rms(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: &Number) -> Measurement {
-    let mut sum = Dd::ZERO;
-    let mut error = 0.0;
-    let followed = follow(system, drives, output, until, &mut |piece| {
-        let (square, off) = mean_square(piece);
-        sum += Dd::product(square, piece.length);
-        error += (off + square * f64::EPSILON * 4.0) * piece.length * UP;
-        Next::Piece
+    let mut square = None;
+    let followed = mean_square(system, drives, output, until).map(|(followed, value)| {
+        square = value;
+        followed
     });
-    measured(followed, || (Ball::new(sum, error * UP) / until.to_ball()).sqrt())
+    measured(followed, |()| square.map_or(Ball::ZERO.widen(f64::INFINITY), Ball::sqrt))
 }
 
-fn measured(followed: Result<Followed, AnalysisError>, value: impl FnOnce() -> Ball) -> Measurement {
+fn measured(followed: Result<Followed, AnalysisError>, value: impl FnOnce(()) -> Ball) -> Measurement {
     match followed {
-        Ok(Followed::ToTheEnd) => Some(value()).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
+        Ok(Followed::ToTheEnd) => Some(value(())).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
         Ok(Followed::Infinite) => Measurement::Infinite,
         Ok(Followed::TooLong) => TOO_LONG,
         Err(error) => Measurement::Failed(error.to_diagnostic().message),
     }
 }
 
+/// An output on [0, 1] of a piece: sum terms[j] x^j, to within `error`.
+pub struct Curve<'a> {
+    /// The terms in binary64, for what is decided.
+    rough: Vec<f64>,
+    /// In two words, for what is told.
+    fine: Option<&'a [Dd]>,
+    error: f64,
+    /// What the value, the slope and the second derivative of the rough terms lose by rounding, anywhere on [0, 1].
+    roundings: [f64; 3],
+}
+
+impl<'a> Curve<'a> {
+    pub fn rough(terms: &'a [f64], error: f64) -> Curve<'a> {
+        Curve::of(terms.to_vec(), None, error)
+    }
+
+    pub fn fine(terms: &'a [Dd], error: f64) -> Curve<'a> {
+        Curve::of(terms.iter().map(|x| x.to_f64()).collect(), Some(terms), error)
+    }
+
+    fn of(rough: Vec<f64>, fine: Option<&'a [Dd]>, error: f64) -> Curve<'a> {
+        // Horner's scheme rounds each term twice for each of the terms above it, three times over.
+        let each = 6.0 * (rough.len() as f64 + 2.0) * f64::EPSILON;
+        let roundings = [0, 1, 2].map(|order| derivative_bound(&rough, order) * each);
+        Curve { rough, fine, error, roundings }
+    }
+
+    /// |value| at a place, and what it is off by.
+    fn value(&self, x: Dd) -> (Dd, f64) {
+        match self.fine {
+            Some(terms) => {
+                let value = terms.iter().rev().fold(Dd::ZERO, |sum, &term| sum * x + term);
+                (value.abs(), self.error + self.roundings[0] / f64::EPSILON * UNIT)
+            }
+            None => (Dd::from(evaluate(&self.rough, x.hi)[0].abs()), self.error + self.roundings[0]),
+        }
+    }
+
+    /// A bound of |slope| at a place.
+    fn slope(&self, x: Dd) -> f64 {
+        match self.fine {
+            Some(terms) => self.fine_slope(terms, x).hi.abs() * UP + self.roundings[1] / f64::EPSILON * UNIT,
+            None => evaluate(&self.rough, x.hi)[1].abs() + self.roundings[1],
+        }
+    }
+
+    fn fine_slope(&self, terms: &[Dd], x: Dd) -> Dd {
+        let of = |sum: Dd, (j, &term): (usize, &Dd)| sum * x + term * j as f64;
+        terms.iter().enumerate().skip(1).rev().fold(Dd::ZERO, of)
+    }
+
+    /// Where the slope is zero, between two places where it has different signs.
+    fn level(&self, from: f64, to: f64, falls: f64) -> Dd {
+        let (mut x, mut low, mut high) = (0.5 * (from + to), from, to);
+        for _ in 0..NEWTON {
+            let [_, slope, bend] = evaluate(&self.rough, x);
+            if slope * falls > 0.0 {
+                low = x
+            } else {
+                high = x
+            }
+            let next = x - slope / bend;
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            if next == x {
+                break;
+            }
+            x = next;
+        }
+        let mut level = Dd::from(x);
+        let bend = evaluate(&self.rough, x)[2];
+        if let Some(terms) = self.fine {
+            for _ in 0..2 {
+                let better = level - self.fine_slope(terms, level) / Dd::from(bend);
+                if better.hi >= from && better.hi <= to {
+                    level = better;
+                }
+            }
+        }
+        level
+    }
+}
+
 /// The largest |value| so far lies between these.
 #[derive(Clone, Copy, Debug, Default)]
-struct Largest {
-    low: f64,
-    high: f64,
+pub struct Largest {
+    low: Dd,
+    high: Dd,
 }
 
 impl Largest {
-    fn look(&mut self, piece: &Piece) -> Next {
-        let rest: f64 = piece.terms[1..].iter().map(|term| term.abs()).sum();
-        let above = (piece.terms[0].abs() + rest) * UP + piece.error;
-        if above > 0.0 && above >= self.low {
-            let bends = [2, 3].map(|order| derivative_bound(&piece.terms, order));
-            self.search(piece, 0.0, 1.0, bends, 0);
+    /// The most that a curve may come to, where that is more than what is known; what the curve comes to for certain counts.
+    pub fn look(&mut self, curve: &Curve) -> Option<f64> {
+        let above = (derivative_bound(&curve.rough, 0) + curve.error) * UP;
+        if self.has(above) {
+            return None;
         }
-        if piece.to_come <= self.low { Next::Event } else { Next::Piece }
+        let mut own = Largest { low: self.low, high: Dd::ZERO };
+        own.search(curve);
+        self.low = own.low;
+        let high = (own.high.hi * UP).next_up();
+        (!self.has(high)).then_some(high)
+    }
+
+    /// Takes a curve in two words into account.
+    pub fn look_closer(&mut self, curve: &Curve) {
+        self.search(curve);
+    }
+
+    /// Some value may be as large as this.
+    pub fn at_most(&mut self, high: f64) {
+        self.high = larger(self.high, Dd::from(high));
+    }
+
+    /// Whether so much is known to be reached.
+    pub fn has(&self, value: f64) -> bool {
+        value < self.low.hi || value == 0.0
+    }
+
+    fn ball(&self) -> Ball {
+        let (low, high) = (self.low, larger(self.low, self.high));
+        if high.is_zero() {
+            return Ball::ZERO;
+        }
+        let half = (high - low).hi.abs() * 0.5;
+        Ball::new((low + high).scale(0.5), (half + high.hi * UNIT) * UP)
+    }
+
+    fn search(&mut self, curve: &Curve) {
+        let bends = [2, 3].map(|order| derivative_bound(&curve.rough, order));
+        self.search_in(curve, 0.0, 1.0, bends, 0);
     }
 
     /// On [from, from + width] of a piece, whose second and third derivatives are bounded.
-    fn search(&mut self, piece: &Piece, from: f64, width: f64, bends: [f64; 2], depth: usize) {
+    fn search_in(&mut self, curve: &Curve, from: f64, width: f64, bends: [f64; 2], depth: usize) {
         let middle = from + 0.5 * width;
-        let [value, slope, bend] = evaluate(&piece.terms, middle);
-        let above = value.abs() + 0.5 * slope.abs() * width + bends[0] * width * width / 8.0;
-        if above * UP + piece.error < self.low {
+        let [value, slope, bend] = evaluate(&curve.rough, middle);
+        let [off, slope_off, bend_off] = curve.roundings;
+        let spread = 0.5 * (slope.abs() + slope_off) * width + bends[0] * width * width / 8.0;
+        if self.has((value.abs() + off + spread + curve.error) * UP) {
             return;
         }
         // Flatter than the piece is known: splitting tells nothing more.
-        let spread = above - value.abs();
-        if spread <= 0.1 * piece.error + value.abs() * f64::EPSILON {
-            return self.take(value.abs(), spread + piece.error);
+        if spread <= 0.1 * curve.error {
+            return self.take(curve, Dd::from(middle), spread);
         }
-        if depth < DEEPEST && bend.abs() <= 0.5 * bends[1] * width * UP {
-            self.search(piece, from, 0.5 * width, bends, depth + 1);
-            return self.search(piece, middle, 0.5 * width, bends, depth + 1);
-        }
-        if bend.abs() <= 0.5 * bends[1] * width * UP {
+        if bend.abs() <= 0.5 * bends[1] * width * UP + bend_off {
+            if depth < DEEPEST {
+                self.search_in(curve, from, 0.5 * width, bends, depth + 1);
+                return self.search_in(curve, middle, 0.5 * width, bends, depth + 1);
+            }
             // As flat as it gets: the whole piece is between these.
-            return self.take(value.abs(), spread + piece.error);
+            return self.take(curve, Dd::from(middle), spread);
         }
         // The second derivative keeps its sign: the largest and the least are at the ends or where the slope is zero.
-        let [(left, falls), (right, rises)] = [from, from + width].map(|x| {
-            let [value, slope, _] = evaluate(&piece.terms, x);
-            (value, slope)
-        });
-        self.take(left.abs(), piece.error);
-        self.take(right.abs(), piece.error);
-        if falls * rises < 0.0 {
-            let (mut x, mut low, mut high) = (middle, from, from + width);
-            for _ in 0..NEWTON {
-                let [_, slope, bend] = evaluate(&piece.terms, x);
-                if slope * falls > 0.0 {
-                    low = x
-                } else {
-                    high = x
-                }
-                let next = x - slope / bend;
-                x = if next > low && next < high { next } else { 0.5 * (low + high) };
-            }
-            let [value, slope, _] = evaluate(&piece.terms, x);
-            // A curve that bends one way stays below its tangents.
-            self.take(value.abs(), slope.abs() * width + piece.error);
+        let ends = [from, from + width];
+        for end in ends {
+            self.take(curve, Dd::from(end), 0.0);
         }
+        let [falls, rises] = ends.map(|x| evaluate(&curve.rough, x)[1]);
+        let clear = falls.abs().min(rises.abs()) > slope_off;
+        if clear && falls * rises > 0.0 {
+            return;
+        }
+        let level = if falls * rises < 0.0 {
+            curve.level(from, from + width, falls)
+        } else if falls.abs() < rises.abs() {
+            Dd::from(from)
+        } else {
+            Dd::from(from + width)
+        };
+        // A curve that bends one way stays below its tangents.
+        self.take(curve, level, curve.slope(level) * width);
     }
 
-    fn take(&mut self, value: f64, error: f64) {
-        let rounding = value * f64::EPSILON * 8.0;
-        self.low = self.low.max(value - (error + rounding) * UP);
-        self.high = self.high.max(value + (error + rounding) * UP);
+    /// A value that is there, and may rise by `spread` around it.
+    fn take(&mut self, curve: &Curve, x: Dd, spread: f64) {
+        let (value, error) = curve.value(x);
+        let off = (error + value.hi * UNIT) * UP;
+        self.low = larger(self.low, value - Dd::from(off));
+        self.high = larger(self.high, value + Dd::from((off + spread) * UP));
     }
 }
 
 const DEEPEST: usize = 24;
 const NEWTON: usize = 60;
 
+fn larger(a: Dd, b: Dd) -> Dd {
+    if (b - a).hi > 0.0 { b } else { a }
+}
+
 /// Value, slope and second derivative of the polynomial.
-fn evaluate(terms: &[f64; TERMS], x: f64) -> [f64; 3] {
+fn evaluate(terms: &[f64], x: f64) -> [f64; 3] {
     let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
     for &term in terms.iter().rev() {
         bend = bend * x + slope;
@@ -132,26 +241,10 @@ fn evaluate(terms: &[f64; TERMS], x: f64) -> [f64; 3] {
     [value, slope, 2.0 * bend]
 }
 
-/// A bound of a derivative's size on [0, 1].
-fn derivative_bound(terms: &[f64; TERMS], order: usize) -> f64 {
+/// A bound of a derivative's size on [0, 1]; of order 0, of the polynomial's own.
+fn derivative_bound(terms: &[f64], order: usize) -> f64 {
     let factor = |j: usize| (0..order).map(|k| (j - k) as f64).product::<f64>();
     terms.iter().enumerate().skip(order).map(|(j, term)| factor(j) * term.abs()).sum::<f64>() * UP
-}
-
-/// The mean of the square over a piece, and a bound of its error.
-fn mean_square(piece: &Piece) -> (f64, f64) {
-    let (mut sum, mut sizes) = (0.0, 0.0);
-    for (j, a) in piece.terms.iter().enumerate() {
-        for (k, b) in piece.terms.iter().enumerate() {
-            let part = a * b / (j + k + 1) as f64;
-            sum += part;
-            sizes += part.abs();
-        }
-    }
-    let largest: f64 = piece.terms.iter().map(|term| term.abs()).sum();
-    // The rounding of 324 products and their sum, and what the polynomial is off by.
-    let rounding = sizes * f64::EPSILON * (TERMS * TERMS) as f64;
-    (sum.max(0.0), rounding + 2.0 * largest * piece.error + piece.error * piece.error)
 }
 
 /// How long the motion is followed where nobody says how long: until the last signal has come and the motion since has
@@ -212,4 +305,40 @@ fn round_up(time: f64) -> Option<Number> {
     let more = Rational::from_decimal(&format!("{digits}e{exponent}"))?;
     let unit = Rational::from_decimal(&format!("0.1e{exponent}"))?;
     Some(Number::from(&more + &unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64 and in
+    /// two words.
+    #[test]
+    fn what_a_piece_is_off_by_is_in_the_bound() {
+        let terms = [0.82, 1.2, -2.0];
+        let fine = terms.map(Dd::from);
+        let mut largest = Largest::default();
+        largest.look_closer(&Curve::fine(&fine, 1e-3));
+        let ball = largest.ball();
+        assert!(ball.rad >= 1e-3 && ball.rad < 1.001e-3 && (ball.to_f64() - 1.0).abs() < 1e-12, "{ball:?}");
+        let mut largest = Largest::default();
+        let high = largest.look(&Curve::rough(&terms, 1e-3)).expect("larger than nothing");
+        assert!((1.001..1.0011).contains(&high), "{high}");
+        assert!((0.9989..=0.999).contains(&largest.low.to_f64()));
+        // A smaller one says nothing more.
+        assert!(largest.look(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
+        assert!(largest.look(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
+    }
+
+    /// A curve with an exact top: 1/3 at a third, in 30 digits.
+    #[test]
+    fn a_top_is_known_to_two_words() {
+        let third = Dd::ONE / Dd::from(3.0);
+        // third - (x - third)^2
+        let terms = [third - third * third, third * 2.0, -Dd::ONE];
+        let mut largest = Largest::default();
+        largest.look_closer(&Curve::fine(&terms, 0.0));
+        let ball = largest.ball();
+        assert!((ball - Ball::ONE / Ball::from(3.0)).contains_zero() && ball.rad < 1e-28, "{ball:?}");
+    }
 }

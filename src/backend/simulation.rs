@@ -1,29 +1,37 @@
 //! The motion in time as CSV, JSON and text. Clause: spec.md, "Response".
 
-use super::decimal::{certain, certain_number, upper};
+use super::decimal::{Decimal, certain, certain_digits, certain_number, upper};
 use super::report::table::{Align, Table};
 use super::transfer::{error_bound, hundredths, phase};
 use crate::analysis::{Gain, History, Steady};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Rounded};
 use crate::system::{LinearSystem, Output};
 
 const INDENT: usize = 2;
 const DIGITS: usize = 6;
+const DIGITS_OF_BINARY64: usize = 17;
 
-/// `time_s` and a column for each output, named as in the model; a row a sample. What is unknown is an empty field.
-pub fn csv(system: &LinearSystem, history: &History) -> String {
+/// `time_s` and a column for each output, named as in the model; a row a sample. With `bounds` a column `NAME_bound` follows
+/// each, the bound of what stands before it. What is unknown is an empty field.
+pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
     let mut text = String::from("time_s");
     for output in &system.outputs {
+        let name = system.display(output.name);
         text.push(',');
-        text += &system.display(output.name);
+        text += &name;
+        if bounds {
+            text += &format!(",{name}_bound");
+        }
     }
     text.push('\n');
     for (time, values) in history.times.iter().zip(&history.values) {
         text += &shortest(time.to_f64());
-        for value in values {
+        for value in values.iter().map(printed) {
             text.push(',');
-            if value.is_finite() {
-                text += &shortest(value.to_f64() + 0.0);
+            text += &value.map_or(String::new(), |value| shortest(value.value()));
+            if bounds {
+                text.push(',');
+                text += &value.map_or(String::new(), |value| shortest(value.bound()));
             }
         }
         text.push('\n');
@@ -31,16 +39,37 @@ pub fn csv(system: &LinearSystem, history: &History) -> String {
     text
 }
 
-/// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...]}]}`; the bound is absolute and holds for
-/// every value of its output as printed. Under harmonic signals also `"steady_state": [{"output", "frequency_hz",
+/// A sample as it is printed: to the last digit of binary64 where its bound settles that, else to the digits that it settles,
+/// and as zero where it settles none. `None` where nothing is known.
+fn printed(sample: &Ball) -> Option<Rounded> {
+    let whole = Rounded::of(*sample)?;
+    if whole.bound() <= whole.value().abs() * f64::EPSILON {
+        return Some(whole);
+    }
+    let settled = match certain_digits(sample) {
+        0 => 0.0,
+        digits => Decimal::round(sample.mid, digits.min(DIGITS_OF_BINARY64)).text().parse().ok()?,
+    };
+    let away = (sample.mid - Dd::from(settled)).abs().to_f64() * (1.0 + f64::EPSILON);
+    Rounded::of(Ball::from(settled).widen((sample.rad + away).next_up()))
+}
+
+/// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...], "error_bounds": [...]}]}`: each value with its
+/// own bound, absolute, and the largest of these. Under harmonic signals also `"steady_state": [{"output", "frequency_hz",
 /// "amplitude", "phase_deg", "error_bound"}]`, the bound relative, in the complex plane.
 pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
-        .map(|(i, output)| JsonOutput {
-            name: system.display(output.name),
-            unit: output.unit.clone(),
-            error_bound: Some(worst_error(history, i)).filter(|bound| bound.is_finite()),
-            values: history.values.iter().map(|row| finite(&row[i])).collect(),
+        .map(|(i, output)| {
+            let samples: Vec<Option<Rounded>> = history.values.iter().map(|row| printed(&row[i])).collect();
+            let bounds: Vec<Option<f64>> = samples.iter().map(|sample| sample.map(Rounded::bound)).collect();
+            let largest = bounds.iter().try_fold(0.0, |largest: f64, bound| Some(largest.max((*bound)?)));
+            JsonOutput {
+                name: system.display(output.name),
+                unit: output.unit.clone(),
+                error_bound: largest,
+                values: samples.iter().map(|sample| sample.map(Rounded::value)).collect(),
+                error_bounds: bounds,
+            }
         })
         .collect();
     let report = JsonHistory {
@@ -94,8 +123,10 @@ fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
 struct JsonOutput {
     name: String,
     unit: String,
+    /// `null` where nothing is known of some sample.
     error_bound: Option<f64>,
     values: Vec<Option<f64>>,
+    error_bounds: Vec<Option<f64>>,
 }
 
 /// The range of each output and where it ends, with the largest error; the steady state where there are harmonic signals.
@@ -151,27 +182,24 @@ fn steady_text(system: &LinearSystem, steady: &[Steady]) -> String {
 
 fn cells(name: String, unit: &str, history: &History, output: usize) -> Vec<String> {
     let value = |sample: usize| history.values[sample][output];
+    let known = || (0..history.values.len()).filter(|&i| value(i).is_finite());
     let by = |better: fn(f64, f64) -> bool| {
-        (0..history.values.len())
-            .reduce(|best, i| if better(value(i).to_f64(), value(best).to_f64()) { i } else { best })
+        known().reduce(|best, i| if better(value(i).to_f64(), value(best).to_f64()) { i } else { best })
     };
     let time = |sample: usize| certain_number(&history.times[sample], DIGITS);
     let mut cells = vec![name, unit.to_string()];
     for extreme in [by(|a, b| a < b), by(|a, b| a > b)] {
-        cells.extend(extreme.map_or(["".into(), "".into()], |i| [certain(&value(i), DIGITS), time(i)]));
+        cells.extend(extreme.map_or(["?".into(), "".into()], |i| [certain(&value(i), DIGITS), time(i)]));
     }
     cells.push(history.values.len().checked_sub(1).map_or(String::new(), |i| certain(&value(i), DIGITS)));
     cells.push(upper(worst_error(history, output)));
     cells
 }
 
-/// The largest |printed - true| of an output.
+/// The largest |printed - true| of an output; infinite where nothing is known of some sample.
 fn worst_error(history: &History, output: usize) -> f64 {
-    let error = |row: &Vec<Ball>| {
-        let value = row[output];
-        value.rad + (value.mid - Dd::from(value.to_f64())).abs().to_f64()
-    };
-    history.values.iter().map(error).fold(0.0, f64::max) * (1.0 + 1e-12)
+    let error = |row: &Vec<Ball>| Rounded::of(row[output]).map_or(f64::INFINITY, Rounded::bound);
+    history.values.iter().map(error).fold(0.0, f64::max)
 }
 
 fn finite(value: &Ball) -> Option<f64> {

@@ -28,6 +28,7 @@ mod massless;
 mod measures;
 mod models;
 mod modes;
+mod motions;
 mod pole_counts;
 mod poles;
 mod problems;

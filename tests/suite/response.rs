@@ -318,7 +318,7 @@ fn motions_are_printed() {
     let times = vibc::analysis::grid(&n("0.5"), &n("0.125"));
     let step = Signal::Step { value: n("200"), at: n("0.25") };
     let history = respond(&system, &[vec![step]], &times).expect("a motion");
-    insta::assert_snapshot!(vibc::backend::simulation::csv(&system, &history));
+    insta::assert_snapshot!(vibc::backend::simulation::csv(&system, &history, false));
     insta::assert_snapshot!(vibc::backend::simulation::json("oscillator", &system, &history, &[]));
     insta::assert_snapshot!(vibc::backend::simulation::text("oscillator", &system, &history, &[]));
 }

@@ -5,10 +5,12 @@ use vibc::backend::explain;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their clauses tell
 /// the example in words.
-const IN_WORDS: [&str; 12] = [
+const IN_WORDS: [&str; 14] = [
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",
+    "vib::motion::still",
+    "vib::motion::unsettled",
     "vib::mass::indefinite",
     "vib::mass::singular",
     "vib::signal::base_impulse",

@@ -11,11 +11,16 @@ use crate::system::{LinearSystem, Signal};
 pub struct Channel {
     pub input: usize,
     pub source: Source,
+    /// The circular frequency of a harmonic, as the model has it.
+    omega: Number,
     /// Its first state.
     pub first: usize,
     /// The piece that is on.
     pub active: Option<usize>,
 }
+
+/// An angle beyond this, rad, has lost digits that its frequency and time have.
+const MANY_TURNS: f64 = 1e5;
 
 /// What a source does at once.
 pub enum Blow {
@@ -71,7 +76,9 @@ impl Channel {
             Source::Impulse { .. } => Vec::new(),
             _ if self.active.is_none() => vec![Ball::ZERO; self.source.order()],
             Source::Harmonic { omega, sine, cosine, .. } => {
-                let angle = Number::Ball(*omega * time.to_ball());
+                let near = *omega * time.to_ball();
+                // Exact numbers lose no digits however many turns there were.
+                let angle = if near.magnitude() > MANY_TURNS { &self.omega * time } else { Number::Ball(near) };
                 let unknown = (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
                 let (s, c) = angle.sin_cos().unwrap_or(unknown);
                 let (s, c) = (s.to_ball(), c.to_ball());
@@ -97,7 +104,11 @@ pub fn channels(
         for signal in signals {
             let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
             let states = source.order();
-            channels.push(Channel { input, source, first, active: None });
+            let omega = match signal {
+                Signal::Harmonic { frequency, .. } => &(&Number::pi() * &Number::from(2)) * frequency,
+                _ => Number::ZERO,
+            };
+            channels.push(Channel { input, source, omega, first, active: None });
             first += states;
         }
     }

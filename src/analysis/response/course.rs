@@ -1,30 +1,32 @@
 //! The course of one output between the stops: Taylor polynomials that join, each with a bound of what it leaves out, so that
-//! what lies between samples is known too. In: a run, an output, a time. Out: piece after piece, to whoever asks: the largest
-//! value, the mean square. Clause: spec.md, "Measures, `solve`, `require`".
+//! what lies between samples is known too. In: a run, an output, a time. Out: stretch after stretch, to whoever asks, and the
+//! largest value of all. Clause: spec.md, "Measures, `solve`, `require`" 11c.6.
 //!
 //! On a piece of length h with |A| h <= 1 the output is sum c A^j z0 t^j / j!, and the first term left out bounds the rest:
-//! |c A^K| sup|z| h^K / K!. The state is carried in binary64 with a bound of its error, from the exact steps of the run.
+//! |c A^K| sup|z| h^K / K!. All pieces are looked at in binary64, from a state that is exact to two words every 64 pieces;
+//! those that may hold the largest value are then looked at in two words.
 
-use super::{Run, Stop, UP, growth, length};
+use super::exponential::Exponential;
+use super::{Run, Stop, UNIT, UP, growth, length};
 use crate::analysis::error::AnalysisError;
-use crate::base::{Dd, Number, Rational};
+use crate::analysis::numeric::dense::add_scaled;
+use crate::analysis::peak::{Curve, Largest};
+use crate::base::{Dd, Number};
 use crate::system::{LinearSystem, Signal};
+use std::rc::Rc;
 
-/// The output on [0, 1] of a piece: sum terms[j] x^j, to within `error`.
-#[derive(Clone, Debug)]
-pub struct Piece {
-    pub terms: [f64; TERMS],
-    pub error: f64,
-    /// A bound of |output| from here to the next event: nothing larger is to come before.
-    pub to_come: f64,
-    /// s
-    pub length: f64,
-}
-
-/// Terms of the polynomial: 1/18! of what it stands for is left out.
-pub const TERMS: usize = 18;
+/// Terms of a polynomial in binary64: 1/18! of what it stands for is left out.
+pub const ROUGH: usize = 18;
+/// The same in two words: 1/29!.
+pub const FINE: usize = 29;
 /// More pieces are not worth the wait.
 const MOST_PIECES: f64 = 4e6;
+/// Pieces between two states in two words.
+const BLOCK: usize = 64;
+/// More pieces than this are not looked at in two words; beyond them binary64 has to do.
+const MOST_FINE: usize = 50_000;
+/// Stretches that are kept ready.
+const KEPT: usize = 8;
 
 /// What a course comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,41 +38,29 @@ pub enum Followed {
     TooLong,
 }
 
-/// What comes after a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
-    Piece,
-    /// The rest of the time up to the next event cannot matter.
-    Event,
-}
-
-/// Visits the pieces of an output from 0 to `until`.
-pub fn follow(
+/// Goes from event to event up to `until`: `pass` moves the run on to the time that it is given.
+pub(super) fn stretches(
     system: &LinearSystem,
     drives: &[Vec<Signal>],
     output: usize,
     until: &Number,
-    visit: &mut dyn FnMut(&Piece) -> Next,
+    pass: &mut dyn FnMut(&mut Run, &Number) -> Result<Followed, AnalysisError>,
 ) -> Result<Followed, AnalysisError> {
     let times = [Number::ZERO, until.clone()];
     let mut run = Run::of(system, drives, &times)?;
     if feeds_through_a_jump(system, drives, output) {
         return Ok(Followed::Infinite);
     }
-    let mut pieces = 0.0;
     for (time, stop) in run.stops(&times) {
         if (&time - until).is_positive() {
             break;
         }
         if (&time - &run.now).is_positive() {
             run.set_sources();
-            let stretch = Stretch::of(&run, output, &time);
-            pieces += stretch.count as f64;
-            if pieces > MOST_PIECES {
-                return Ok(Followed::TooLong);
+            match pass(&mut run, &time)? {
+                Followed::ToTheEnd => run.now = time,
+                other => return Ok(other),
             }
-            stretch.follow(&mut run, output, visit)?;
-            run.now = time;
         }
         if let Stop::Event { channel, piece } = stop {
             run.set_sources();
@@ -84,134 +74,215 @@ pub fn follow(
     Ok(Followed::ToTheEnd)
 }
 
-/// The time between two stops.
+/// Looks for the largest value of an output from 0 to `until`.
+pub fn follow(
+    system: &LinearSystem,
+    drives: &[Vec<Signal>],
+    output: usize,
+    until: &Number,
+    largest: &mut Largest,
+) -> Result<Followed, AnalysisError> {
+    let mut known: Vec<Rc<Stretch>> = Vec::new();
+    let (mut pieces, mut fine) = (0.0, MOST_FINE);
+    stretches(system, drives, output, until, &mut |run, to| {
+        let stretch = stretch(&mut known, run, output, to)?;
+        pieces += stretch.count as f64;
+        if pieces > MOST_PIECES {
+            return Ok(Followed::TooLong);
+        }
+        stretch.follow(run, output, to, largest, &mut fine)?;
+        Ok(Followed::ToTheEnd)
+    })
+}
+
+/// The stretch from the present to `to`: one that is known, or a new one.
+fn stretch(known: &mut Vec<Rc<Stretch>>, run: &Run, output: usize, to: &Number) -> Result<Rc<Stretch>, AnalysisError> {
+    let (whole, states) = (to - &run.now, run.states_on());
+    if let Some(stretch) = known.iter().find(|stretch| stretch.whole == whole && stretch.states == states) {
+        return Ok(stretch.clone());
+    }
+    let new = Stretch::of(run, output, whole, states).ok_or_else(|| AnalysisError::out_of_range(run.system))?;
+    if known.len() == KEPT {
+        known.remove(0);
+    }
+    let new = Rc::new(new);
+    known.push(new.clone());
+    Ok(new)
+}
+
+/// The time between two stops, in pieces.
 struct Stretch {
+    whole: Number,
     h: Number,
     count: usize,
     states: Vec<usize>,
-    /// c A^j h^j / j! for j = 0..=TERMS, over the states that are on, with bounds of the rows' norms and errors.
-    rows: Vec<Vec<f64>>,
+    /// exp(A h) over the states that are on, and the same by columns in binary64.
+    step: Exponential,
+    columns: Vec<Vec<f64>>,
+    /// c A^j h^j / j! for j = 0..=FINE, with bounds of the rows' norms and errors.
+    rows: Vec<Vec<Dd>>,
+    rough_rows: Vec<Vec<f64>>,
     norms: Vec<f64>,
     errors: Vec<f64>,
     /// A bound of |exp(A t)| for t up to h.
     growth: f64,
-    /// Whether every source stands still, if not at zero.
-    is_steady: bool,
-    /// Whether nothing but the system itself moves: then its energy bounds what is to come.
-    is_free: bool,
+}
+
+/// What a block of pieces starts from.
+struct Start<'a> {
+    z: &'a [Dd],
+    /// A bound of what z is off by.
+    error: f64,
+    /// What the sources' own errors add: to the state in a piece, and to the output at once.
+    approximations: f64,
+    fed: f64,
 }
 
 impl Stretch {
-    fn of(run: &Run, output: usize, to: &Number) -> Stretch {
-        let whole = to - &run.now;
-        let states = run.states_on();
+    fn of(run: &Run, output: usize, whole: Number, states: Vec<usize>) -> Option<Stretch> {
         let generator = run.space.generator(&states);
         let count = (whole.to_f64() * generator.norm).ceil().clamp(1.0, 1e9) as usize;
-        let h = &whole / &Number::from(Rational::new(count as i64, 1));
+        let h = &whole / &Number::from(count as i64);
         let n = states.len();
+        let length_of_piece = h.to_ball();
+        let step = generator.exponential(length_of_piece)?;
         let mut row: Vec<Dd> = states.iter().map(|&i| run.outputs[(output, i)].mid).collect();
         let mut error: f64 = states.iter().map(|&i| run.outputs[(output, i)].rad).sum();
         let (mut rows, mut norms, mut errors) = (Vec::new(), Vec::new(), Vec::new());
-        let step = h.to_ball();
-        for j in 0..=TERMS {
+        for j in 0..=FINE {
             let size = length(&row);
-            rows.push(row.iter().map(|x| x.to_f64()).collect());
             norms.push((size + error) * UP);
             errors.push(error * UP);
-            let factor = (step.mid / Dd::from(j as f64 + 1.0)).to_f64().abs() * UP;
-            let next: Vec<Dd> =
-                (0..n).map(|k| dot(&row, generator.a.column(k)) * step.mid / Dd::from(j as f64 + 1.0)).collect();
-            error = (error * generator.norm
-                + size * (generator.error + (n as f64 + 6.0) * super::UNIT * generator.norm))
+            let share = length_of_piece.mid / Dd::from(j as f64 + 1.0);
+            let factor = share.to_f64().abs() * UP;
+            let next: Vec<Dd> = (0..n).map(|k| dot(&row, generator.a.column(k)) * share).collect();
+            error = (error * generator.norm + size * (generator.error + (n as f64 + 6.0) * UNIT * generator.norm))
                 * factor
                 * UP
-                + length(&next) * (step.rad / step.mid.hi.abs());
-            row = next;
+                + length(&next) * (length_of_piece.rad / length_of_piece.mid.hi.abs());
+            rows.push(std::mem::replace(&mut row, next));
         }
+        let columns = (0..n).map(|k| step.f.column(k).iter().map(|x| x.to_f64()).collect()).collect();
+        let rough_rows = rows[..ROUGH].iter().map(|row| row.iter().map(|x| x.to_f64()).collect()).collect();
         let growth = growth(generator.rate.max(0.0) * h.to_f64() * UP);
-        let is_steady = run.channels.iter().all(|channel| channel.states_on() <= 1);
-        let mechanical = run.space.mechanical;
-        let is_off = states.iter().all(|&i| i < mechanical || run.z[i].is_zero());
-        let is_free = is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * whole.to_f64() < 0.5;
-        Stretch { h, count, states, rows, norms, errors, growth, is_steady, is_free }
+        Some(Stretch { whole, h, count, states, step, columns, rows, rough_rows, norms, errors, growth })
     }
 
-    fn follow(&self, run: &mut Run, output: usize, visit: &mut dyn FnMut(&Piece) -> Next) -> Result<(), AnalysisError> {
-        let mechanical = run.space.mechanical;
-        let fed = run.fed(output);
-        let start = run.now.clone();
-        let step = run.step(&self.h)?;
-        let columns: Vec<Vec<f64>> =
-            (0..self.states.len()).map(|k| step.f.column(k).iter().map(|x| x.to_f64()).collect()).collect();
-        let n = self.states.len() as f64;
-        // Entries and states rounded to binary64, products and sums.
-        let rounding = (n + 8.0) * f64::EPSILON;
-        let mut z: Vec<f64> = run.z[..mechanical].iter().map(|x| x.to_f64()).collect();
-        run.error = (run.error + size(&z) * f64::EPSILON) * UP;
-        // Where the rest of the stretch cannot matter the state at its end still does.
-        let mut skipped = false;
-        for piece in 0..self.count {
-            if !self.is_steady {
-                run.set_sources();
+    /// Whether nothing but the system itself moves: then its energy bounds what is to come.
+    fn is_free(&self, run: &Run) -> bool {
+        let is_steady = run.channels.iter().all(|channel| channel.states_on() <= 1);
+        let is_off = self.states.iter().all(|&i| i < run.space.mechanical || run.z[i].is_zero());
+        is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * self.whole.to_f64() < 0.5
+    }
+
+    fn follow(
+        &self,
+        run: &mut Run,
+        output: usize,
+        to: &Number,
+        largest: &mut Largest,
+        fine: &mut usize,
+    ) -> Result<(), AnalysisError> {
+        let (start, is_free) = (run.now.clone(), self.is_free(run));
+        let times = |pieces: usize| &self.h * &Number::from(pieces as i64);
+        let whole_block = if self.count > BLOCK { Some(run.step(&times(BLOCK))?) } else { None };
+        let mut done = 0;
+        while done < self.count {
+            run.set_sources();
+            let z: Vec<Dd> = self.states.iter().map(|&i| run.z[i]).collect();
+            let error = (run.trail.error + run.source_error) * UP;
+            let to_come = self.norms[0] * (length(&z) + error) * 1.7;
+            if is_free && largest.has(to_come) {
+                return run.advance(to);
             }
-            let all: Vec<f64> = z.iter().copied().chain(run.z[mechanical..].iter().map(|x| x.to_f64())).collect();
-            let on: Vec<f64> = self.states.iter().map(|&i| all[i]).collect();
-            let length = size(&on);
-            let error = (run.error + run.source_error) * UP;
-            if !skipped {
-                skipped = visit(&self.piece(&on, length, error, fed)) == Next::Event;
+            let approximations = run.approximation_errors() * self.h.to_f64() * self.growth * UP;
+            let pieces = BLOCK.min(self.count - done);
+            let from = Start { z: &z, error, approximations, fed: run.fed(output) };
+            self.block(&from, pieces, largest, fine);
+            done += pieces;
+            match &whole_block {
+                _ if done == self.count => run.advance(to)?,
+                Some(step) => run.take(step, &(&start + &times(done))),
+                None => {}
             }
-            if skipped && self.is_free {
-                return self.skip(run, &z, piece);
-            }
-            let mut next = vec![0.0; mechanical];
-            let mut sizes = vec![0.0; mechanical];
-            for (x, column) in on.iter().zip(&columns) {
-                for ((sum, size), f) in next.iter_mut().zip(&mut sizes).zip(column) {
-                    let product = f * x;
-                    *sum += product;
-                    *size += product.abs();
-                }
-            }
-            let approximations = run.approximation_errors() * self.h.to_f64() * UP;
-            run.error = (step.own * run.error
-                + step.from_sources * run.source_error
-                + rounding * size(&sizes)
-                + (step.error + step.rounding) * (length + error)
-                + approximations * self.growth)
-                * UP;
-            z = next;
-            run.now = &start + &(&self.h * &Number::from(piece as i64 + 1));
         }
-        run.z[..mechanical].iter_mut().zip(&z).for_each(|(to, &from)| *to = Dd::from(from));
         Ok(())
     }
 
-    /// Goes on to the end of the stretch in one step.
-    fn skip(&self, run: &mut Run, z: &[f64], piece: usize) -> Result<(), AnalysisError> {
-        run.z[..z.len()].iter_mut().zip(z).for_each(|(to, &from)| *to = Dd::from(from));
-        let left = &self.h * &Number::from((self.count - piece) as i64);
-        let end = &run.now + &left;
-        run.advance(&end)
+    /// Some pieces: all of them in binary64, then those that may hold the largest value in two words.
+    fn block(&self, from: &Start, pieces: usize, largest: &mut Largest, fine: &mut usize) {
+        let n = self.states.len();
+        let mut z: Vec<f64> = from.z.iter().map(|x| x.to_f64()).collect();
+        let mut error = (from.error + size(&z) * f64::EPSILON) * UP;
+        // Entries and states rounded to binary64, products and sums.
+        let rounding = (n as f64 + 8.0) * f64::EPSILON * self.step.absolute_norm + self.step.error;
+        let mut wanted: Vec<(usize, f64)> = Vec::new();
+        for piece in 0..pieces {
+            let length = size(&z);
+            let terms = self.rough_terms(&z);
+            let curve = Curve::rough(&terms, self.left_out(ROUGH, length, error, from) + self.rounding(length));
+            if let Some(high) = largest.look(&curve) {
+                wanted.push((piece, high));
+            }
+            if piece + 1 == pieces {
+                break;
+            }
+            let mut next = vec![0.0; n];
+            for (x, column) in z.iter().zip(&self.columns) {
+                next.iter_mut().zip(column).for_each(|(sum, f)| *sum += f * x);
+            }
+            error = (self.step.norm * error + rounding * (length + error) + from.approximations) * UP;
+            z = next;
+        }
+        self.look_closer(from, &wanted, largest, fine);
     }
 
-    /// The polynomial from a state of this length and error; `fed` is what the sources' own errors add to the output at once.
-    fn piece(&self, on: &[f64], length: f64, error: f64, fed: f64) -> Piece {
-        let mut terms = [0.0; TERMS];
-        let mut bound = 0.0;
-        let rounding = (on.len() as f64 + 8.0) * f64::EPSILON;
-        for (j, term) in terms.iter_mut().enumerate() {
-            let (mut sum, mut sizes) = (0.0, 0.0);
-            for (c, x) in self.rows[j].iter().zip(on) {
-                sum += c * x;
-                sizes += (c * x).abs();
+    /// The pieces that may hold the largest value, with the most that binary64 knows of each.
+    fn look_closer(&self, from: &Start, wanted: &[(usize, f64)], largest: &mut Largest, fine: &mut usize) {
+        let n = self.states.len();
+        let (mut z, mut error, mut at) = (from.z.to_vec(), from.error, 0);
+        let rounding = (n as f64 + 4.0) * UNIT * self.step.absolute_norm + self.step.error;
+        for &(piece, high) in wanted {
+            if largest.has(high) {
+                continue;
             }
-            *term = sum;
-            bound += self.norms[j] * error + rounding * sizes + self.errors[j] * length;
+            if *fine == 0 {
+                largest.at_most(high);
+                continue;
+            }
+            *fine -= 1;
+            while at < piece {
+                let mut next = vec![Dd::ZERO; n];
+                for (column, &x) in z.iter().enumerate() {
+                    add_scaled(&mut next, x, self.step.f.column(column));
+                }
+                error = (self.step.norm * error + rounding * (length(&z) + error) + from.approximations) * UP;
+                z = next;
+                at += 1;
+            }
+            let length = length(&z);
+            let terms: Vec<Dd> = self.rows[..FINE].iter().map(|row| dot(row, &z)).collect();
+            let rounding = (n as f64 + 6.0) * UNIT * self.norms[..FINE].iter().sum::<f64>() * length;
+            largest.look_closer(&Curve::fine(&terms, self.left_out(FINE, length, error, from) + rounding));
         }
-        let left_out = self.norms[TERMS] * (length + error) * self.growth;
-        let to_come = if self.is_free { self.norms[0] * (length + error) * 1.7 } else { f64::INFINITY };
-        Piece { terms, error: (bound + left_out + fed) * UP, to_come, length: self.h.to_f64() }
+    }
+
+    fn rough_terms(&self, z: &[f64]) -> Vec<f64> {
+        self.rough_rows.iter().map(|row| row.iter().zip(z).map(|(c, x)| c * x).sum()).collect()
+    }
+
+    /// What the first terms in binary64 lose by rounding.
+    fn rounding(&self, length: f64) -> f64 {
+        (self.states.len() as f64 + 8.0) * f64::EPSILON * self.norms[..ROUGH].iter().sum::<f64>() * length * UP
+    }
+
+    /// What so many terms of the polynomial are off by, from a state of this length and error.
+    fn left_out(&self, terms: usize, length: f64, error: f64, from: &Start) -> f64 {
+        let seen: f64 =
+            self.norms[..terms].iter().zip(&self.errors).map(|(norm, off)| norm * error + off * length).sum();
+        let rest = self.norms[terms] * (length + error) * self.growth;
+        let late = self.norms[0] * from.approximations;
+        (seen + rest + late + from.fed) * UP
     }
 }
 

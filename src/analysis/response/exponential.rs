@@ -6,7 +6,7 @@
 //! eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2, and the norms of the
 //! computed powers are used, so that what has decayed keeps its relative error.
 
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
+use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
 use crate::analysis::numeric::enclosure::norm_bound;
 use crate::base::{Ball, Dd, Number};
 
@@ -34,6 +34,13 @@ pub struct Exponential {
     pub absolute_norm: f64,
 }
 
+/// What exp(A t) is made of: exp(A h) for a short time h, to be squared so many times.
+pub struct Parts {
+    pub power: Exponential,
+    pub first: Ball,
+    pub squarings: u32,
+}
+
 /// Twice the relative error of one operation.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 const UP: f64 = 1.0 + 1e-12;
@@ -45,6 +52,15 @@ const MOST_SQUARINGS: u32 = 100;
 impl Generator {
     /// `None` where the exponent is out of range.
     pub fn exponential(&self, t: Ball) -> Option<Exponential> {
+        let Parts { mut power, squarings, .. } = self.parts(t)?;
+        for k in 1..=squarings {
+            power = self.squared(&power, t, squarings - k);
+        }
+        power.f.column(0).iter().all(|x| x.is_finite()).then_some(power)
+    }
+
+    /// The first part of exp(A t), as long as |A h| <= 1/2; `None` where the exponent is out of range.
+    pub fn parts(&self, t: Ball) -> Option<Parts> {
         let size = self.norm * t.magnitude() * 2.0;
         let mut squarings = 0u32;
         while size > 2f64.powi(squarings as i32) {
@@ -54,13 +70,14 @@ impl Generator {
             }
         }
         let scale = 1.0 / 2f64.powi(squarings as i32);
-        let h = Ball::new(t.mid.scale(scale), t.rad * scale);
-        let mut power = self.taylor(h);
-        for k in 1..=squarings {
-            let time = t.magnitude() / 2f64.powi((squarings - k) as i32);
-            power = square(&power, growth(self.rate * time));
-        }
-        power.f.column(0).iter().all(|x| x.is_finite()).then_some(power)
+        let first = Ball::new(t.mid.scale(scale), t.rad * scale);
+        Some(Parts { power: self.taylor(first), first, squarings })
+    }
+
+    /// A power squared; `left` squarings later it is exp(A t).
+    pub fn squared(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
+        let time = t.magnitude() / 2f64.powi(left as i32);
+        square(power, growth(self.rate * time))
     }
 
     /// The Taylor polynomial of degree 24, for |A h| <= 1/2: five blocks of five terms, from the highest down.
@@ -123,6 +140,18 @@ fn square(e: &Exponential, allowed: f64) -> Exponential {
 
 fn add(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     Matrix::from_fn(a.rows(), a.columns(), |i, j| a[(i, j)] + b[(i, j)])
+}
+
+impl Matrix<Dd> {
+    /// A B; zeros of B cost nothing.
+    pub fn times(&self, b: &Matrix<Dd>) -> Matrix<Dd> {
+        multiply(self, b)
+    }
+
+    /// A^T B
+    pub fn transposed_times(&self, b: &Matrix<Dd>) -> Matrix<Dd> {
+        Matrix::from_fn(self.columns(), b.columns(), |i, j| dot(self.column(i), b.column(j)))
+    }
 }
 
 /// A B; zeros of B cost nothing.

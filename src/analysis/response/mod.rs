@@ -10,6 +10,9 @@ mod decoupled;
 pub(in crate::analysis) mod exponential;
 pub(in crate::analysis) mod propagator;
 pub mod signal;
+pub(in crate::analysis) mod square;
+mod told;
+mod trail;
 
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
@@ -18,10 +21,14 @@ use crate::analysis::response::channel::{Blow, Channel, channels, derivatives, e
 use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
+use crate::analysis::response::trail::Trail;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
+use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::rc::Rc;
+
+pub use told::{Unsettled, findings, moved};
 
 /// The outputs at the times asked for.
 #[derive(Clone, Debug)]
@@ -43,6 +50,15 @@ struct Step {
     from_sources: f64,
     error: f64,
     rounding: f64,
+    /// Bounds of the norms of 2^k such steps at once, as far as they were asked for, with the powers of `f` themselves.
+    powers: RefCell<Powers>,
+}
+
+/// The mechanical block of `f` squared again and again, in binary64, with what each square is off by.
+struct Powers {
+    last: Matrix<f64>,
+    error: f64,
+    norms: Vec<f64>,
 }
 
 /// A time at which the motion is stopped: something happens there, or it is asked for.
@@ -59,7 +75,9 @@ struct Run<'a> {
     steps: Vec<Rc<Step>>,
     /// The state: mechanical, then sources, as exactly these numbers.
     z: Vec<Dd>,
-    error: f64,
+    trail: Trail,
+    /// The step that was taken last.
+    last: Option<Rc<Step>>,
     source_error: f64,
     now: Number,
 }
@@ -71,9 +89,17 @@ const UP: f64 = 1.0 + 1e-12;
 
 /// The outputs at ascending times, under a sum of signals for each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
+    if system.outputs.is_empty() {
+        return Ok(History { times: times.to_vec(), values: vec![Vec::new(); times.len()] });
+    }
     let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
     let apart = if is_worth_it { decoupled::respond(system, drives, times) } else { None };
-    apart.map_or_else(|| together(system, drives, times), Ok)
+    let mut history = apart.map_or_else(|| together(system, drives, times), Ok)?;
+    // What nothing reaches is zero, not a rounding error of what moves elsewhere.
+    for (output, _) in moved(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {
+        history.values.iter_mut().for_each(|row| row[output] = Ball::ZERO);
+    }
+    Ok(history)
 }
 
 /// All coordinates at once, whatever their damping.
@@ -124,7 +150,8 @@ impl<'a> Run<'a> {
             outputs,
             steps: Vec::new(),
             z,
-            error: 0.0,
+            trail: Trail::default(),
+            last: None,
             source_error: 0.0,
             now: Number::ZERO,
         };
@@ -152,7 +179,7 @@ impl<'a> Run<'a> {
             *z = sum.mid;
             radii += sum.rad * sum.rad;
         }
-        self.error = (self.error + radii.sqrt()) * UP;
+        self.trail.add(radii.sqrt() * UP);
     }
 
     /// Events and samples in order; an event at a sample's time comes first.
@@ -176,8 +203,14 @@ impl<'a> Run<'a> {
         if h.is_zero() {
             return Ok(());
         }
-        self.set_sources();
         let step = self.step(&h)?;
+        self.take(&step, time);
+        Ok(())
+    }
+
+    /// Takes a step that leads to this time.
+    fn take(&mut self, step: &Rc<Step>, time: &Number) {
+        self.set_sources();
         let mechanical = self.space.mechanical;
         let (own, sources) = (length(&self.z[..mechanical]), length(&self.z[mechanical..]));
         let mut next = vec![Dd::ZERO; mechanical];
@@ -185,16 +218,17 @@ impl<'a> Run<'a> {
             add_scaled(&mut next, self.z[state], step.f.column(column));
         }
         self.z[..mechanical].copy_from_slice(&next);
-        let size = own + sources + self.error + self.source_error;
-        let approximations =
-            self.approximation_errors() * h.abs().to_f64() * growth(self.space.own_rate * h.abs().to_f64());
-        self.error = (step.own * self.error
-            + step.from_sources * self.source_error
-            + (step.error + step.rounding) * size
-            + approximations)
-            * UP;
+        let size = own + sources + self.trail.error + self.source_error;
+        let h = step.h.abs().to_f64();
+        let approximations = self.approximation_errors() * h * growth(self.space.own_rate * h);
+        let local = step.from_sources * self.source_error + (step.error + step.rounding) * size + approximations;
+        if !self.last.as_ref().is_some_and(|last| Rc::ptr_eq(last, step)) {
+            self.trail.turn();
+            self.last = Some(step.clone());
+        }
+        self.trail.step(step.own, local);
+        self.trail.decay(2 * mechanical, |k| step.norm_of_many(k));
         self.now = time.clone();
-        Ok(())
     }
 
     fn step(&mut self, h: &Number) -> Result<Rc<Step>, AnalysisError> {
@@ -230,7 +264,12 @@ impl<'a> Run<'a> {
         let sources = size - mechanical;
         let from_sources = norm_bound(mechanical, sources, |i, j| f[(i, mechanical + j)].hi.abs() * UP) + e.error;
         let rounding = (size as f64 + 4.0) * UNIT * e.absolute_norm;
-        Some(Step { h: h.clone(), states, f, own, from_sources, error: e.error, rounding })
+        let powers = RefCell::new(Powers {
+            last: Matrix::from_fn(mechanical, mechanical, |i, j| f[(i, j)].to_f64()),
+            error: (e.error + f64::EPSILON * e.absolute_norm) * UP,
+            norms: vec![own],
+        });
+        Some(Step { h: h.clone(), states, f, own, from_sources, error: e.error, rounding, powers })
     }
 
     /// The sources' states at the present time, from their formulas.
@@ -310,9 +349,42 @@ impl<'a> Run<'a> {
                 let square = factor.magnitude().powi(2);
                 if j < mechanical { own += square } else { sources += square }
             }
-            y.widen((own.sqrt() * self.error + sources.sqrt() * self.source_error + self.fed(row)) * UP)
+            y.widen((own.sqrt() * self.trail.error + sources.sqrt() * self.source_error + self.fed(row)) * UP)
         };
         (0..self.outputs.rows()).map(of).collect()
+    }
+}
+
+impl Step {
+    /// A bound of the norm of 2^k of these steps at once, without sources.
+    fn norm_of_many(&self, k: u32) -> f64 {
+        let mut powers = self.powers.borrow_mut();
+        while powers.norms.len() <= k as usize {
+            powers.square();
+        }
+        powers.norms[k as usize]
+    }
+}
+
+impl Powers {
+    fn square(&mut self) {
+        let n = self.last.rows();
+        let mut next = Matrix::filled(n, n, 0.0);
+        for j in 0..n {
+            for k in 0..n {
+                let factor = self.last[(k, j)];
+                let column = next.column_mut(j).iter_mut().zip(self.last.column(k));
+                column.for_each(|(sum, f)| *sum += factor * f);
+            }
+        }
+        let size = norm_bound(n, n, |i, j| self.last[(i, j)].abs());
+        let rounding = (n as f64 + 4.0) * f64::EPSILON * size * size;
+        self.error = (2.0 * size * self.error + self.error * self.error + rounding) * UP;
+        self.last = next;
+        let before = self.norms.last().map_or(f64::INFINITY, |norm| norm * norm * UP);
+        let norm = norm_bound(n, n, |i, j| self.last[(i, j)].abs()) + self.error;
+        // `min` takes the other one where this is no number.
+        self.norms.push((norm * UP).min(before));
     }
 }
 

@@ -103,7 +103,10 @@ impl StateSpace {
         }
         let physical = Physical::of(system, &parts, sources)?;
         let shaping = Shaping::of(system, &parts, &physical, horizon)?;
-        Ok(finish(system, parts, physical, shaping, sources))
+        let relaxation = relaxation(&physical, &shaping, horizon);
+        let sources =
+            Exogenous { longest: sources.longest.iter().map(|time| time.min(relaxation)).collect(), ..sources.clone() };
+        Ok(finish(system, parts, physical, shaping, &sources))
     }
 
     pub fn size(&self) -> usize {
@@ -357,7 +360,48 @@ fn finish(
     StateSpace { a, rest, mechanical, own_rate, scale, rows, to_z: shaping.to, parts, m: physical.m, c: physical.c }
 }
 
-/// Powers of two W that bring what the sources do to the system near 1 / T, T the longest time they act by themselves, and
+/// About the time in which the system forgets half of its state, where it does so long before the horizon: what the sources
+/// do to it adds up for no longer. It chooses scales, so nothing depends on how near it is.
+fn relaxation(physical: &Physical, shaping: &Shaping, horizon: f64) -> f64 {
+    let n = shaping.to.rows();
+    let own = Matrix::from_fn(n, n, |i, j| physical.a[(i, j)]);
+    let size = |a: &Matrix<f64>| norm_bound(n, n, |i, j| a[(i, j)].abs());
+    let times = |a: &Matrix<f64>, b: &Matrix<f64>| {
+        Matrix::from_fn(n, n, |i, j| (0..n).map(|k| a[(i, k)] * b[(k, j)]).sum::<f64>())
+    };
+    if n > MOST_TO_RELAX {
+        return f64::INFINITY;
+    }
+    let rough = |a: &Matrix<Ball>| a.map(|x| x.to_f64());
+    let a = times(&rough(&shaping.to), &times(&rough(&own), &rough(&shaping.back)));
+    let rate = size(&a);
+    if !(rate * horizon > MANY_TURNS && rate.is_finite()) {
+        return f64::INFINITY;
+    }
+    // exp(A h) by five terms, h = 1 / (8 |A|).
+    let mut time = 0.125 / rate;
+    let one = Matrix::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
+    let mut power = one.clone();
+    for k in (1..=5).rev() {
+        let next = times(&a, &power);
+        power = Matrix::from_fn(n, n, |i, j| one[(i, j)] + next[(i, j)] * time / f64::from(k));
+    }
+    while time < horizon {
+        if size(&power) < 0.5 {
+            return time;
+        }
+        power = times(&power, &power);
+        time *= 2.0;
+    }
+    f64::INFINITY
+}
+
+/// Shorter motions need no such care, and larger systems take too long to ask.
+const MANY_TURNS: f64 = 1e6;
+const MOST_TO_RELAX: usize = 64;
+
+/// Powers of two W that bring what the sources do to the system near 1 / T, T the longest time they act by themselves, or
+/// that the system remembers, and
 /// the states of a chain to the same size.
 pub fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
     let natural = |j: usize| {

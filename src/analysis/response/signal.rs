@@ -290,6 +290,31 @@ mod tests {
         assert_eq!(value(&source, "10.5"), 0.0);
     }
 
+    /// At the end of each piece the polynomial leaves out more than rounding, and no more than is told; so do its slopes.
+    #[test]
+    fn what_a_chirp_leaves_out_is_told() {
+        let n = |text: &str| Number::from(text);
+        let chirp = Signal::Chirp { value: n("3"), from: n("1"), to: n("5"), duration: n("10") };
+        let source = Source::of(&chirp, None).expect("few pieces");
+        let Source::Pieces { pieces, .. } = &source else { panic!("pieces") };
+        let two_pi = &Number::pi() * &Number::from(2);
+        let mut largest = [0.0f64; 2];
+        for pair in pieces.windows(2).take(pieces.len() - 2) {
+            let t = &pair[1].at;
+            let phase = &two_pi * &(t + &(&n("0.2") * &t.square()));
+            let rate = &two_pi * &(&Number::ONE + &(&n("0.4") * t));
+            let (sine, cosine) = phase.sin_cos().expect("an angle");
+            let truth = [&n("3") * &sine, &(&n("3") * &cosine) * &rate];
+            for (k, (found, truth)) in pair[0].after(t).iter().zip(&truth).enumerate() {
+                let off = (found - truth).to_ball();
+                assert!(off.mid.hi.abs() <= source.approximation(k) + off.rad, "{k} at {}: {off:?}", t.to_f64());
+                largest[k] = largest[k].max(off.mignitude() / source.approximation(k));
+            }
+        }
+        // Without the remainder the bound would be broken by far.
+        assert!(largest.iter().all(|share| *share > 1e-5), "{largest:?}");
+    }
+
     #[test]
     fn a_spline_keeps_a_line_and_its_ends() {
         let numbers = |list: &[&str]| list.iter().map(|&text| Number::from(text)).collect::<Vec<_>>();

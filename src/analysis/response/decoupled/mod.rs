@@ -12,6 +12,7 @@ mod oscillators;
 mod step;
 
 use super::channel::{Blow, Channel, channels};
+use super::trail::Trail;
 use super::{History, UP};
 use crate::analysis::response::signal::Source;
 use crate::base::{Ball, Dd, Number};
@@ -77,7 +78,9 @@ struct Run<'a> {
     state: State,
     /// |z|^2, and a bound of what z is off by.
     square: f64,
-    error: f64,
+    trail: Trail,
+    /// The step that was taken last.
+    last: Option<Rc<Step>>,
     now: Number,
     /// For each sample and output: what the state could make.
     scales: Vec<f64>,
@@ -113,8 +116,20 @@ impl<'a> Run<'a> {
         let state = State { z: [Lanes::zeros(n), Lanes::zeros(n)] };
         let now = Number::ZERO;
         let (steps, scales) = (Vec::new(), Vec::new());
-        let mut run =
-            Run { system, oscillators, channels, outputs, rows, steps, state, square: 0.0, error: 0.0, now, scales };
+        let mut run = Run {
+            system,
+            oscillators,
+            channels,
+            outputs,
+            rows,
+            steps,
+            state,
+            square: 0.0,
+            trail: Trail::default(),
+            last: None,
+            now,
+            scales,
+        };
         let (eta, rate) = run.oscillators.start(system);
         run.add(&eta, &rate);
         Some(run)
@@ -148,13 +163,13 @@ impl<'a> Run<'a> {
         }
         let rates = rate.iter().map(|v| v.magnitude().powi(2)).sum::<f64>();
         self.square = square;
-        self.error = (self.error + radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP;
+        self.trail.add((radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP);
     }
 
     /// Moves on without looking at the outputs.
     fn go_to(&mut self, time: &Moment) -> Option<()> {
         let rows = std::mem::take(&mut self.rows);
-        let done = self.advance(std::slice::from_ref(time), &mut Vec::new());
+        let done = self.advance(std::slice::from_ref(time), None);
         self.rows = rows;
         done
     }
@@ -169,11 +184,11 @@ impl<'a> Run<'a> {
         };
         let more = (1..).zip(&moments[1..]).take(MOST_AT_ONCE - 1).take_while(is_even).count();
         let count = if first.number == self.now { 1 } else { 1 + more };
-        self.advance(&moments[..count], values)
+        self.advance(&moments[..count], Some(values))
     }
 
-    /// Goes through samples at equal steps.
-    fn advance(&mut self, moments: &[Moment], values: &mut Vec<Vec<Ball>>) -> Option<()> {
+    /// Goes through samples at equal steps, and puts a row down for each where somebody wants them.
+    fn advance(&mut self, moments: &[Moment], values: Option<&mut Vec<Vec<Ball>>>) -> Option<()> {
         let h = &moments[0].number - &self.now;
         let step = if h.is_zero() { None } else { Some(self.step(&h)?) };
         let count = moments.len();
@@ -184,6 +199,12 @@ impl<'a> Run<'a> {
         let last = &moments[count - 1];
         // What the last time is off by when reached in equal steps.
         let slack = if count > 1 { EVEN * last.seconds } else { 0.0 };
+        if let Some(step) = &step
+            && !self.last.as_ref().is_some_and(|last| Rc::ptr_eq(last, step))
+        {
+            self.trail.turn();
+            self.last = Some(step.clone());
+        }
         self.read(step.as_deref(), &driving, &samples, slack, values);
         self.now = last.number.clone();
         self.square = samples.squares[count - 1];
@@ -251,7 +272,7 @@ impl<'a> Run<'a> {
         driving: &Driving,
         samples: &Samples,
         slack: f64,
-        values: &mut Vec<Vec<Ball>>,
+        mut values: Option<&mut Vec<Vec<Ball>>>,
     ) {
         let of = &self.oscillators;
         let approximations = of.approximations(self.system, &self.channels);
@@ -262,24 +283,28 @@ impl<'a> Run<'a> {
         for (sample, square) in samples.squares.iter().enumerate() {
             let from = if step.is_some() { sample } else { sample + 1 };
             if let Some(step) = step {
-                self.error = of.error_after(step, self.error, size, driving.norms[from], driving.error, approximations);
+                let error = self.trail.error;
+                let local = of.error_of_step(step, error, size, driving.norms[from], driving.error, approximations);
+                self.trail.step(step.own, local);
+                self.trail.decay(0, |k| step.norm_of_many(k));
             }
             size = square.sqrt() * UP;
             let at = sample + 1;
             let sources = driving.norms[at] + driving.error;
             // A time that is off by the slack moves z by its rate.
-            let moved = slack * (of.norm * (size + self.error) + of.force_norm * sources);
-            if outputs > 0 {
+            let error = self.trail.error;
+            let moved = slack * (of.norm * (size + error) + of.force_norm * sources);
+            if let Some(values) = values.as_deref_mut() {
                 let w = &driving.states[at * driving.on..(at + 1) * driving.on];
                 let row = self.outputs.iter().zip(&samples.values[sample * outputs..]).zip(&fed).map(
                     |((output, &value), fed)| {
                         let value = output.with_sources(value, w, &self.channels);
                         let off = Off {
                             z: size,
-                            error: self.error + moved,
+                            error: error + moved,
                             w: driving.norms[at],
                             w_error: driving.error + slack * of.norm * sources,
-                            acceleration: of.defect * (size + self.error) + of.force_defect * sources,
+                            acceleration: of.defect * (size + error) + of.force_defect * sources,
                         };
                         Ball::new(value, (output.radius(&off, value) + fed) * UP)
                     },
@@ -288,7 +313,7 @@ impl<'a> Run<'a> {
                 self.scales.extend(self.outputs.iter().map(|output| output.scale(size, driving.norms[at])));
             }
             if sample + 1 == samples.squares.len() {
-                self.error = (self.error + moved) * UP;
+                self.trail.add(moved);
             }
         }
     }

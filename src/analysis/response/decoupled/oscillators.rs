@@ -71,7 +71,9 @@ impl Oscillators {
         let s: Vec<Dd> = modes.k.iter().map(s).collect();
         let back: Vec<Dd> = modes.k.iter().zip(&s).map(|(&k, &s)| k / s).collect();
         let c = modes.c.clone();
-        let sources = exogenous(system, channels, times);
+        let mut sources = exogenous(system, channels, times);
+        let relaxation = relaxation(&modes, horizon);
+        sources.longest.iter_mut().for_each(|time| *time = time.min(relaxation));
         let mut force = vec![vec![Ball::ZERO; n]; sources.count];
         for &(i, state, factor) in &sources.force {
             for (mode, force) in force[state].iter_mut().enumerate() {
@@ -199,9 +201,10 @@ impl Oscillators {
         (off / (1.0 - off) * (self.largest_s * eta + rate + self.damping_defect * eta) + self.damping_defect * eta) * UP
     }
 
-    /// The bound of the state's error after a step: from that before it, |z|, and the sources' norm and error.
-    pub fn error_after(&self, step: &Step, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
-        let carried = step.own * error + step.from_sources * w_error;
+    /// What a step adds to the state's error, besides what it carries over: from that before it, |z|, and the sources' norm
+    /// and error.
+    pub fn error_of_step(&self, step: &Step, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
+        let carried = step.from_sources * w_error;
         let applied = (step.error + step.rounding) * (z + error)
             + (step.error_of_sources + step.rounding_of_sources) * (w + w_error);
         let pushed = (w + w_error) * step.growth_of_sources;
@@ -256,6 +259,21 @@ impl Oscillators {
         system.outputs.iter().map(of).collect()
     }
 }
+
+/// About the time in which all modes forget most of their state, where the horizon holds many of their turns; see
+/// [`crate::analysis::response::propagator::scales`].
+fn relaxation(modes: &ModalSum, horizon: f64) -> f64 {
+    let rates = modes.k.iter().zip(&modes.c).map(|(k, c)| {
+        let (k, half) = (k.hi, 0.5 * c.hi);
+        if k > half * half { half } else { half - (half * half - k).sqrt() }
+    });
+    let fastest = modes.k.iter().map(|k| k.hi.abs().sqrt()).fold(0.0, f64::max);
+    let slowest = rates.fold(f64::INFINITY, f64::min);
+    if fastest * horizon > MANY_TURNS && slowest > 0.0 { 2.0 / slowest } else { f64::INFINITY }
+}
+
+/// Shorter motions need no such care.
+const MANY_TURNS: f64 = 1e6;
 
 impl Output {
     fn of(row: Vec<(u32, Ball)>, sources: Vec<Ball>, acceleration: f64) -> Output {

@@ -12,6 +12,7 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::exponential::growth;
 use crate::analysis::transfer::lanes::{Double, Vector, side_by_side};
 use crate::base::{Ball, Dd, Number};
+use std::cell::RefCell;
 
 /// exp(A h) for one h.
 #[derive(Clone, Debug)]
@@ -39,6 +40,15 @@ pub struct Step {
     pub length: f64,
     pub growth: f64,
     pub growth_of_sources: f64,
+    /// Bounds of the norms of 2^k such steps at once, without sources, as far as they were asked for.
+    powers: RefCell<Powers>,
+}
+
+/// F of each oscillator squared again and again, in binary64, with what each square is off by.
+#[derive(Clone, Debug)]
+struct Powers {
+    last: Vec<([f64; 4], f64)>,
+    norms: Vec<f64>,
 }
 
 /// Degree of the polynomial.
@@ -115,7 +125,11 @@ impl Step {
         let last = &blocks.squares[squarings];
         let largest = last[0].iter().copied().fold(0.0, f64::max).sqrt();
         let all = last[1].iter().sum::<f64>().sqrt();
+        let block = |i: usize| [0, 1, 2, 3].map(|entry: usize| blocks.f[entry].hi[i]);
+        let last_powers = (0..of.count()).map(|i| (block(i), errors.f + f64::EPSILON * largest)).collect();
+        let many = RefCell::new(Powers { last: last_powers, norms: vec![errors.own] });
         let step = Step {
+            powers: many,
             h: h.clone(),
             on: on.to_vec(),
             f: blocks.f,
@@ -133,6 +147,34 @@ impl Step {
             growth_of_sources: growth(of.rate_of_sources * t.magnitude()),
         };
         Some(step)
+    }
+}
+
+impl Step {
+    /// A bound of the norm of 2^k of these steps at once, without sources.
+    pub fn norm_of_many(&self, k: u32) -> f64 {
+        let mut powers = self.powers.borrow_mut();
+        while powers.norms.len() <= k as usize {
+            powers.square();
+        }
+        powers.norms[k as usize]
+    }
+}
+
+impl Powers {
+    fn square(&mut self) {
+        let size = |f: &[f64; 4]| f.iter().map(|x| x * x).sum::<f64>().sqrt() * UP;
+        let mut largest: f64 = 0.0;
+        for (f, error) in &mut self.last {
+            let before = size(f);
+            let [a, b, c, d] = *f;
+            *f = [a * a + b * c, a * b + b * d, c * a + d * c, c * b + d * d];
+            *error = (2.0 * before * *error + *error * *error + 4.0 * f64::EPSILON * before * before) * UP;
+            let norm = (size(f) + *error) * UP;
+            largest = if norm.is_nan() { f64::INFINITY } else { largest.max(norm) };
+        }
+        let before = self.norms.last().map_or(f64::INFINITY, |norm| norm * norm * UP);
+        self.norms.push(largest.min(before));
     }
 }
 

@@ -1,0 +1,201 @@
+//! What has to be said beside a motion: outputs that nothing moves, and samples whose bounds are wider than binary64.
+//! In: a system, its signals, a motion. Out: facts; who knows the places turns them into findings.
+//! Clause: spec.md, "Response" 11b.8.
+
+use super::History;
+use crate::base::{Code, Diagnostic, Number, Span};
+use crate::system::{Form, LinearSystem, Signal};
+
+/// For each output, whether a signal or an initial state reaches it: through masses, dampers and springs from coordinate to
+/// coordinate, or at once. What nothing reaches is zero for ever.
+pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
+    let mut parts = Parts((0..system.n()).collect());
+    for form in [&system.m, &system.c, &system.k] {
+        parts.join_all(form);
+    }
+    let mut is_moved = vec![false; system.n()];
+    for (i, displacement, velocity) in &system.initial {
+        is_moved[parts.of(i.index())] |= !(displacement.is_zero() && velocity.is_zero());
+    }
+    let acts = |input: usize| drives.get(input).is_some_and(|signals| signals.iter().any(is_felt));
+    for (_, input) in system.inputs.iter().enumerate().filter(|&(input, _)| acts(input)) {
+        for (i, _) in input.b.iter().flatten() {
+            is_moved[parts.of(i.index())] = true;
+        }
+    }
+    let reaches = |output: &crate::system::Output| {
+        output.p.iter().flatten().any(|(i, _)| is_moved[parts.of(i.index())])
+            || output.d.iter().flatten().any(|(input, _)| acts(*input as usize))
+    };
+    system.outputs.iter().map(reaches).collect()
+}
+
+/// Whether a signal is ever other than zero.
+fn is_felt(signal: &Signal) -> bool {
+    match signal {
+        Signal::Step { value, .. }
+        | Signal::Impulse { value, .. }
+        | Signal::Ramp { value, .. }
+        | Signal::Pulse { value, .. }
+        | Signal::Harmonic { value, .. }
+        | Signal::Chirp { value, .. } => !value.is_zero(),
+        Signal::Table { values, .. } => values.iter().any(|value| !value.is_zero()),
+    }
+}
+
+/// Coordinates that hang together, each by one of its part.
+struct Parts(Vec<usize>);
+
+impl Parts {
+    fn of(&self, mut i: usize) -> usize {
+        while self.0[i] != i {
+            i = self.0[i];
+        }
+        i
+    }
+
+    fn join_all(&mut self, form: &Form) {
+        for term in form.terms() {
+            let mut row = form.row(term).iter().map(|(i, _)| i.index());
+            let Some(first) = row.next() else { continue };
+            for other in row {
+                let (a, b) = (self.of(first), self.of(other));
+                self.0[a.max(b)] = a.min(b);
+            }
+        }
+        // Every coordinate leads straight to the one that stands for its part, for the next form.
+        for i in 0..self.0.len() {
+            self.0[i] = self.of(i);
+        }
+    }
+}
+
+/// Samples of an output that are known less well than binary64 could hold.
+#[derive(Clone, Debug)]
+pub struct Unsettled {
+    pub output: usize,
+    /// Samples of which nothing at all is known.
+    pub unknown: usize,
+    /// The widest bound of the others, the first time at which it stands, and the largest |value|.
+    pub bound: f64,
+    pub at: Number,
+    pub largest: f64,
+}
+
+/// Of a bound, relative to the output's largest value: the last three bits of binary64 are left to rounding.
+const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
+
+impl History {
+    /// The outputs that are not known to the digits of binary64 at their own size.
+    pub fn unsettled(&self) -> Vec<Unsettled> {
+        let outputs = self.values.first().map_or(0, Vec::len);
+        (0..outputs).filter_map(|output| self.unsettled_of(output)).collect()
+    }
+
+    fn unsettled_of(&self, output: usize) -> Option<Unsettled> {
+        let (mut unknown, mut largest, mut widest) = (0, 0.0f64, (0.0, 0));
+        let mut first_unknown = None;
+        for (sample, row) in self.values.iter().enumerate() {
+            let value = row[output];
+            if !value.is_finite() {
+                unknown += 1;
+                first_unknown = first_unknown.or(Some(sample));
+                continue;
+            }
+            largest = largest.max(value.mid.hi.abs());
+            if value.rad > widest.0 {
+                widest = (value.rad, sample);
+            }
+        }
+        (unknown > 0 || widest.0 > SETTLED * largest).then(|| Unsettled {
+            output,
+            unknown,
+            bound: widest.0,
+            at: self.times[first_unknown.unwrap_or(widest.1)].clone(),
+            largest,
+        })
+    }
+}
+
+/// A scene, or some of its outputs, that nothing moves.
+const STILL: Code = Code("vib::motion::still");
+/// Samples that are known less well than they could be printed.
+const UNSETTLED: Code = Code("vib::motion::unsettled");
+
+/// What a motion gives rise to say; `places` are those of the outputs.
+pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History, places: &[Span]) -> Vec<Diagnostic> {
+    let moved = moved(system, drives);
+    let name = |output: usize| system.display(system.outputs[output].name);
+    let mut list: Vec<Diagnostic> = Vec::new();
+    if let (false, Some(&first)) = (moved.contains(&true), places.first()) {
+        let message = "nothing moves here: no signal and no initial state reaches an output, so every sample is zero";
+        let help = "give an input a signal, such as `= step(1 N, 0 s)`, or a body an `initial` state";
+        list.push(Diagnostic::warning(STILL, first, message).help(help));
+        return list;
+    }
+    for (output, &place) in places.iter().enumerate().filter(|&(output, _)| !moved[output]) {
+        let message = format!("no signal and no initial state reaches `{}`: it is zero at all times", name(output));
+        let help = "drive the part of the model to which it belongs, or leave it out";
+        list.push(Diagnostic::warning(STILL, place, message).help(help));
+    }
+    let told = history.unsettled().into_iter().map(|found| {
+        let (name, place) = (name(found.output), places[found.output]);
+        let at = found.at.to_f64();
+        if found.unknown > 0 {
+            let message = format!("{} samples of `{name}` are not known at all, from {at} s on", found.unknown);
+            return Diagnostic::error(UNSETTLED, place, message).help(SHORTER);
+        }
+        let message = if found.largest > found.bound {
+            format!(
+                "not every digit of `{name}` is settled: at {at} s its bound is {:.1e}, and its largest value is {:.1e}",
+                found.bound, found.largest
+            )
+        } else {
+            format!("no digit of `{name}` is settled: all that is known is a bound of {:.1e}, at {at} s", found.bound)
+        };
+        Diagnostic::warning(UNSETTLED, place, message).help("only settled digits are printed; `--bounds` adds the bound of each sample")
+    });
+    list.extend(told);
+    list
+}
+
+const SHORTER: &str = "choose a shorter time, or stiffnesses and masses nearer to each other";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::response::respond;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::base::Ball;
+
+    /// Two oscillators that nothing joins: a force on one moves that one alone, and a spring between them both.
+    #[test]
+    fn what_nothing_reaches_does_not_move() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "4", i, None);
+        }
+        let step = |value: &str| Signal::Step { value: Number::from(value), at: Number::ZERO };
+        let drives = |value: &str| vec![vec![step(value)], Vec::new()];
+        assert_eq!(moved(&system, &drives("1")), [true, false]);
+        assert_eq!(moved(&system, &drives("0")), [false, false]);
+        assert_eq!(moved(&system, &[]), [false, false]);
+        let times = [Number::ZERO, Number::ONE];
+        let history = respond(&system, &drives("1"), &times).expect("a motion");
+        assert!(history.values.iter().all(|row| row[1].is_zero()));
+        push(&mut system.k, "1", 0, Some(1));
+        assert_eq!(moved(&system, &drives("1")), [true, true]);
+    }
+
+    #[test]
+    fn bounds_beyond_binary64_are_told() {
+        let rows = |radii: [f64; 2]| radii.iter().map(|&rad| vec![Ball::new(Ball::PI.mid, rad)]).collect();
+        let times = vec![Number::ZERO, Number::ONE];
+        let of = |radii: [f64; 2]| History { times: times.clone(), values: rows(radii) }.unsettled();
+        assert!(of([0.0, 1e-15]).is_empty());
+        assert_eq!(of([0.0, 1e-14])[0].at, Number::ONE);
+        assert_eq!(of([f64::NAN, 1e-14])[0].unknown, 1);
+        assert_eq!(of([1e-20, f64::INFINITY])[0].unknown, 1);
+    }
+}
