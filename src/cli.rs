@@ -175,7 +175,7 @@ pub struct Emit {
     /// The time between steps, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "1ms")]
     pub step: Readings<Number>,
-    /// Leave out modes that add less than this share to any output, such as 1e-6; their static part stays
+    /// Leave out modes that add less than this share to any output under harmonic inputs, such as 1e-6; their static part stays
     #[arg(long, value_name = "SHARE", value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// The numbers of the code

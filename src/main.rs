@@ -232,7 +232,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
         None => deliver(None, &backend::emit::whole(&emission.model, &emission.system, language)),
         Some(folder) => {
             let files = backend::emit::files(&emission.model, &emission.system, language, program.as_ref());
-            deliver_all(folder, &files)
+            deliver_all(folder, &files, options, &input)
         }
     }
 }
@@ -255,13 +255,12 @@ fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &
     match analysis::discrete::equations::equations(system, options.precision.into()) {
         Ok(equations) => match &options.output {
             None => deliver(None, &backend::emit::equation_text(model, &equations, language)),
-            Some(folder) => deliver_all(folder, &backend::emit::equation_files(model, &equations, language)),
+            Some(folder) => {
+                deliver_all(folder, &backend::emit::equation_files(model, &equations, language), options, input)
+            }
         },
-        Err(massless) => {
-            complain(&format!(
-                "`{}` moves without a mass of its own, so the equations are not of second order in it; `--style steps` emits it",
-                massless.coordinate
-            ));
+        Err(none) => {
+            complain(&none.to_string());
             Status::Limit
         }
     }
@@ -285,14 +284,28 @@ fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language,
     };
     let step = options.step.of_literals(options.overrides.literals).to_f64();
     let precision = options.precision.into();
+    let out_of_range = || {
+        complain("a number of the code leaves the range of its precision: check the units, or take `--precision f64`");
+        Status::Limit
+    };
     match &options.output {
-        None => deliver(None, &backend::emit::parameter_text(model, system, step, precision, language)),
-        Some(folder) => deliver_all(folder, &backend::emit::parameter_files(model, system, step, precision, language)),
+        None => match backend::emit::parameter_text(model, system, step, precision, language) {
+            Some(text) => deliver(None, &text),
+            None => out_of_range(),
+        },
+        Some(folder) => match backend::emit::parameter_files(model, system, step, precision, language) {
+            Some(files) => deliver_all(folder, &files, options, input),
+            None => out_of_range(),
+        },
     }
 }
 
-/// Writes files into a folder, which is made where it is missing.
-fn deliver_all(folder: &Path, files: &[backend::emit::File]) -> Status {
+/// Writes files into a folder, which is made where it is missing, unless one of them is read.
+fn deliver_all(folder: &Path, files: &[backend::emit::File], options: &Emit, input: &Input) -> Status {
+    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
+    if let Err(status) = spare(input, &options.file, &options.overrides, &paths) {
+        return status;
+    }
     if let Err(error) = fs::create_dir_all(folder) {
         complain(&format!("cannot make the directory `{}`: {error}", folder.display()));
         return Status::Io;
@@ -471,6 +484,17 @@ fn open<'a>(
     messages: &Messages,
 ) -> Result<Input, Status> {
     let input = read_all(model, overrides).map_err(|unreadable| unreadable.report(messages))?;
+    spare(&input, model, overrides, outputs)?;
+    Ok(input)
+}
+
+/// Refuses to write over what a run reads.
+fn spare<'a>(
+    input: &Input,
+    model: &Path,
+    overrides: &OverrideOptions,
+    outputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Status> {
     for output in outputs {
         let Ok(target) = fs::canonicalize(output) else { continue };
         // A name that is no text stands in the sources as it can be shown; tables stand there alone.
@@ -481,7 +505,7 @@ fn open<'a>(
             return Err(Status::Usage);
         }
     }
-    Ok(input)
+    Ok(())
 }
 
 fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {

@@ -22,6 +22,10 @@ pub enum AnalysisError {
     BlowOnBase { input: String, at: Span },
     /// A motion that grows, or a time that is long, beyond what binary64 holds.
     MotionOutOfRange { at: Span },
+    /// Simulation code whose numbers its precision does not hold.
+    CodeOutOfRange { precision: &'static str, at: Span },
+    /// A step so long beside a motion or a signal that too few digits say where in its turn that is.
+    StepTooLong { at: Span },
     /// A number too large or too small for binary64 met on the way.
     OutOfRange { at: Span },
 }
@@ -47,6 +51,14 @@ impl AnalysisError {
         AnalysisError::MotionOutOfRange { at: place(system, 0) }
     }
 
+    pub(in crate::analysis) fn code_out_of_range(system: &LinearSystem, precision: &'static str) -> AnalysisError {
+        AnalysisError::CodeOutOfRange { precision, at: place(system, 0) }
+    }
+
+    pub(in crate::analysis) fn step_too_long(system: &LinearSystem) -> AnalysisError {
+        AnalysisError::StepTooLong { at: place(system, 0) }
+    }
+
     pub(in crate::analysis) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
         AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
@@ -63,7 +75,10 @@ impl AnalysisError {
             AnalysisError::TooManyStates { .. } => "vib::limit::states",
             AnalysisError::SignalTooLong { .. } => "vib::limit::signal",
             AnalysisError::BlowOnBase { .. } => "vib::signal::base_impulse",
-            AnalysisError::MotionOutOfRange { .. } | AnalysisError::OutOfRange { .. } => "vib::limit::range",
+            AnalysisError::MotionOutOfRange { .. }
+            | AnalysisError::CodeOutOfRange { .. }
+            | AnalysisError::StepTooLong { .. }
+            | AnalysisError::OutOfRange { .. } => "vib::limit::range",
         })
     }
 
@@ -82,6 +97,8 @@ impl AnalysisError {
             | AnalysisError::SignalTooLong { at, .. }
             | AnalysisError::BlowOnBase { at, .. }
             | AnalysisError::MotionOutOfRange { at }
+            | AnalysisError::CodeOutOfRange { at, .. }
+            | AnalysisError::StepTooLong { at }
             | AnalysisError::OutOfRange { at } => *at,
         }
     }
@@ -122,6 +139,14 @@ impl AnalysisError {
             AnalysisError::BlowOnBase { input, .. } => (
                 format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),
                 "prescribe a `step` or a `pulse`, or apply the impulse as a force",
+            ),
+            AnalysisError::CodeOutOfRange { precision, .. } => (
+                format!("the numbers of the code leave the range of {precision} precision"),
+                "check the units and the step; `--precision f64` holds more than f32",
+            ),
+            AnalysisError::StepTooLong { .. } => (
+                "in one step a motion or a signal turns by more than 1e9 rad".to_string(),
+                "take a shorter `--step`: so far on, too few digits say where in its turn it is",
             ),
             AnalysisError::MotionOutOfRange { .. } => (
                 "the motion leaves the range of binary64".to_string(),

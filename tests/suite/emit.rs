@@ -106,7 +106,7 @@ fn every_style(folder: &TempDir) -> Vec<String> {
     let system = parameterised(SPRINGS, "k").expect("a polynomial");
     for (name, precision) in [("parameter", Precision::Double), ("parameter_single", Precision::Single)] {
         for language in [Language::C, Language::Rust] {
-            write(folder, &emit::parameter_files(name, &system, 0.001, precision, language));
+            write(folder, &emit::parameter_files(name, &system, 0.001, precision, language).expect("in range"));
         }
         names.push(name.to_string());
     }
@@ -261,7 +261,7 @@ fn a_parameter_stays_changeable() {
     let system = read(text, "k").expect("a polynomial");
     let folder = tempfile::tempdir().expect("a folder");
     for language in [Language::C, Language::Rust] {
-        write(&folder, &emit::parameter_files("par", &system, 0.001, Precision::Double, language));
+        write(&folder, &emit::parameter_files("par", &system, 0.001, Precision::Double, language).expect("in range"));
     }
     let c = "#include \"par.h\"\n#include <stdio.h>\nint main(void) { par_state s; par_inputs u; par_outputs y; int k; u.F = 3.0; \
              par_init(&s); par_set_parameter(&s, 450.0); for (k = 0; k <= 2000; k++) par_step(&s, &u, &y); \

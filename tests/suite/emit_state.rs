@@ -174,7 +174,7 @@ fn a_parameter_moves_masses_and_what_outputs_see() {
                 output q = rod.angle\noutput f = s.force\noutput a = rod.alpha\n";
     let system = parameterised(text, "m").expect("a polynomial");
     let folder = tempfile::tempdir().expect("a folder");
-    write(&folder, &emit::parameter_files("par", &system, 0.05, Precision::Double, Language::C));
+    write(&folder, &emit::parameter_files("par", &system, 0.05, Precision::Double, Language::C).expect("in range"));
     let main = "#include \"par.h\"\n#include <stdio.h>\nint main(void) { const double values[3] = {0.125, 5.0, 32.0}; par_state s;\n\
                 par_inputs u; par_outputs y; par_motion m; int i, k; u.floor = 0.02; for (i = 0; i < 3; i++) {\n\
                 par_init(&s); par_set_parameter(&s, values[i]); for (k = 0; k <= 20; k++) { par_step(&s, &u, &y);\n\

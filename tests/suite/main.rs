@@ -8,6 +8,8 @@ mod diagnostics;
 mod editor;
 mod emit;
 mod emit_exact;
+mod emit_names;
+mod emit_signals;
 mod emit_state;
 mod emit_target;
 mod exact;

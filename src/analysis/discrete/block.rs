@@ -39,6 +39,12 @@ impl Direct {
             state: [0; 2].map(|_| Matrix::zeros(2 * n, inputs)),
         }
     }
+
+    /// Whether anything sees u, u' and u'' of an input at once.
+    pub fn seen(&self, input: usize) -> [bool; 3] {
+        let any = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
+        [0, 1, 2].map(|p| any(&self.outputs[p]) || self.state.get(p).is_some_and(any))
+    }
 }
 
 /// The parts of a continuous system.

@@ -1,11 +1,13 @@
 //! One block made discrete: what a step does to its states, in numbers of the target. Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Hold;
+use crate::analysis::discrete::beside::ExactCell;
 use crate::analysis::discrete::block::{Block, Direct, clean_product, product, sum};
 use crate::analysis::discrete::hold::{Propagator, exponential, propagator};
 use crate::analysis::discrete::lift::{Lift, lift};
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
 use crate::analysis::discrete::signals::Chain;
+use crate::analysis::discrete::turn::{Turn, turn};
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 
@@ -48,13 +50,26 @@ pub enum Form {
     Lose(f64),
     /// v <- v - c v - k x + g u, x <- x + p v
     Pair(Lift),
-    /// w <- w + (g u + E w), E by rows
-    Dense(Vec<Vec<f64>>),
+    /// w <- w + (g u + E w), E by rows; where the motion turns by more than a quarter, w <- (g u + E w) - w
+    Dense { turned: bool, rows: Vec<Vec<f64>> },
 }
 
 impl Cell {
     pub fn size(&self) -> usize {
         self.input.len()
+    }
+
+    /// All that is in it.
+    pub fn numbers(&self) -> Vec<f64> {
+        let form = match &self.form {
+            Form::Keep(x) | Form::Lose(x) => vec![*x],
+            Form::Pair(lift) => vec![lift.decay.value(), lift.k, lift.p],
+            Form::Dense { rows, .. } => rows.concat(),
+        };
+        let input = self.input.iter().flatten().map(|(_, value)| *value);
+        let output = self.output.iter().flatten().map(|(_, value)| *value);
+        let tables = self.to.iter().chain(&self.back).chain([&self.start]).flatten().copied();
+        form.into_iter().chain(input).chain(output).chain(tables).collect()
     }
 }
 
@@ -69,6 +84,12 @@ pub struct Maker<'a> {
     pub chains: &'a [Chain],
 }
 
+/// One step in the block's own coordinates, and the cell's coordinates from these.
+struct Stepped {
+    s: Matrix<Dd>,
+    f: Matrix<Dd>,
+}
+
 /// What operands do, a column each.
 type Columns = Vec<(Operand, Vec<Dd>)>;
 
@@ -81,6 +102,10 @@ pub struct Made {
     pub seen: Columns,
     pub moved: Columns,
     to: Matrix<Dd>,
+    /// What outputs see of the states.
+    pub c: Matrix<Dd>,
+    pub exact: ExactCell,
+    pub start: Vec<Dd>,
 }
 
 /// A signal's states as a cell.
@@ -90,6 +115,10 @@ pub struct MadeSignal {
     inverse: Matrix<Dd>,
     /// Index of the first of its states among all signals'.
     pub first: usize,
+    /// Whether events set its states: those of a polynomial, not those of a harmonic.
+    pub set: bool,
+    pub exact: ExactCell,
+    pub start: Vec<Dd>,
 }
 
 impl Maker<'_> {
@@ -103,19 +132,17 @@ impl Maker<'_> {
         }
         drive.retain(|(_, column)| column.iter().any(|x| !x.is_zero()));
         let same = Matrix::identity(block.size());
-        let (form, s) = match block.size() {
-            1 => (self.single(block)?, same),
+        let (form, s, f) = match block.size() {
+            1 => (self.single(block)?, same, propagator.f),
             2 => {
                 let first = drive.first().map(|(_, column)| [column[0], column[1]]);
-                let rate = (block.a[(0, 0)] + block.a[(1, 1)]) * self.step;
-                match lift(&propagator.f, rate, first, self.precision) {
-                    Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
-                    None => (self.dense(&propagator.f), same),
-                }
+                let turn = turn(&block.a.map(|x| x * self.step), None)?;
+                let (form, s) = self.pair(&turn, first);
+                (form, s, turn.whole())
             }
-            _ => (self.dense(&propagator.f), same),
+            _ => (self.dense(&propagator.f), same, propagator.f),
         };
-        Some(self.finish(block, form, s, &drive, &shift, start))
+        self.finish(block, form, Stepped { s, f }, &drive, &shift, start)
     }
 
     /// What inputs do in a step, and at the sample itself. With inputs along a line, xi_(k+1) = F xi_k + G0 u_k + G1 u_(k+1);
@@ -145,15 +172,43 @@ impl Maker<'_> {
         Some(if kept { Form::Keep(self.precision.round(keep)) } else { Form::Lose(self.precision.round(lost)) })
     }
 
-    fn dense(&self, f: &Matrix<Dd>) -> Form {
-        let n = f.rows();
-        let one = |i, j| if i == j { Dd::ONE } else { Dd::ZERO };
-        Form::Dense((0..n).map(|i| (0..n).map(|j| self.precision.round(f[(i, j)] - one(i, j))).collect()).collect())
+    /// Two states, with their coordinates: lifted, or as they are where that would lose digits.
+    fn pair(&self, turn: &Turn, drive: Option<[Dd; 2]>) -> (Form, Matrix<Dd>) {
+        match lift(turn, drive, self.precision) {
+            Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
+            None => {
+                let sign = if turn.turned { -Dd::ONE } else { Dd::ONE };
+                let rows = self.rounded(&turn.change.map(|x| sign * x));
+                (Form::Dense { turned: turn.turned, rows }, Matrix::identity(2))
+            }
+        }
     }
 
-    fn finish(&self, block: &Block, form: Form, s: Matrix<Dd>, drive: &Columns, shift: &Columns, start: &[Dd]) -> Made {
+    fn dense(&self, f: &Matrix<Dd>) -> Form {
+        let one = |i, j| if i == j { Dd::ONE } else { Dd::ZERO };
+        let change = Matrix::from_fn(f.rows(), f.rows(), |i, j| f[(i, j)] - one(i, j));
+        Form::Dense { turned: false, rows: self.rounded(&change) }
+    }
+
+    fn rounded(&self, m: &Matrix<Dd>) -> Vec<Vec<f64>> {
+        (0..m.rows()).map(|i| (0..m.columns()).map(|j| self.precision.round(m[(i, j)])).collect()).collect()
+    }
+
+    fn finish(
+        &self,
+        block: &Block,
+        form: Form,
+        Stepped { s, f }: Stepped,
+        drive: &Columns,
+        shift: &Columns,
+        start: &[Dd],
+    ) -> Option<Made> {
         let inverse = inverse(&s);
         let mut drive = transformed(&s, drive);
+        let by_state = |drive: &Columns, i: usize| {
+            drive.iter().map(|(operand, column)| (*operand, column[i])).filter(|(_, g)| !g.is_zero()).collect()
+        };
+        let input = (0..block.size()).map(|i| by_state(&drive, i)).collect();
         if let Form::Pair(lift) = &form {
             // x follows v, so it gets only what inputs do to it beyond that.
             drive.iter_mut().for_each(|(_, column)| beyond(column, Dd::from(lift.p)));
@@ -167,6 +222,13 @@ impl Maker<'_> {
             row.filter(|(_, value)| *value != 0.0).collect()
         });
         let at_start = product(&to, &Matrix::from_fn(start.len(), 1, |i, _| start[i]));
+        let entries = |m: &Matrix<Dd>| (0..m.columns()).flat_map(|j| m.column(j).to_vec()).collect::<Vec<Dd>>();
+        let driven = drive.iter().flat_map(|(_, column)| column.iter().copied());
+        let kept = self.precision.keeps(driven)
+            && [&to, &back, &at_start].into_iter().all(|m| self.precision.keeps(entries(m)));
+        if !kept {
+            return None;
+        }
         let cell = Cell {
             name: block.name.clone(),
             form,
@@ -177,17 +239,25 @@ impl Maker<'_> {
             start: (0..size).map(|i| round(at_start[(i, 0)])).collect(),
         };
         let (seen, moved) = (transformed(&block.c, shift), transformed(&block.back, shift));
-        Made { cell, s, seen, moved, to }
+        let f = product(&s, &product(&f, &inverse));
+        let exact = ExactCell { f, input };
+        let start = at_start.column(0).to_vec();
+        Some(Made { cell, s, seen, moved, to, c, exact, start })
     }
 
     /// The cell of a signal's states; `first` numbers them among all signals'.
     pub fn signal(&self, chain: &Chain, first: usize) -> Option<MadeSignal> {
         let size = chain.size();
-        let f = exponential(chain.generator.clone())?;
-        let lifted = if chain.turns() { lift(&f, Dd::ZERO, None, self.precision) } else { None };
-        let (form, s) = match lifted {
-            Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
-            None => (self.dense(&f), Matrix::identity(size)),
+        let (form, s, f) = match chain.angle {
+            Some(angle) => {
+                let turn = turn(&chain.generator, Some(angle))?;
+                let (form, s) = self.pair(&turn, None);
+                (form, s, turn.whole())
+            }
+            None => {
+                let f = exponential(chain.generator.clone())?;
+                (self.dense(&f), Matrix::identity(size), f)
+            }
         };
         let at_start = product(&s, &Matrix::from_fn(size, 1, |i, _| chain.start[i]));
         let cell = Cell {
@@ -200,7 +270,10 @@ impl Maker<'_> {
             start: at_start.column(0).iter().map(|&x| self.precision.round(x)).collect(),
         };
         let inverse = inverse(&s);
-        Some(MadeSignal { cell, s, inverse, first })
+        let f = product(&s, &product(&f, &inverse));
+        let exact = ExactCell { f, input: vec![Vec::new(); size] };
+        let start = at_start.column(0).to_vec();
+        Some(MadeSignal { cell, s, inverse, first, set: chain.angle.is_none(), exact, start })
     }
 
     /// Rows over inputs, their slopes and the signals' states, from factors of u, u' and u''.

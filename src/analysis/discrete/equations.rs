@@ -4,9 +4,10 @@
 
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::precision::Precision;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Dd, Number};
 use crate::system::{CoordinateId, Form, LinearSystem};
+use std::collections::BTreeMap;
+use std::fmt;
 
 /// The equations of motion, term by term.
 #[derive(Clone, Debug)]
@@ -39,16 +40,42 @@ pub struct Stretch {
     pub c: f64,
 }
 
-/// A coordinate that has no mass of its own.
+/// Why there are no equations.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Massless {
-    pub coordinate: String,
+pub enum NoEquations {
+    /// A coordinate that has no mass of its own.
+    Massless { coordinate: String },
+    /// So many masses move each other that L has more numbers than code is for.
+    TooMany,
+    /// A number that the precision does not hold.
+    OutOfRange { precision: &'static str },
 }
+
+impl fmt::Display for NoEquations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoEquations::Massless { coordinate } => write!(
+                f,
+                "`{coordinate}` moves without a mass of its own, so the equations are not of second order in it; `--style steps` emits it"
+            ),
+            NoEquations::TooMany => write!(
+                f,
+                "the masses are coupled so that the equations would have more than {MOST_NUMBERS} numbers for accelerations alone"
+            ),
+            NoEquations::OutOfRange { precision } => {
+                write!(f, "a number of the equations leaves the range of {precision} precision; check the units")
+            }
+        }
+    }
+}
+
+/// Numbers of L that are written out at most.
+const MOST_NUMBERS: usize = 1_000_000;
 
 type Row = Vec<(CoordinateId, Number)>;
 
 /// The equations of a system.
-pub fn equations(system: &LinearSystem, precision: Precision) -> Result<Equations, Massless> {
+pub fn equations(system: &LinearSystem, precision: Precision) -> Result<Equations, NoEquations> {
     let round = |x: &Number| precision.round(x.to_ball().mid);
     let (own, stretches) = stretches(system, precision);
     let (lower, inverse) = factors(system, precision)?;
@@ -67,7 +94,7 @@ pub fn equations(system: &LinearSystem, precision: Precision) -> Result<Equation
         start[i.index()] = (round(q), round(v));
     }
     let port = |name, unit: &str| Port { name: system.display(name), unit: unit.to_string() };
-    Ok(Equations {
+    let equations = Equations {
         coordinates: super::coordinates(system),
         inputs: system.inputs.iter().map(|input| port(input.name, input.unit)).collect(),
         outputs: system.outputs.iter().map(|output| port(output.name, &output.unit)).collect(),
@@ -80,27 +107,47 @@ pub fn equations(system: &LinearSystem, precision: Precision) -> Result<Equation
         seen: system.outputs.iter().map(|output| rows(&output.p)).collect(),
         direct: system.outputs.iter().map(|output| direct(&output.d)).collect(),
         start,
-    })
+    };
+    if equations.fits() { Ok(equations) } else { Err(NoEquations::OutOfRange { precision: precision.name() }) }
+}
+
+impl Equations {
+    /// Whether all numbers are numbers, and none that is a factor of something is lost.
+    fn fits(&self) -> bool {
+        let of = |row: &Vec<(usize, f64)>| row.iter().map(|(_, value)| *value).collect::<Vec<f64>>();
+        let rows = self.forces.iter().chain(&self.seen).chain(&self.direct).flatten().chain(&self.lower);
+        let stretches =
+            self.stretches.iter().flat_map(|stretch| of(&stretch.row).into_iter().chain([stretch.k, stretch.c]));
+        let pairs = self.own.iter().chain(&self.start).flat_map(|&(a, b)| [a, b]);
+        let kept = |x: f64| x == 0.0 || x.abs() >= self.precision.least();
+        rows.flat_map(of).chain(stretches).chain(pairs).chain(self.inverse.iter().copied()).all(|x| x.is_finite())
+            && self.inverse.iter().all(|&x| x != 0.0 && kept(x))
+            && self.stretches.iter().all(|stretch| kept(stretch.k) && kept(stretch.c))
+            && self.own.iter().all(|&(k, c)| kept(k) && kept(c))
+    }
 }
 
 /// Terms of K and C by their rows; those of one coordinate alone are summed.
 fn stretches(system: &LinearSystem, precision: Precision) -> (Vec<(f64, f64)>, Vec<Stretch>) {
     let mut own = vec![[Dd::ZERO; 2]; system.n()];
     let mut shared: Vec<(Row, [Dd; 2])> = Vec::new();
+    // Of one pair of coordinates there are few rows.
+    let mut places: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
     let mut add = |form: &Form, which: usize| {
         for term in form.terms() {
             let (row, weight) = (form.row(term), term.weight.to_ball().mid);
-            match row {
-                [(i, a)] => own[i.index()][which] += weight * a.to_ball().mid.square(),
-                _ => match shared.iter_mut().find(|(known, _)| known == row) {
-                    Some((_, weights)) => weights[which] += weight,
-                    None => {
-                        let mut weights = [Dd::ZERO; 2];
-                        weights[which] = weight;
-                        shared.push((row.to_vec(), weights));
-                    }
-                },
+            if let [(i, a)] = row {
+                own[i.index()][which] += weight * a.to_ball().mid.square();
+                continue;
             }
+            let alike = places.entry(row.iter().map(|(i, _)| i.index()).collect()).or_default();
+            let known = alike.iter().copied().find(|&at| shared[at].0 == row);
+            let at = known.unwrap_or_else(|| {
+                alike.push(shared.len());
+                shared.push((row.to_vec(), [Dd::ZERO; 2]));
+                shared.len() - 1
+            });
+            shared[at].1[which] += weight;
         }
     };
     add(&system.k, 0);
@@ -116,26 +163,54 @@ fn stretches(system: &LinearSystem, precision: Precision) -> (Vec<(f64, f64)>, V
 
 type Factors = (Vec<Vec<(usize, f64)>>, Vec<f64>);
 
-/// M = L D L^T, without the zeros of L.
-fn factors(system: &LinearSystem, precision: Precision) -> Result<Factors, Massless> {
+/// M = L D L^T without the zeros of L, row by row: L z = m with the columns that are known.
+fn factors(system: &LinearSystem, precision: Precision) -> Result<Factors, NoEquations> {
     let n = system.n();
-    let m = system.m.assemble(n);
-    let mut l = Matrix::zeros(n, n);
+    let m = sparse(&system.m, n);
+    let mut columns: Vec<Vec<(usize, Dd)>> = vec![Vec::new(); n];
+    let mut rows: Vec<Vec<(usize, Dd)>> = vec![Vec::new(); n];
     let mut d = vec![Dd::ZERO; n];
+    let size: Vec<f64> = (0..n).map(|i| m[i].get(&i).map_or(0.0, |x| x.hi)).collect();
+    let mut numbers = 0;
     for i in 0..n {
-        for j in 0..=i {
-            let known = (0..j).fold(m[i][j].mid, |rest, k| rest - l[(i, k)] * d[k] * l[(j, k)]);
-            if i == j {
-                if known.hi <= 1e-20 * m[i][i].mid.hi {
-                    let coordinate = system.display(system.coordinates[i].name);
-                    return Err(Massless { coordinate });
-                }
-                d[i] = known;
-            } else if known.hi.abs() > 1e-28 * (m[i][i].mid.hi * m[j][j].mid.hi).sqrt() {
-                l[(i, j)] = known / d[j];
+        let mut rest = m[i].clone();
+        let mut diagonal = rest.remove(&i).unwrap_or(Dd::ZERO);
+        while let Some((j, z)) = rest.pop_first() {
+            if z.hi.abs() <= 1e-28 * (size[i] * size[j]).sqrt() {
+                continue;
+            }
+            let l = z / d[j];
+            for &(k, other) in &columns[j] {
+                *rest.entry(k).or_insert(Dd::ZERO) -= other * z;
+            }
+            diagonal -= l * z;
+            rows[i].push((j, l));
+        }
+        if diagonal.hi.is_nan() || diagonal.hi <= 1e-20 * size[i] {
+            return Err(NoEquations::Massless { coordinate: system.display(system.coordinates[i].name) });
+        }
+        d[i] = diagonal;
+        numbers += rows[i].len();
+        if numbers > MOST_NUMBERS {
+            return Err(NoEquations::TooMany);
+        }
+        rows[i].iter().for_each(|&(j, l)| columns[j].push((i, l)));
+    }
+    let rounded = |row: Vec<(usize, Dd)>| row.into_iter().map(|(j, l)| (j, precision.round(l))).collect();
+    Ok((rows.into_iter().map(rounded).collect(), d.iter().map(|&d| precision.round(Dd::ONE / d)).collect()))
+}
+
+/// The rows of a matrix, up to the diagonal.
+fn sparse(form: &Form, n: usize) -> Vec<BTreeMap<usize, Dd>> {
+    let mut rows: Vec<BTreeMap<usize, Dd>> = vec![BTreeMap::new(); n];
+    for term in form.terms() {
+        let (row, weight) = (form.row(term), term.weight.to_ball().mid);
+        for (i, a) in row {
+            let scaled = weight * a.to_ball().mid;
+            for (j, b) in row.iter().filter(|(j, _)| j <= i) {
+                *rows[i.index()].entry(j.index()).or_insert(Dd::ZERO) += scaled * b.to_ball().mid;
             }
         }
     }
-    let row = |i: usize| (0..i).filter(|&j| !l[(i, j)].is_zero()).map(|j| (j, precision.round(l[(i, j)]))).collect();
-    Ok(((0..n).map(row).collect(), d.iter().map(|&d| precision.round(Dd::ONE / d)).collect()))
+    rows
 }

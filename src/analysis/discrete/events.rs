@@ -1,72 +1,94 @@
-//! What happens between samples, as changes of all states at the next sample: a signal that comes on, a blow. In: the events of
-//! the signals, the blocks and their cells. Out: changes in numbers of the target. Clause: spec.md, "Simulation code".
+//! What happens between samples: the states of piecewise signals are set at the next sample, and the states of the blocks get
+//! what they lack: of a signal that has changed on the way, of a blow. In: the signals, the blocks and their cells. Out: changes in
+//! numbers of the target. Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Event;
 use crate::analysis::discrete::block::{Block, product};
-use crate::analysis::discrete::cell::{Cell, Made, MadeSignal};
-use crate::analysis::discrete::hold::{exponential, moved};
+use crate::analysis::discrete::cell::{Made, MadeSignal};
+use crate::analysis::discrete::hold::moved;
+use crate::analysis::discrete::pieces::Seen;
 use crate::analysis::discrete::precision::Precision;
-use crate::analysis::discrete::signals::{Change, Signals};
+use crate::analysis::discrete::signals::{MOST_EVENTS, Signals};
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use std::collections::BTreeSet;
 
-/// The changes, by the step before which they are made: states of signals first, then of the blocks.
+/// Why there are no events.
+pub enum Fault {
+    TooMany { input: usize },
+    OutOfRange,
+}
+
+/// The changes, by the sample at which they are made: states of signals first, then of the blocks.
 pub fn changes(
     signals: &Signals,
     blocks: &[Block],
     made_signals: &[MadeSignal],
     made: &[Made],
+    seen: impl Fn(usize) -> Seen,
     h: Dd,
-) -> Option<Vec<(u64, Vec<Dd>)>> {
-    let mut changes: Vec<(u64, Vec<Dd>)> = Vec::new();
-    for event in &signals.events {
-        let mut change = Vec::new();
-        let before = event.before;
-        for (i, signal) in made_signals.iter().enumerate() {
-            let chain = &signals.chains[i];
-            match &event.change {
-                Change::Chain(of, jump) if *of == i => {
-                    let later = exponential(chain.generator.map(|x| x * before))?;
-                    change.extend(image(&signal.s, &image(&later, jump)));
-                }
-                _ => change.extend(vec![Dd::ZERO; chain.size()]),
-            }
-        }
-        for (block, made) in blocks.iter().zip(made) {
-            let own = match &event.change {
-                Change::Chain(of, jump) => image(&signals.chains[*of].on(block, before, h)?, jump),
-                Change::Blow(input, value) => {
-                    let blow: Vec<Dd> = block.b.column(*input).iter().map(|&b| b * *value).collect();
-                    moved(&block.a, &blow, before * h)?
-                }
-            };
-            change.extend(image(&made.s, &own));
-        }
-        match changes.last_mut() {
-            Some((tick, sum)) if *tick == event.tick => sum.iter_mut().zip(change).for_each(|(sum, x)| *sum += x),
-            _ => changes.push((event.tick, change)),
+) -> Result<Vec<(u64, Vec<Dd>)>, Fault> {
+    let mut ticks: BTreeSet<u64> = signals.blows.iter().map(|blow| blow.when.tick).collect();
+    for chain in &signals.chains {
+        ticks.extend(chain.ticks());
+        if ticks.len() > MOST_EVENTS {
+            return Err(Fault::TooMany { input: chain.input });
         }
     }
-    Some(changes)
+    if let Some(blow) = signals.blows.first().filter(|_| ticks.len() > MOST_EVENTS) {
+        return Err(Fault::TooMany { input: blow.input });
+    }
+    let change = |tick: u64| -> Option<Vec<Dd>> {
+        let mut change = Vec::new();
+        for (chain, signal) in signals.chains.iter().zip(made_signals) {
+            change.extend(match signal.set {
+                true => image(&signal.s, &chain.used(tick, seen(chain.input))),
+                false => vec![Dd::ZERO; chain.size()],
+            });
+        }
+        for (block, made) in blocks.iter().zip(made) {
+            let mut own = vec![Dd::ZERO; block.size()];
+            for chain in &signals.chains {
+                let lacking = chain.correction(block, tick, seen(chain.input), h)?;
+                own.iter_mut().zip(lacking).for_each(|(sum, x)| *sum += x);
+            }
+            for blow in signals.blows_at(tick) {
+                let moment: Vec<Dd> = block.b.column(blow.input).iter().map(|&b| b * blow.value).collect();
+                let moved = moved(&block.a, &moment, blow.when.before * h)?;
+                own.iter_mut().zip(moved).for_each(|(sum, x)| *sum += x);
+            }
+            change.extend(image(&made.s, &own));
+        }
+        Some(change)
+    };
+    ticks.into_iter().map(|tick| Some((tick, change(tick)?))).collect::<Option<_>>().ok_or(Fault::OutOfRange)
 }
 
 fn image(m: &Matrix<Dd>, x: &[Dd]) -> Vec<Dd> {
     product(m, &Matrix::from_fn(x.len(), 1, |i, _| x[i])).column(0).to_vec()
 }
 
-/// The changes after the first step; those before it are part of the start.
-pub fn after_start(changes: Vec<(u64, Vec<Dd>)>, cells: &mut [Cell], precision: Precision) -> Vec<Event> {
-    let mut events = Vec::new();
-    for (tick, change) in changes {
-        let change: Vec<f64> = change.into_iter().map(|x| precision.round(x)).collect();
+/// The changes after the first sample, rounded and not; those at it are part of the start. `set`: which states are set, not
+/// added to.
+pub fn after_start(
+    changes: Vec<(u64, Vec<Dd>)>,
+    set: &[bool],
+    start: &mut [Dd],
+    precision: Precision,
+) -> (Vec<Event>, Vec<Vec<Dd>>) {
+    let mut events = (Vec::new(), Vec::new());
+    for (tick, exact) in changes {
         if tick > 0 {
-            if change.iter().any(|x| *x != 0.0) {
-                events.push(Event { tick, change });
+            let change: Vec<f64> = exact.iter().map(|&x| precision.round(x)).collect();
+            if set.contains(&true) || change.iter().any(|x| *x != 0.0) {
+                events.0.push(Event { tick, change });
+                events.1.push(exact);
             }
             continue;
         }
-        let states = cells.iter_mut().flat_map(|cell| &mut cell.start);
-        states.zip(change).for_each(|(state, change)| *state = precision.round(Dd::new(*state, change)));
+        for ((state, change), set) in start.iter_mut().zip(exact).zip(set) {
+            *state = if *set { change } else { *state + change };
+        }
     }
     events
 }

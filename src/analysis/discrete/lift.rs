@@ -1,6 +1,6 @@
 //! Two states as a lifted step: v <- v - c v - k x + g u, x <- x + p v (both with the other sign where the motion turns by more
-//! than a quarter). In: F of a block, or its trace and determinant. Out: c, k, p in the precision of the target, and
-//! coordinates in which F has that form.
+//! than a quarter). In: the step of a block. Out: c, k, p in the precision of the target, and
+//! coordinates in which F has that form; nothing where F is nearly a multiple of one, which has it in none.
 //!
 //! The determinant of the step is 1 - c and |1 - lambda|^2 is p k, whatever c, k and p are: c rounds with its own relative
 //! error, and only the product of k and p matters, so k is chosen among neighbours until p rounds well. So amplitude and
@@ -9,6 +9,7 @@
 //! "Simulation code".
 
 use crate::analysis::discrete::precision::Precision;
+use crate::analysis::discrete::turn::Turn;
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 
@@ -54,23 +55,21 @@ const GOLDEN_ROOT: f64 = 1.272019649514069;
 /// Neighbours tried for k: the best of so many has a product good to twelve bits more than the precision.
 const TRIALS: u32 = 4096;
 
+/// Rows x and v nearer to each other than this, as sine of the angle between them, are no coordinates: F is nearly a
+/// multiple of one, which no choice of x tells apart from it.
+const LEAST_ANGLE: f64 = 0.05;
+
 /// F in lifted form, in coordinates in which the input `drive` (a column of w) acts on v alone, with factor one, if that can be.
-pub fn lift(f: &Matrix<Dd>, trace_rate: Dd, drive: Option<[Dd; 2]>, precision: Precision) -> Option<Lifted> {
-    let trace = f[(0, 0)] + f[(1, 1)];
-    // det F = exp(tr A h), 1 - det without cancellation.
-    let lost = -crate::analysis::discrete::precision::exp_minus_one(trace_rate)?;
+pub fn lift(turn: &Turn, drive: Option<[Dd; 2]>, precision: Precision) -> Option<Lifted> {
+    let (lost, product) = (turn.lost, turn.product);
     let det = Dd::ONE - lost;
-    let turned = trace.hi < 0.0;
-    let sign = if turned { -Dd::ONE } else { Dd::ONE };
-    let product = Dd::ONE - sign * trace + det;
     if product.hi < 0.0 || det.hi <= LEAST {
         return None;
     }
     let (k, p) = factors(product, det, precision);
     let decay = if det.hi > 0.25 { Decay::Lose(precision.round(lost)) } else { Decay::Keep(precision.round(det)) };
-    let lift = Lift { turned, decay, k, p };
-    let step = f.map(|x| sign * x);
-    let s = coordinates(&step, det, Dd::from(p), drive)?;
+    let lift = Lift { turned: turn.turned, decay, k, p };
+    let s = coordinates(turn, det, Dd::from(p), drive)?;
     Some(Lifted { lift, s })
 }
 
@@ -96,23 +95,24 @@ fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
     (best.0, best.2)
 }
 
-/// Rows x and v with x' = x + p v', v' = det v - k x: any row x will do that is no left eigenvector; v = x (I - F^-1) / p.
-fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Matrix<Dd>> {
+/// Rows x and v with x' = x + p v', v' = det v - k x: any row x will do that is no left eigenvector; v = x (1 - F^-1) / p, and
+/// 1 - F^-1 = (E + det E) / det F with F = 1 + E.
+fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Matrix<Dd>> {
+    let step = &turn.change;
     let inverse = Matrix::from_fn(2, 2, |i, j| {
-        let entry = if i == j { step[(1 - i, 1 - j)] } else { -step[(i, j)] };
+        let entry = if i == j { Dd::ONE + step[(1 - i, 1 - j)] } else { -step[(i, j)] };
         entry / det
     });
     let rows = |x: [Dd; 2]| {
         let change = |j: usize| {
-            let terms = [x[j], -(x[0] * inverse[(0, j)]), -(x[1] * inverse[(1, j)])];
+            let terms = [x[j] * turn.product, x[0] * step[(0, j)], x[1] * step[(1, j)]];
             let sum = terms[0] + terms[1] + terms[2];
             let size: f64 = terms.iter().map(|x| x.hi.abs()).sum();
             // What is left of zero by rounding is nothing.
-            if sum.hi.abs() <= 1e-26 * size { Dd::ZERO } else { sum / p }
+            if sum.hi.abs() <= 1e-26 * size { Dd::ZERO } else { sum / (p * det) }
         };
         [x, [change(0), change(1)]]
     };
-    let size = [0, 1].map(|j| step[(0, j)].hi.abs() + step[(1, j)].hi.abs());
     // Independence of the rows, measured in coordinates of the size of the motion.
     let balance = (step[(0, 1)].hi.abs() / step[(1, 0)].hi.abs()).sqrt();
     let balance = if balance.is_finite() && balance > 0.0 { balance } else { 1.0 };
@@ -125,6 +125,9 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
     let other = rows([Dd::ZERO, Dd::ONE]);
     if independence(plain) < 0.3 * independence(other) {
         plain = other;
+    }
+    if independence(plain).is_nan() || independence(plain) < LEAST_ANGLE {
+        return None;
     }
     let mut chosen = plain;
     if let Some(g) = drive {
@@ -143,8 +146,8 @@ fn coordinates(step: &Matrix<Dd>, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Opt
             scale = Dd::ONE / on_v;
         }
     }
-    let finite = size.iter().all(|x| x.is_finite()) && scale.is_finite();
-    finite.then(|| Matrix::from_fn(2, 2, |i, j| chosen[i][j] * scale))
+    let s = Matrix::from_fn(2, 2, |i, j| chosen[i][j] * scale);
+    (0..2).all(|j| s.column(j).iter().all(|x| x.is_finite())).then_some(s)
 }
 
 /// Written out, so that it is the same on every machine.
@@ -178,6 +181,7 @@ mod tests {
     use super::*;
     use crate::analysis::discrete::block::product;
     use crate::analysis::discrete::hold::propagator;
+    use crate::analysis::discrete::turn::turn;
 
     /// Undamped and damped oscillators, slow and fast beside the step, critical and rigid: the lifted step is F in other
     /// coordinates.
@@ -190,7 +194,8 @@ mod tests {
                 let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
                 let h = Dd::from(0.1);
                 let f = propagator(&a, h).expect("in range").f;
-                let lifted = lift(&f, -(Dd::from(c) * h), drive, Precision::Double).expect("a form");
+                let turn = turn(&a.map(|x| x * h), None).expect("in range");
+                let lifted = lift(&turn, drive, Precision::Double).expect("a form");
                 let left = product(&lifted.s, &f);
                 let right = product(&lifted.lift.matrix(), &lifted.s);
                 for j in 0..2 {

@@ -7,8 +7,9 @@
 //! 1. [`modal`] or [`invariant`]: the continuous system as independent blocks
 //! 2. [`reduce`]: what no input reaches, no output sees or the tolerance allows to leave out
 //! 3. [`hold`], [`lift`]: one step of each block, in the form that loses least
-//! 4. [`rounding`]: what the target's rounding can do
+//! 4. [`rounding`]: what the target's rounding can do at most; [`beside`]: what it does where the run is known
 
+mod beside;
 pub mod block;
 pub mod cell;
 pub mod equations;
@@ -18,10 +19,12 @@ pub mod invariant;
 pub mod lift;
 pub mod modal;
 pub mod parameter;
+mod pieces;
 pub mod precision;
 pub mod reduce;
 pub mod rounding;
 pub mod signals;
+mod turn;
 
 pub use cell::{Cell, Form, Operand};
 pub use lift::{Decay, Lift};
@@ -31,8 +34,11 @@ pub use rounding::Rounding;
 pub use signals::Signals;
 
 use crate::analysis::answer::Modes;
+use crate::analysis::discrete::beside::Exact;
 use crate::analysis::discrete::block::{Direct, Split};
 use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
+use crate::analysis::discrete::events::Fault;
+use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::poles;
@@ -74,10 +80,11 @@ pub struct Port {
     pub unit: String,
 }
 
-/// A change of all states, in the order of the cells, before a step.
+/// A change of all states, in the order of the cells, at a sample.
 #[derive(Clone, Debug)]
 pub struct Event {
     pub tick: u64,
+    /// What is added to each state, or what it is set to.
     pub change: Vec<f64>,
 }
 
@@ -104,18 +111,36 @@ pub struct DiscreteSystem {
     pub taken: Vec<Vec<(Operand, f64)>>,
     /// How many of the cells, the first ones, are those of signals.
     pub signals: usize,
-    /// What happens to all states at certain steps, ascending.
+    /// What happens to all states at certain samples, ascending.
     pub events: Vec<Event>,
+    /// For each state, whether events set it, not add to it.
+    pub set: Vec<bool>,
     /// Outputs that would follow the derivative of an input, which an input that is held does not have.
     pub without_slope: Vec<usize>,
     pub left: Vec<Left>,
     pub rounding: Rounding,
+    /// What rounding does to code without inputs, as it runs from its start.
+    pub measured: Vec<Measured>,
+}
+
+/// A bound of the outputs' errors by rounding over so many steps, beside the largest value of each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    pub steps: u64,
+    pub error: f64,
 }
 
 impl DiscreteSystem {
     /// Number of states.
     pub fn states(&self) -> usize {
         self.cells.iter().map(Cell::size).sum()
+    }
+
+    /// Whether all of its numbers are numbers.
+    fn is_finite(&self) -> bool {
+        let rows = [&self.direct, &self.offset, &self.taken].into_iter().flatten().flatten().map(|(_, value)| *value);
+        let changes = self.events.iter().flat_map(|event| &event.change).copied();
+        rows.chain(changes).chain(self.cells.iter().flat_map(Cell::numbers)).all(f64::is_finite)
     }
 
     /// Whether the last inputs are part of the state.
@@ -156,11 +181,15 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     let left = reduce::reduce(&mut split, &start, options);
     let signals = signals.useful(|input| split.feels(input));
     let step = options.step.to_ball().mid;
+    let turning = split.blocks.iter().any(|block| block.a.rows() == 2 && too_far(&block.a.map(|x| x * step)));
+    if turning || signals.chains.iter().any(|chain| chain.angle.is_some() && too_far(&chain.generator)) {
+        return Err(AnalysisError::step_too_long(system));
+    }
     let driven = |j: &usize| options.internal.get(*j).is_some_and(|list| !list.is_empty());
     let given: Vec<usize> = (0..system.inputs.len()).filter(|j| !driven(j)).collect();
     let maker =
         Maker { step, hold: options.hold, precision: options.precision, given: given.clone(), chains: &signals.chains };
-    let out_of_range = || AnalysisError::out_of_range(system);
+    let out_of_range = || AnalysisError::code_out_of_range(system, options.precision.name());
     let mut first = 0;
     let mut made_signals = Vec::with_capacity(signals.chains.len());
     for chain in &signals.chains {
@@ -176,20 +205,42 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         add_columns(&mut offset, &cell.moved);
         made.push(cell);
     }
+    let seen = |i: usize| {
+        let at_once = direct[i].iter().map(|&(_, value)| value);
+        at_once
+            .chain(made.iter().flat_map(move |made| (0..made.c.columns()).map(|j| made.c[(i, j)]).collect::<Vec<Dd>>()))
+    };
+    if !(0..system.outputs.len()).all(|i| options.precision.keeps(seen(i))) {
+        return Err(out_of_range());
+    }
     let taken = made.iter().flat_map(|made| maker.taken(made, &split.direct, &made_signals)).collect();
-    let changes = events::changes(&signals, &split.blocks, &made_signals, &made, step).ok_or_else(out_of_range)?;
+    let changes = events::changes(&signals, &split.blocks, &made_signals, &made, |j| split.direct.seen(j), step);
+    let changes = changes.map_err(|fault| match fault {
+        Fault::TooMany { input } => AnalysisError::signal_too_long(system, input),
+        Fault::OutOfRange => out_of_range(),
+    })?;
+    let made_start = made_signals.iter().map(|made| &made.start).chain(made.iter().map(|made| &made.start));
+    let mut start: Vec<Dd> = made_start.flatten().copied().collect();
+    let exact_cells = made_signals.iter().map(|made| &made.exact).chain(made.iter().map(|made| &made.exact));
+    let exact_cells = exact_cells.cloned().collect();
+    let bounds = signals.chains.iter().map(|chain| chain.spread()).collect::<Vec<_>>();
+    let mut set: Vec<bool> = made_signals.iter().flat_map(|made| vec![made.set; made.cell.size()]).collect();
     let mut cells: Vec<Cell> = made_signals.into_iter().map(|made| made.cell).collect();
     let signal_cells = cells.len();
     cells.extend(made.into_iter().map(|made| made.cell));
-    let events = events::after_start(changes, &mut cells, options.precision);
-    let rounding = rounding::rounding(&cells, options.precision);
+    set.resize(cells.iter().map(Cell::size).sum(), false);
+    let (events, exact_events) = events::after_start(changes, &set, &mut start, options.precision);
+    let places = cells.iter_mut().flat_map(|cell| &mut cell.start);
+    places.zip(&start).for_each(|(place, &state)| *place = options.precision.round(state));
+    let rounding = rounding::rounding(&cells, &bounds, options.precision);
+    let exact = Exact { cells: exact_cells, start, events: exact_events };
     let round = |row: Vec<(Operand, Dd)>| rounded_terms(&row, options.precision);
     let slopes = &split.direct.outputs[1];
     let without_slope = (0..system.outputs.len()).filter(|&i| {
         let row = |m: &Matrix<Dd>| given.iter().any(|&j| !m[(i, j)].is_zero());
         row(&split.direct.outputs[2]) || options.hold == Hold::Zero && row(slopes)
     });
-    Ok(DiscreteSystem {
+    let mut discrete = DiscreteSystem {
         coordinates: coordinates(system),
         rates: system.coordinates.iter().map(|c| rate_unit(c.kind)).collect(),
         inputs: (given.iter().map(|&j| &system.inputs[j]))
@@ -210,9 +261,19 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         taken,
         signals: signal_cells,
         events,
+        set,
         left,
         rounding,
-    })
+        measured: Vec::new(),
+    };
+    if !discrete.is_finite() {
+        return Err(out_of_range());
+    }
+    if discrete.inputs.is_empty() {
+        let last = options.until.as_ref().map(|until| (until / &options.step).to_f64() as u64);
+        discrete.measured = beside::measured(&discrete, &exact, last);
+    }
+    Ok(discrete)
 }
 
 fn split(system: &LinearSystem, modes: &Modes) -> Result<Split, AnalysisError> {

@@ -22,6 +22,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         return None;
     }
     let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
+    let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
     let mut x = Matrix::from_fn(n, n, |i, j| Dd::from(modes.list[j].shape[i]));
     for _ in 0..2 {
         x = newton(&x, &gram(&m, &x).mid(), &gram(&k, &x).mid());
@@ -50,6 +51,42 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         oscillator.blocks(name, &mut found);
     }
     Some(found)
+}
+
+/// X^T A X where A has far more terms than entries, as of springs between all pairs of bodies: from the entries, unless that loses
+/// digits that the terms would keep.
+fn gram_of_many(form: &Squares, x: &Matrix<Dd>) -> Option<Matrix<Ball>> {
+    let n = x.rows();
+    if form.len() < 4 * n {
+        return None;
+    }
+    let mut a = Matrix::filled(n, n, Ball::ZERO);
+    for t in 0..form.len() {
+        let (indices, values) = form.row(t);
+        for (&i, &p) in indices.iter().zip(values) {
+            let weighted = form.weights[t] * p;
+            indices.iter().zip(values).for_each(|(&j, &q)| {
+                let entry = &mut a[(i as usize, j as usize)];
+                *entry = *entry + weighted * q;
+            });
+        }
+    }
+    let sum = |of: &dyn Fn(usize) -> Ball, y: &[Dd]| {
+        y.iter()
+            .enumerate()
+            .fold(Ball::ZERO, |sum, (i, &y)| if y.is_zero() { sum } else { sum + of(i) * Ball::exact(y) })
+    };
+    let ax = Matrix::from_fn(n, n, |i, j| sum(&|k| a[(i, k)], x.column(j)));
+    let mut gram = Matrix::filled(n, n, Ball::ZERO);
+    for j in 0..n {
+        for i in 0..=j {
+            let entry = sum(&|k| ax[(k, j)], x.column(i));
+            (gram[(i, j)], gram[(j, i)]) = (entry, entry);
+        }
+    }
+    let size = |i: usize| gram[(i, i)].magnitude();
+    let kept = |i: usize, j: usize| gram[(i, j)].rad <= 1e-3 * COUPLED * (size(i) * size(j)).sqrt();
+    (0..n).all(|j| (0..=j).all(|i| kept(i, j))).then_some(gram)
 }
 
 fn name(index: usize, mode: &Mode) -> String {

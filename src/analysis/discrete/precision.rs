@@ -19,6 +19,28 @@ impl Precision {
         }
     }
 
+    /// As in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        }
+    }
+
+    /// The smallest number that has all its digits.
+    pub fn least(self) -> f64 {
+        match self {
+            Precision::Double => f64::MIN_POSITIVE,
+            Precision::Single => f64::from(f32::MIN_POSITIVE),
+        }
+    }
+
+    /// Whether what is left of numbers that are not all zero has all its digits, that of the largest at least.
+    pub fn keeps(self, numbers: impl IntoIterator<Item = Dd>) -> bool {
+        let largest = numbers.into_iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
+        largest == 0.0 || self.round(Dd::from(largest)) >= self.least()
+    }
+
     /// The next larger number in magnitude.
     pub fn next(self, x: f64) -> f64 {
         match self {

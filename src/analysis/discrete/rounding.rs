@@ -5,8 +5,9 @@
 //! steps the error is at most rho unit (1 + r + ... + r^(N-1)) max |w|. A pair of complex poles has such a norm, the modulus of
 //! its modal coordinate; for other cells the powers of F are bounded by squaring.
 
-use crate::analysis::discrete::cell::{Cell, Form};
+use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
+use crate::analysis::discrete::pieces::Spread;
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::enclosure::norm_bound;
@@ -34,34 +35,48 @@ impl Rounding {
     }
 }
 
-/// The bound for these cells.
-pub fn rounding(cells: &[Cell], precision: Precision) -> Rounding {
+/// The bound for these cells. `spreads`: the pieces of the polynomials among them, which are the first ones.
+pub fn rounding(cells: &[Cell], spreads: &[Vec<Spread>], precision: Precision) -> Rounding {
     let unit = precision.unit();
-    let inputs = |cell: &Cell| cell.input.iter().map(Vec::len).max().unwrap_or(0) as f64;
-    let bounds = cells.iter().map(|cell| {
+    // Coefficient, product and sum of each input; a factor of one is none.
+    let term = |&(_, g): &(Operand, f64)| if g.abs() == 1.0 { 1.0 } else { 3.0 };
+    let of_state = |terms: &Vec<(Operand, f64)>| terms.iter().map(term).sum::<f64>();
+    let inputs = |cell: &Cell| cell.input.iter().map(of_state).fold(0.0, f64::max);
+    let bounds = cells.iter().enumerate().map(|(i, cell)| {
+        if let Some(spread) = spreads.get(i).filter(|spread| !spread.is_empty()) {
+            return ((cell.size() as f64 + 2.0) * unit, polynomial(spread));
+        }
         let (step, sums) = match &cell.form {
-            // Coefficient, product and sums of each term.
-            Form::Keep(r) => (2.0 * (3.0 + inputs(cell)), powers(&Matrix::filled(1, 1, *r))),
-            Form::Lose(d) => (2.0 * (3.0 + inputs(cell)), powers(&Matrix::filled(1, 1, 1.0 - d))),
-            Form::Pair(lift) => pair(lift, inputs(cell)),
-            Form::Dense(e) => {
+            // Coefficient and product of the own term, its sum.
+            Form::Keep(r) => (3.0 + inputs(cell), powers(&Matrix::filled(1, 1, *r))),
+            Form::Lose(d) => (1.0 + 3.0 * d.abs() + inputs(cell), powers(&Matrix::filled(1, 1, 1.0 - d))),
+            Form::Pair(lift) => pair(lift, [0, 1].map(|i| cell.input.get(i).map_or(0.0, of_state))),
+            Form::Dense { turned, rows: e } => {
                 let n = e.len();
-                let f = Matrix::from_fn(n, n, |i, j| e[i][j] + if i == j { 1.0 } else { 0.0 });
+                let own = if *turned { -1.0 } else { 1.0 };
+                let f = Matrix::from_fn(n, n, |i, j| e[i][j] + if i == j { own } else { 0.0 });
                 let size = norm_bound(n, n, |i, j| e[i][j].abs());
-                (2.0 * (n as f64 + 3.0 + inputs(cell)) * (1.0 + size), powers(&f))
+                (1.0 + (n as f64 + 2.0) * size + inputs(cell), powers(&f))
             }
         };
-        (step * unit, sums)
+        (step * unit * 1.001, sums)
     });
     let terms = cells.iter().map(|cell| cell.size()).sum::<usize>();
     Rounding { output: (terms as f64 + 4.0) * unit, cells: bounds.collect() }
 }
 
+/// Of a polynomial whose states are set at every knot: after m of n steps from one, a state is off by m roundings of the sum of its
+/// terms' sizes, and what that adds to the value at the end is no more than so many roundings of the sum of all terms there.
+fn polynomial(spread: &[Spread]) -> Vec<f64> {
+    let after = |steps: f64| spread.iter().map(|s| (1.0 + s.steps.min(steps)) * s.terms).fold(0.0, f64::max);
+    (0..=DOUBLINGS).map(|i| after(2f64.powi(i as i32))).collect()
+}
+
 /// In the modulus of the modal coordinate zeta = k x + mu v, where its poles are complex and apart; in the plain norm else.
-fn pair(lift: &Lift, inputs: f64) -> (f64, Vec<f64>) {
-    let keep = match lift.decay {
-        Decay::Lose(c) => 1.0 - c,
-        Decay::Keep(r) => r,
+fn pair(lift: &Lift, inputs: [f64; 2]) -> (f64, Vec<f64>) {
+    let (keep, damped) = match lift.decay {
+        Decay::Lose(c) => (1.0 - c, if c == 0.0 { 0.0 } else { 1.0 + 2.0 * c.abs() }),
+        Decay::Keep(r) => (r, 2.0 * r.abs()),
     };
     let (k, p) = (lift.k.abs(), lift.p.abs());
     // L = [1 - p k, p keep; -k, keep]: mu = 1 - p k - lambda.
@@ -69,20 +84,20 @@ fn pair(lift: &Lift, inputs: f64) -> (f64, Vec<f64>) {
     let imaginary = (keep - half * half).max(0.0).sqrt();
     let real = 1.0 - p * k - half;
     let mu = (real * real + imaginary * imaginary).sqrt();
-    let counted = 4.0 + inputs;
+    // Of v: the damped term, the sums with inputs and with k x, that coefficient and product; of x: coefficient, product and sum, and
+    // inputs.
+    let of_x = k * (1.0 + inputs[0]) + 2.0 * mu * k;
+    let of_v = 2.0 * k * p + mu * (damped + 1.0 + inputs[1]);
     if imaginary > 0.05 * mu && k > 0.0 {
-        // Of |zeta| = 1: the largest v and x.
-        let (v, x) = (1.0 / imaginary, mu / imaginary / k);
-        let in_v = counted * (3.0 * v + 2.0 * k * x);
-        let in_x = 2.0 * p * v + 2.0 * x;
-        let step = k * in_x + mu * in_v;
+        // The largest of_x |x| + of_v |v| with |zeta| = 1: v = -Im zeta / Im lambda and k x = Re zeta - Re mu v.
+        let (re, im) = (of_x / k, (of_x * real.abs() / k + of_v) / imaginary);
+        let step = (re * re + im * im).sqrt();
         let r = keep.sqrt();
         let sums = (0..=DOUBLINGS).map(|i| geometric(r, 2f64.powi(i as i32)));
         return (step, sums.collect());
     }
     let f = lift.matrix().map(|x: Dd| x.hi.abs() * x.hi.signum());
-    let size = norm_bound(2, 2, |i, j| f[(i, j)].abs());
-    (counted * 4.0 * (1.0 + size + p + k), powers(&f))
+    (2.0 * p + 1.0 + inputs[0] + damped + 1.0 + inputs[1] + 2.0 * k, powers(&f))
 }
 
 /// 1 + r + ... + r^(n-1)
@@ -107,8 +122,8 @@ fn powers(f: &Matrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::discrete::hold::propagator;
     use crate::analysis::discrete::lift::lift;
+    use crate::analysis::discrete::turn::turn;
 
     fn cell(form: Form, size: usize) -> Cell {
         let none = || vec![Vec::new(); size];
@@ -121,7 +136,7 @@ mod tests {
         match form {
             Form::Keep(r) => (vec![r * w[0]], vec![2.0 * (r * w[0]).abs()]),
             Form::Lose(d) => (vec![w[0] - d * w[0]], vec![2.0 * (d * w[0]).abs() + (w[0] - d * w[0]).abs()]),
-            Form::Dense(rows) => {
+            Form::Dense { rows, .. } => {
                 let size = |row: &Vec<f64>| row.iter().zip(w).map(|(e, w)| (e * w).abs()).sum::<f64>();
                 let change = |row: &Vec<f64>| row.iter().zip(w).map(|(e, w)| e * w).sum::<f64>();
                 let next: Vec<f64> = rows.iter().zip(w).map(|(row, w)| w + change(row)).collect();
@@ -178,17 +193,17 @@ mod tests {
         let oscillators = [(400.0, 0.0), (400.0, 2.0), (1e4, 0.0), (4e4, 3.0), (9e4, 0.0), (1.0, 0.0), (4e4, 100.0)];
         for (k, c) in oscillators.into_iter().chain([(1e4, 200.0), (100.0, 20.0)]) {
             let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
-            let f = propagator(&a, Dd::from(0.01)).expect("in range").f;
-            let lifted = lift(&f, Dd::from(-c * 0.01), None, Precision::Double).expect("a form");
+            let turn = turn(&a.map(|x| x * 0.01), None).expect("in range");
+            let lifted = lift(&turn, None, Precision::Double).expect("a form");
             forms.push((Form::Pair(lifted.lift), vec![1.0, 0.3]));
         }
         forms.extend([(Form::Keep(0.3), vec![1.0]), (Form::Lose(1e-4), vec![1.0]), (Form::Lose(0.0), vec![1.0])]);
         let turn = vec![vec![0.1f64.cos() - 1.0, 0.1f64.sin()], vec![-0.1f64.sin(), 0.1f64.cos() - 1.0]];
-        forms.push((Form::Dense(turn), vec![1.0, 0.0]));
+        forms.push((Form::Dense { turned: false, rows: turn }, vec![1.0, 0.0]));
         let mut ratios = Vec::new();
         for (form, start) in &forms {
             for steps in [1023, 65535] {
-                let bound = rounding(&[cell(form.clone(), start.len())], Precision::Double);
+                let bound = rounding(&[cell(form.clone(), start.len())], &[], Precision::Double);
                 let bound = (bound.after(steps) - bound.output) / Precision::Double.unit();
                 let worst = conspiring(form, start, steps as usize);
                 let over = bound / worst;

@@ -1,15 +1,15 @@
 //! Signals built into the state, so that nothing is lost between samples: a harmonic is two states that turn, a step, a ramp or a
-//! polynomial a chain of states, and what happens between two samples (a step comes on, a ramp ends, a blow falls) is a change
-//! of all states at the next sample. In: the signals of each input. Out: cells of their own, what they do to the other
-//! blocks, and the changes. Clause: spec.md, "Simulation code".
+//! polynomial a chain of states. In: the signals of each input. Out: cells of their own, what they do to the other blocks, and
+//! what happens between samples. Clause: spec.md, "Simulation code".
 //!
 //! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, whatever h is.
 
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::coupled;
+use crate::analysis::discrete::pieces::{self, Knot, When};
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::signal::Source;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Dd, Number, Rational};
 use crate::system::{LinearSystem, Signal};
 
 /// The states of one signal.
@@ -22,25 +22,21 @@ pub struct Chain {
     /// u, u' and u'' as rows over s.
     pub rows: [Vec<Dd>; 3],
     pub start: Vec<Dd>,
+    /// How far a harmonic turns in a step, less whole turns, rad.
+    pub angle: Option<Dd>,
+    /// Where the polynomial changes, ascending; of a harmonic there are none.
+    pub knots: Vec<Knot>,
+    /// The largest value at t = 0 and the knots.
+    pub largest: f64,
     pub name: String,
 }
 
-/// What happens at one time.
+/// A blow on an input.
 #[derive(Clone, Debug)]
-pub struct Event {
-    /// The first sample not before it.
-    pub tick: u64,
-    /// How long before that sample it happens, in steps.
-    pub before: Dd,
-    pub change: Change,
-}
-
-#[derive(Clone, Debug)]
-pub enum Change {
-    /// Of the states of a chain.
-    Chain(usize, Vec<Dd>),
-    /// A blow on an input.
-    Blow(usize, Dd),
+pub struct Blow {
+    pub input: usize,
+    pub value: Dd,
+    pub when: When,
 }
 
 /// All signals made ready.
@@ -48,7 +44,7 @@ pub enum Change {
 pub struct Signals {
     pub chains: Vec<Chain>,
     /// Ascending.
-    pub events: Vec<Event>,
+    pub blows: Vec<Blow>,
 }
 
 /// A signal that needs more pieces than code is for, by its input.
@@ -58,141 +54,101 @@ pub struct TooLong {
 }
 
 /// More changes than this would make tables of megabytes.
-const MOST_EVENTS: usize = 20_000;
+pub const MOST_EVENTS: usize = 20_000;
 
 impl Signals {
     /// The signals of each input until a time (all of them without one), for steps of `step`.
     pub fn of(drives: &[Vec<Signal>], step: &Number, until: Option<&Number>) -> Result<Signals, TooLong> {
         let mut signals = Signals::default();
+        let felt = |at: &Number| until.is_none_or(|until| !(until - at).is_negative());
         for (input, list) in drives.iter().enumerate() {
+            let too_long = TooLong { input };
             let sources: Result<Vec<Source>, _> = list.iter().map(|signal| Source::of(signal, None)).collect();
-            let sources = sources.map_err(|_| TooLong { input })?;
-            let polynomials = sources.iter().filter(|source| matches!(source, Source::Pieces { .. }));
-            let shared = polynomials.map(Source::order).max().map(|order| signals.chain(input, order, step));
-            for source in &sources {
-                signals.add(input, source, shared, step, until).ok_or(TooLong { input })?;
+            let sources = sources.map_err(|_| too_long)?;
+            let polynomials = pieces::knots(&sources, step, felt).ok_or(too_long)?;
+            signals.chains.extend(polynomials.map(|(start, knots)| polynomial(input, start, knots, step)));
+            for (signal, source) in list.iter().zip(&sources) {
+                match (signal, source) {
+                    (Signal::Harmonic { frequency, .. }, Source::Harmonic { .. }) => {
+                        signals.chains.extend(harmonic(input, source, frequency, step));
+                    }
+                    (_, Source::Impulse { value, at }) if felt(at) => {
+                        let when = When::of(at, step).ok_or(too_long)?;
+                        signals.blows.push(Blow { input, value: value.mid, when });
+                    }
+                    _ => {}
+                }
             }
         }
-        signals.events.sort_by_key(|event| event.tick);
+        signals.blows.sort_by_key(|blow| blow.when.tick);
         Ok(signals)
     }
 
-    /// A chain that all polynomials of an input add up in; its place.
-    fn chain(&mut self, input: usize, order: usize, step: &Number) -> usize {
-        let scale = scales(order, step.to_ball().mid);
-        let rows = [0, 1, 2].map(|p| (0..order).map(|k| if k == p { Dd::ONE / scale[k] } else { Dd::ZERO }).collect());
-        let generator = Matrix::from_fn(order, order, |i, j| if j == i + 1 { Dd::from(j as f64) } else { Dd::ZERO });
-        let start = vec![Dd::ZERO; order];
-        self.chains.push(Chain { input, generator, rows, start, name: "piecewise signals".into() });
-        self.chains.len() - 1
-    }
-
-    fn add(
-        &mut self,
-        input: usize,
-        source: &Source,
-        shared: Option<usize>,
-        step: &Number,
-        until: Option<&Number>,
-    ) -> Option<()> {
-        let h = step.to_ball().mid;
-        match source {
-            Source::Harmonic { amplitude, omega, sine, cosine } => {
-                let turn = omega.mid * h;
-                let generator = Matrix::from_fn(2, 2, |i, j| match (i, j) {
-                    (0, 1) => turn,
-                    (1, 0) => -turn,
-                    _ => Dd::ZERO,
-                });
-                let (a, w) = (amplitude.mid, omega.mid);
-                let rows = [vec![a, Dd::ZERO], vec![Dd::ZERO, a * w], vec![-(a * w * w), Dd::ZERO]];
-                let start = vec![sine.mid, cosine.mid];
-                self.chains.push(Chain { input, generator, rows, start, name: "harmonic signal".into() });
-            }
-            Source::Pieces { pieces, .. } => {
-                let chain = shared?;
-                let scale = scales(self.chains[chain].size(), h);
-                let scaled = |derivatives: &[Ball]| -> Vec<Dd> {
-                    let value = |k: usize| derivatives.get(k).map_or(Dd::ZERO, |x| x.mid);
-                    scale.iter().enumerate().map(|(k, &scale)| value(k) * scale).collect()
-                };
-                let mut start = scaled(&[]);
-                for (i, piece) in pieces.iter().enumerate() {
-                    if until.is_some_and(|until| (until - &piece.at).is_negative()) {
-                        break;
-                    }
-                    if !piece.at.is_positive() {
-                        start = scaled(&piece.at_time(&Number::ZERO));
-                        continue;
-                    }
-                    let old = i.checked_sub(1).map_or_else(|| scaled(&[]), |i| scaled(&pieces[i].at_time(&piece.at)));
-                    let new = scaled(&piece.at_time(&piece.at));
-                    let change = new.into_iter().zip(old).map(|(new, old)| new - old).collect();
-                    self.event(&piece.at, step, Change::Chain(chain, change))?;
-                }
-                self.chains[chain].start.iter_mut().zip(start).for_each(|(sum, x)| *sum += x);
-            }
-            Source::Impulse { value, at } => {
-                if until.is_none_or(|until| !(until - at).is_negative()) {
-                    self.event(at, step, Change::Blow(input, value.mid))?;
-                }
-            }
-        }
-        Some(())
-    }
-
-    fn event(&mut self, at: &Number, step: &Number, change: Change) -> Option<()> {
-        let samples = at / step;
-        let near = samples.to_f64().ceil();
-        if !(0.0..4e9).contains(&near) || self.events.len() >= MOST_EVENTS {
-            return None;
-        }
-        // The quotient may have been rounded over a whole number.
-        let mut tick = near as i64;
-        while (&Number::from(tick) - &samples).is_negative() {
-            tick += 1;
-        }
-        while tick > 0 && !(&Number::from(tick - 1) - &samples).is_negative() {
-            tick -= 1;
-        }
-        let before = (&Number::from(tick) - &samples).to_ball();
-        let before = if before.contains_zero() { Dd::ZERO } else { before.mid };
-        self.events.push(Event { tick: tick as u64, before, change });
-        Some(())
+    /// The blows in the step to a sample.
+    pub fn blows_at(&self, tick: u64) -> &[Blow] {
+        let first = self.blows.partition_point(|blow| blow.when.tick < tick);
+        let count = self.blows[first..].partition_point(|blow| blow.when.tick == tick);
+        &self.blows[first..first + count]
     }
 
     /// A prescribed motion that has a blow, which would need infinite forces.
     pub fn blow_on_base(&self, system: &LinearSystem) -> Option<usize> {
-        self.events.iter().find_map(|event| match event.change {
-            Change::Blow(input, _) => {
-                let b = &system.inputs[input].b;
-                (!(b[1].is_empty() && b[2].is_empty())).then_some(input)
-            }
-            Change::Chain(..) => None,
-        })
+        let moves = |input: usize| {
+            let b = &system.inputs[input].b;
+            !(b[1].is_empty() && b[2].is_empty())
+        };
+        self.blows.iter().map(|blow| blow.input).find(|&input| moves(input))
     }
 
     /// Those of inputs that anything feels.
-    pub fn useful(self, felt: impl Fn(usize) -> bool) -> Signals {
-        let mut kept = Vec::with_capacity(self.chains.len());
-        let mut chains = Vec::new();
-        for chain in self.chains {
-            kept.push(felt(chain.input).then_some(chains.len()));
-            chains.extend(Some(chain).filter(|chain| felt(chain.input)));
-        }
-        let renumbered = |event: Event| {
-            let change = match event.change {
-                Change::Chain(chain, change) => Change::Chain(kept[chain]?, change),
-                Change::Blow(input, value) => Change::Blow(Some(input).filter(|&input| felt(input))?, value),
-            };
-            Some(Event { change, ..event })
-        };
-        Signals { chains, events: self.events.into_iter().filter_map(renumbered).collect() }
+    pub fn useful(mut self, felt: impl Fn(usize) -> bool) -> Signals {
+        self.chains.retain(|chain| felt(chain.input));
+        self.blows.retain(|blow| felt(blow.input));
+        self
     }
 }
 
+/// A chain that all polynomials of an input add up in.
+fn polynomial(input: usize, start: Vec<Dd>, knots: Vec<Knot>, step: &Number) -> Chain {
+    let order = start.len();
+    let scale = scales(order, step.to_ball().mid);
+    let rows = [0, 1, 2].map(|p| (0..order).map(|k| if k == p { Dd::ONE / scale[k] } else { Dd::ZERO }).collect());
+    let generator = Matrix::from_fn(order, order, |i, j| if j == i + 1 { Dd::from(j as f64) } else { Dd::ZERO });
+    let values = knots.iter().map(|knot| &knot.states).chain([&start]).filter_map(|states| states.first());
+    let largest = values.map(|x| x.hi.abs()).fold(0.0, f64::max);
+    Chain { input, generator, rows, start, angle: None, knots, largest, name: "piecewise signals".into() }
+}
+
+fn harmonic(input: usize, source: &Source, frequency: &Number, step: &Number) -> Option<Chain> {
+    let Source::Harmonic { amplitude, omega, sine, cosine } = source else { return None };
+    let turn = omega.mid * step.to_ball().mid;
+    let generator = Matrix::from_fn(2, 2, |i, j| match (i, j) {
+        (0, 1) => turn,
+        (1, 0) => -turn,
+        _ => Dd::ZERO,
+    });
+    let (a, w) = (amplitude.mid, omega.mid);
+    Some(Chain {
+        input,
+        generator,
+        rows: [vec![a, Dd::ZERO], vec![Dd::ZERO, a * w], vec![-(a * w * w), Dd::ZERO]],
+        start: vec![sine.mid, cosine.mid],
+        angle: Some(angle(&(frequency * step)).unwrap_or(turn)),
+        knots: Vec::new(),
+        largest: a.hi.abs(),
+        name: "harmonic signal".into(),
+    })
+}
+
+/// 2 pi times what is left of so many turns without the whole ones, where their number is exact.
+fn angle(turns: &Number) -> Option<Dd> {
+    let turns = turns.exact()?;
+    let whole = (turns + &Rational::new(1, 2)).floor();
+    Some(Dd::PI * (&(turns - &whole) * &Rational::from(2)).to_ball().mid)
+}
+
 /// h^k / k!
-fn scales(order: usize, h: Dd) -> Vec<Dd> {
+pub fn scales(order: usize, h: Dd) -> Vec<Dd> {
     let mut scale = vec![Dd::ONE];
     for k in 1..order {
         scale.push(scale[k - 1] * h / Dd::from(k as f64));
@@ -209,10 +165,5 @@ impl Chain {
     pub fn on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
         let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
         coupled(&block.a, &drive, &self.generator, steps, h)
-    }
-
-    /// Whether it turns, rather than being a polynomial.
-    pub fn turns(&self) -> bool {
-        self.size() == 2 && !self.generator[(1, 0)].is_zero()
     }
 }

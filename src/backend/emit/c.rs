@@ -4,6 +4,7 @@ use super::plan::{Plan, Start, Style, Table};
 use super::text::{Words, decimal, line, numbers, statements};
 use super::{File, NO_STATE};
 use crate::analysis::discrete::Precision;
+use crate::backend::diagnostics::readable;
 
 /// The two files.
 pub fn files(plan: &Plan) -> Vec<File> {
@@ -87,14 +88,11 @@ impl Words for C<'_> {
     fn due(&self, count: usize) -> [Vec<String>; 2] {
         [
             vec![
+                "state->tick = state->tick + 1u;".to_string(),
                 format!("if (state->next < {count}u && EVENTS[state->next] == state->tick) {{"),
                 "    const uint32_t event = state->next;".to_string(),
             ],
-            vec![
-                "    state->next = event + 1u;".to_string(),
-                "}".to_string(),
-                "state->tick = state->tick + 1u;".to_string(),
-            ],
+            vec!["    state->next = event + 1u;".to_string(), "}".to_string()],
         ]
     }
 
@@ -112,11 +110,14 @@ fn real(plan: &Plan) -> &'static str {
 
 /// A model's names may hold what ends a comment, or what trigraphs are made of.
 fn comment(text: &str) -> String {
-    format!("/* {} */", text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?"))
+    format!("/* {} */", safe(text))
+}
+
+fn safe(text: &str) -> String {
+    readable(text).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
 }
 
 fn block_comment(lines: &[String]) -> String {
-    let safe = |text: &String| text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
     let body: String = lines.iter().map(|text| format!(" * {}", safe(text)).trim_end().to_string() + "\n").collect();
     format!("/*\n{body} */\n")
 }
@@ -146,7 +147,7 @@ fn header(plan: &Plan) -> String {
     let n = plan.coordinates.len();
     text += "/* The motion in the model's own coordinates, deviations from rest, with their velocities:\n";
     for (i, coordinate) in plan.coordinates.iter().enumerate() {
-        text += &format!(" * {i}: {}\n", coordinate.note.replace("*/", "* /").replace("/*", "/ *"));
+        text += &format!(" * {i}: {}\n", safe(&coordinate.note));
     }
     text += " */\n";
     text += &format!(
@@ -254,7 +255,7 @@ fn body(plan: &Plan) -> String {
     }
     if !plan.events.is_empty() {
         let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick}u,\n")).collect();
-        let (note, count) = (comment("steps before which something happens"), ticks.len());
+        let (note, count) = (comment("samples at which something happens"), ticks.len());
         text += &format!("\n{note}\nstatic const uint32_t EVENTS[{count}] = {{\n{}}};\n", ticks.concat());
     }
     for Function { head, body, .. } in functions(plan) {

@@ -2,7 +2,7 @@
 //! several forces share are computed once. Clause: spec.md, "Simulation code".
 
 use super::header::of_equations;
-use super::names::{identifier, identifiers};
+use super::names::{identifiers, model_identifier};
 use super::plan::{Expression, Factor, Field, Index, Operations, Plan, Statement, Style, Target, plus, tidy, total};
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::equations::Equations;
@@ -37,7 +37,7 @@ pub fn plan(model: &str, equations: &Equations) -> Plan {
         identifiers.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
     };
     Plan {
-        name: identifier(model),
+        name: model_identifier(model),
         precision: equations.precision,
         style: Style::Equations { start: equations.start.clone() },
         header: of_equations(model, equations, Operations::of(&derivative)),
@@ -81,6 +81,9 @@ fn per_second(unit: &str, power: usize) -> String {
     }
 }
 
+/// Terms of a force in one expression.
+const LONGEST: usize = 64;
+
 struct Written<'a> {
     equations: &'a Equations,
     /// Where each input's fields begin.
@@ -101,6 +104,7 @@ impl Written<'_> {
         let n = e.coordinates.len();
         let mut list = Vec::new();
         let mut forces: Vec<Option<Expression>> = vec![None; n];
+        let mut terms = vec![0; n];
         let add = |force: &mut Option<Expression>, factor: f64, of: Expression| {
             *force = Some(plus(force.take(), Factor::Number(factor), of));
         };
@@ -132,6 +136,13 @@ impl Written<'_> {
                 list.push(Statement::Let(format!("tension{t}"), tension));
                 for (i, a) in &stretch.row {
                     add(&mut forces[*i], -a, Expression::local(format!("tension{t}")));
+                    terms[*i] += 1;
+                    if terms[*i] % LONGEST == 0 {
+                        // The sum so far has a name, so that no expression is without end.
+                        let name = format!("force{i}_{}", terms[*i] / LONGEST);
+                        let so_far = forces[*i].replace(Expression::local(name.clone()));
+                        list.extend(so_far.map(|so_far| Statement::Let(name, so_far)));
+                    }
                 }
             }
         }
@@ -149,10 +160,13 @@ impl Written<'_> {
             };
             list.push(Statement::Let(name, value));
         }
+        let mut below: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
+        for (k, row) in e.lower.iter().enumerate() {
+            row.iter().for_each(|(i, l)| below[*i].push((k, *l)));
+        }
         for i in (0..n).rev().filter(|_| coupled) {
             let scaled = plus(None, Factor::Number(e.inverse[i]), Expression::local(format!("z{i}")));
-            let below = (i + 1..n).filter_map(|k| e.lower[k].iter().find(|(j, _)| *j == i).map(|(_, l)| (k, *l)));
-            let value = below.fold(scaled, |so_far, (k, l)| {
+            let value = below[i].iter().fold(scaled, |so_far, (k, l)| {
                 plus(Some(so_far), Factor::Number(-l), Expression::local(format!("a{k}")))
             });
             list.push(Statement::Let(format!("a{i}"), value));

@@ -6,6 +6,7 @@ use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
 use crate::analysis::discrete::{DiscreteSystem, Hold, Left, Port, Precision, Why};
 use crate::backend::decimal::upper;
+use crate::backend::diagnostics::readable;
 
 /// Parts that are not emitted are listed up to this number.
 const LISTED: usize = 12;
@@ -13,7 +14,7 @@ const LISTED: usize = 12;
 /// The lines of the header.
 pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> Vec<String> {
     let mut lines =
-        vec![format!("{} · simulation code by vibc {}", plain(model), env!("CARGO_PKG_VERSION")), String::new()];
+        vec![format!("{} · simulation code by vibc {}", readable(model), env!("CARGO_PKG_VERSION")), String::new()];
     lines.extend(ports("input", &system.inputs));
     lines.extend(ports("output", &system.outputs));
     lines.push(format!("method     the exact discrete system, {}", system.method));
@@ -27,24 +28,21 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
         Precision::Single => "single (binary32)",
     };
     lines.push(format!("precision  {precision}; coefficients are computed in double-double and rounded once"));
-    let bound = |steps| upper(system.rounding.after(steps));
-    lines.push(format!(
-        "error      no integrator's; rounding at most {} after 1e3 steps and {} after 1e5, relative to the sum of",
-        bound(1000),
-        bound(100_000)
-    ));
-    lines.push("           the largest sizes that the parts of an output have had (if all roundings conspire)".into());
+    lines.extend(error(system));
     if let Some(tolerance) = system.tolerance {
         lines.push(format!(
-            "tolerance  {tolerance:?}: what is left out for it adds at most {} to an output, beside its largest gain, for inputs",
+            "tolerance  {tolerance:?}: what is left out for it adds at most {} to an output, beside its largest gain, for",
             upper(system.left.iter().map(share).sum())
         ));
-        lines.push(format!("           up to {:?} Hz", 0.5 / system.step));
+        lines.push(format!(
+            "           harmonic inputs up to {:?} Hz; just after a step or a blow an output may lack more",
+            0.5 / system.step
+        ));
     }
     for &output in &system.without_slope {
         lines.push(format!(
             "           output {} follows how fast an input changes; between samples a held input does not",
-            plain(&system.outputs[output].name)
+            readable(&system.outputs[output].name)
         ));
     }
     lines.push(format!("cost       {} states; {operations} a step", system.states()));
@@ -52,10 +50,33 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     lines
 }
 
+/// What rounding does: as it is where the run is known, at most where inputs come from outside.
+fn error(system: &DiscreteSystem) -> Vec<String> {
+    let told: Vec<String> = (system.measured.iter())
+        .map(|measured| format!("{} in {} steps", upper(measured.error), measured.steps))
+        .collect();
+    if let Some((last, others)) = told.split_last() {
+        let before = if others.is_empty() { String::new() } else { format!("{} and ", others.join(", ")) };
+        return vec![
+            format!("error      no integrator's; from `init` on, rounding takes at most {before}{last} of the"),
+            "           largest value of any output (found by the same steps in double-double beside it)".into(),
+        ];
+    }
+    let bound = |steps| upper(system.rounding.after(steps));
+    vec![
+        format!(
+            "error      no integrator's; rounding at most {} after 1e3 steps and {} after 1e5, relative to the sum of",
+            bound(1000),
+            bound(100_000)
+        ),
+        "           the largest sizes that the parts of an output have had (if all roundings conspire)".into(),
+    ]
+}
+
 /// The lines of the header of equations.
 pub fn of_equations(model: &str, equations: &Equations, operations: Operations) -> Vec<String> {
     let mut lines =
-        vec![format!("{} · equations of motion by vibc {}", plain(model), env!("CARGO_PKG_VERSION")), String::new()];
+        vec![format!("{} · equations of motion by vibc {}", readable(model), env!("CARGO_PKG_VERSION")), String::new()];
     lines.extend(ports("input", &equations.inputs));
     lines.extend(ports("output", &equations.outputs));
     lines.push(
@@ -74,11 +95,11 @@ pub fn of_equations(model: &str, equations: &Equations, operations: Operations) 
 
 /// The lines of the header of code with a parameter that may be set.
 pub fn of_parameter(model: &str, system: &Parameterised, step: f64, operations: Operations) -> Vec<String> {
-    let title = format!("{} · simulation code by vibc {}", plain(model), env!("CARGO_PKG_VERSION"));
+    let title = format!("{} · simulation code by vibc {}", readable(model), env!("CARGO_PKG_VERSION"));
     let mut lines = vec![title, String::new()];
     lines.extend(ports("input", &system.inputs));
     lines.extend(ports("output", &system.outputs));
-    let (name, value) = (plain(&system.name), system.value);
+    let (name, value) = (readable(&system.name), system.value);
     lines.push(format!(
         "parameter  {name}, {value:?} in SI until `set_parameter`; from {:?} to {:?}",
         system.range.0, system.range.1
@@ -98,12 +119,7 @@ fn ports(what: &str, ports: &[Port]) -> Vec<String> {
     if ports.is_empty() {
         return vec![format!("{what}      none")];
     }
-    ports.iter().map(|port| format!("{what:<9}  {}{}", plain(&port.name), unit(port))).collect()
-}
-
-/// Names hold letters, but a comment holds lines.
-fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+    ports.iter().map(|port| format!("{what:<9}  {}{}", readable(&port.name), unit(port))).collect()
 }
 
 fn share(left: &Left) -> f64 {

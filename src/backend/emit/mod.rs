@@ -11,6 +11,7 @@ mod parameter;
 mod plan;
 mod planner;
 mod program;
+mod reserved;
 mod rust;
 mod text;
 
@@ -75,15 +76,15 @@ pub fn equation_text(model: &str, system: &Equations, language: Language) -> Str
     text(&equations::plan(model, system), language)
 }
 
-/// The files of a model with a parameter that may be set.
+/// The files of a model with a parameter that may be set; none where a number leaves the range of the precision.
 pub fn parameter_files(
     model: &str,
     system: &Parameterised,
     step: f64,
     precision: Precision,
     language: Language,
-) -> Vec<File> {
-    printed(&parameter::plan(model, system, step, precision), language)
+) -> Option<Vec<File>> {
+    Some(printed(&parameter::plan(model, system, step, precision)?, language))
 }
 
 /// The same as one text.
@@ -93,8 +94,8 @@ pub fn parameter_text(
     step: f64,
     precision: Precision,
     language: Language,
-) -> String {
-    text(&parameter::plan(model, system, step, precision), language)
+) -> Option<String> {
+    Some(text(&parameter::plan(model, system, step, precision)?, language))
 }
 
 fn printed(plan: &plan::Plan, language: Language) -> Vec<File> {

@@ -1,149 +1,35 @@
 //! Names of a model as identifiers that C, C++ and Rust all take: ASCII letters, digits and `_`, no word of these languages,
 //! none twice. In: names as displayed (`m[3].x`, `α`). Out: identifiers in the same order (`m_3_x`, `u03b1`).
 
-/// Words that mean something in C99, C++ or Rust, or to their usual headers.
-const RESERVED: [&str; 125] = [
-    "abstract",
-    "alignas",
-    "alignof",
-    "and",
-    "and_eq",
-    "as",
-    "asm",
-    "async",
-    "auto",
-    "await",
-    "become",
-    "bitand",
-    "bitor",
-    "bool",
-    "box",
-    "break",
-    "case",
-    "catch",
-    "char",
-    "class",
-    "compl",
-    "concept",
-    "const",
-    "const_cast",
-    "constexpr",
-    "continue",
-    "crate",
-    "decltype",
-    "default",
-    "delete",
-    "do",
-    "double",
-    "dyn",
-    "dynamic_cast",
-    "else",
-    "enum",
-    "errno",
-    "explicit",
-    "export",
-    "extern",
-    "f32",
-    "f64",
-    "false",
-    "final",
-    "float",
-    "fn",
-    "for",
-    "friend",
-    "gen",
-    "goto",
-    "if",
-    "impl",
-    "in",
-    "inline",
-    "int",
-    "let",
-    "linux",
-    "long",
-    "loop",
-    "macro",
-    "main",
-    "match",
-    "mod",
-    "move",
-    "mut",
-    "mutable",
-    "namespace",
-    "new",
-    "noexcept",
-    "not",
-    "not_eq",
-    "nullptr",
-    "operator",
-    "or",
-    "or_eq",
-    "override",
-    "priv",
-    "private",
-    "protected",
-    "pub",
-    "ref",
-    "register",
-    "reinterpret_cast",
-    "requires",
-    "restrict",
-    "return",
-    "self",
-    "short",
-    "signed",
-    "sizeof",
-    "static",
-    "static_assert",
-    "static_cast",
-    "struct",
-    "super",
-    "switch",
-    "template",
-    "this",
-    "thread_local",
-    "throw",
-    "trait",
-    "true",
-    "try",
-    "type",
-    "typedef",
-    "typeid",
-    "typename",
-    "typeof",
-    "union",
-    "unix",
-    "unsafe",
-    "unsized",
-    "unsigned",
-    "use",
-    "using",
-    "virtual",
-    "void",
-    "volatile",
-    "wchar_t",
-    "where",
-    "while",
-    "xor",
-    "xor_eq",
-    "yield",
-    "Self",
-];
+use super::reserved::{HEADERS, KEYWORDS, MACROS, MODULES};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Identifiers for names, each different from the others.
 pub fn identifiers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    let mut taken: Vec<String> = Vec::new();
-    for name in names {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let unique = |name: &str| {
         let plain = identifier(name);
-        let mut unique = plain.clone();
-        let mut count = 1;
-        while taken.contains(&unique) {
-            count += 1;
-            unique = format!("{plain}_{count}");
+        let count = counts.entry(plain.clone()).or_insert(0);
+        loop {
+            *count += 1;
+            let candidate = if *count == 1 { plain.clone() } else { format!("{plain}_{count}") };
+            if taken.insert(candidate.clone()) {
+                return candidate;
+            }
         }
-        taken.push(unique);
-    }
-    taken
+    };
+    names.into_iter().map(unique).collect()
+}
+
+/// The model's name: the prefix of everything in C, a module of Rust, and the name of the files, which must take no header's place.
+pub fn model_identifier(name: &str) -> String {
+    let text = identifier(name);
+    if is_among(HEADERS, &text.to_lowercase()) || is_among(MODULES, &text) { text + "_" } else { text }
+}
+
+fn is_among(words: &str, text: &str) -> bool {
+    words.split(' ').any(|word| word == text)
 }
 
 /// One name as an identifier.
@@ -170,7 +56,7 @@ pub fn identifier(name: &str) -> String {
     } else {
         text.into()
     };
-    if RESERVED.contains(&text.as_str()) { text + "_" } else { text }
+    if is_among(KEYWORDS, &text) || is_among(MACROS, &text) { text + "_" } else { text }
 }
 
 #[cfg(test)]
@@ -181,5 +67,7 @@ mod tests {
     fn names_become_identifiers() {
         let found = identifiers(["m[3].x", "m_3_x", "α", "2nd", "double", "block.x", "_a"]);
         assert_eq!(found, ["m_3_x", "m_3_x_2", "u03b1", "n2nd", "double_", "block_x", "a"]);
+        assert_eq!(identifiers(["NULL", "NULL_", "EOF", "I", "F"]), ["NULL_", "NULL__2", "EOF_", "I_", "F"]);
+        assert_eq!(["stdio", "String", "Math", "cart"].map(model_identifier), ["stdio_", "String_", "Math_", "cart"]);
     }
 }

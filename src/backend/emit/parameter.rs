@@ -3,7 +3,7 @@
 //! the value. In: the system over the parameter. Out: a plan. Clause: spec.md, "Simulation code".
 
 use super::header::of_parameter;
-use super::names::{identifier, identifiers};
+use super::names::{identifiers, model_identifier};
 use super::plan::{
     Array, Expression as E, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target, plus,
 };
@@ -14,8 +14,8 @@ use crate::analysis::discrete::{Port, Precision};
 /// Terms of the exponential's series: with a norm of a half at most, what is left out is below 1e-19.
 const TERMS: usize = 15;
 
-/// The plan of a model with a changeable parameter.
-pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision) -> Plan {
+/// The plan of a model with a changeable parameter; none where a number leaves the range of the precision.
+pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision) -> Option<Plan> {
     let written = Written::of(system, step);
     let (n, width) = (written.n, written.width());
     let outputs = system.outputs.len();
@@ -32,8 +32,8 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
         names.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
     };
     let once = tidy(written.step());
-    Plan {
-        name: identifier(model),
+    let plan = Plan {
+        name: model_identifier(model),
         precision,
         style: Style::Parameter { value: system.value, statements: tidy(written.set_parameter()) },
         header: of_parameter(model, system, step, Operations::of(&once)),
@@ -56,7 +56,8 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
         set_state: written.set_state(),
         get_state: written.get_state(),
         observe: Vec::new(),
-    }
+    };
+    plan.fits().then_some(plan)
 }
 
 struct Written<'a> {

@@ -3,6 +3,7 @@
 //! Clause: spec.md, "Simulation code".
 
 use crate::analysis::discrete::Precision;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The whole code but its language.
@@ -20,7 +21,7 @@ pub struct Plan {
     /// The state's arrays.
     pub state: Vec<Array>,
     pub tables: Vec<Table>,
-    /// Steps before which something happens; the state then counts its steps.
+    /// Samples at which something happens; the state then counts its steps.
     pub events: Vec<u64>,
     /// One step; for equations the derivative.
     pub step: Vec<Statement>,
@@ -92,7 +93,7 @@ pub enum Statement {
         width: usize,
         body: Vec<Statement>,
     },
-    /// If the next of so many events is due: the body.
+    /// Count the step; if the next of so many events is due then: the body.
     WhenDue(usize, Vec<Statement>),
     /// So many times.
     Repeat(usize, Vec<Statement>),
@@ -261,7 +262,7 @@ impl fmt::Display for Operations {
 
 /// Statements without the constants that nothing reads, and with constants where nothing changes.
 pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
-    let mut changed: Vec<String> = Vec::new();
+    let mut changed: BTreeSet<String> = BTreeSet::new();
     list.iter().for_each(|statement| statement.changed(&mut changed));
     let constant = |statement| match statement {
         Statement::Variable(name, value) if !changed.contains(&name) => Statement::Let(name, value),
@@ -272,7 +273,7 @@ pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
 
 /// Statements without the constants that nothing reads.
 fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
-    let mut read: Vec<String> = Vec::new();
+    let mut read: BTreeSet<String> = BTreeSet::new();
     let mut kept: Vec<Statement> = Vec::new();
     // From the end: what reads a local comes after it.
     for statement in list.into_iter().rev() {
@@ -286,11 +287,47 @@ fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
     kept
 }
 
+impl Plan {
+    /// Whether all numbers are numbers of the precision, and none that is a factor of something becomes zero.
+    pub fn fits(&self) -> bool {
+        let mut numbers: Vec<f64> = self.tables.iter().flat_map(|table| table.values.clone()).collect();
+        for array in &self.state {
+            match &array.start {
+                Start::Number(x) => numbers.push(*x),
+                Start::Numbers(list) => numbers.extend(list),
+            }
+        }
+        let mut written = Vec::new();
+        let lists = [&self.step, &self.set_state, &self.get_state, &self.observe];
+        lists.into_iter().flatten().for_each(|statement| statement.numbers(&mut written));
+        if let Style::Parameter { value, statements } = &self.style {
+            written.push(*value);
+            statements.iter().for_each(|statement| statement.numbers(&mut written));
+        }
+        let whole = |x: f64| self.precision.round(x.into()).is_finite();
+        let kept = |x: f64| x == 0.0 || self.precision.round(x.into()).abs() >= self.precision.least();
+        numbers.into_iter().all(whole) && written.into_iter().all(|x| whole(x) && kept(x))
+    }
+}
+
 impl Statement {
-    /// Locals that get another value.
-    fn changed(&self, names: &mut Vec<String>) {
+    fn numbers(&self, list: &mut Vec<f64>) {
         match self {
-            Statement::Assign(Target::Local(name), _) => names.push(name.clone()),
+            Statement::Let(_, e) | Statement::Variable(_, e) | Statement::Assign(_, e) => e.numbers(list),
+            Statement::Blocks { body, .. }
+            | Statement::Loop(_, _, body)
+            | Statement::Repeat(_, body)
+            | Statement::WhenDue(_, body) => body.iter().for_each(|statement| statement.numbers(list)),
+            Statement::Note(_) | Statement::Lanes(..) | Statement::Matrix(..) => {}
+        }
+    }
+
+    /// Locals that get another value.
+    fn changed(&self, names: &mut BTreeSet<String>) {
+        match self {
+            Statement::Assign(Target::Local(name), _) => {
+                names.insert(name.clone());
+            }
             Statement::Blocks { body, .. }
             | Statement::Loop(_, _, body)
             | Statement::Repeat(_, body)
@@ -313,7 +350,7 @@ impl Statement {
         }
     }
 
-    fn locals(&self, read: &mut Vec<String>) {
+    fn locals(&self, read: &mut BTreeSet<String>) {
         match self {
             Statement::Let(_, e) | Statement::Variable(_, e) | Statement::Assign(_, e) => e.locals(read),
             Statement::Blocks { body, .. }
@@ -328,6 +365,21 @@ impl Statement {
 }
 
 impl Expression {
+    fn numbers(&self, list: &mut Vec<f64>) {
+        match self {
+            Expression::Number(x) => list.push(*x),
+            Expression::Sum(a, b)
+            | Expression::Difference(a, b)
+            | Expression::Product(a, b)
+            | Expression::Quotient(a, b) => {
+                a.numbers(list);
+                b.numbers(list);
+            }
+            Expression::Negative(a) => a.numbers(list),
+            _ => {}
+        }
+    }
+
     fn operations(&self) -> Operations {
         let one = |multiplications, additions| Operations { multiplications, additions };
         match self {
@@ -343,9 +395,11 @@ impl Expression {
         }
     }
 
-    fn locals(&self, read: &mut Vec<String>) {
+    fn locals(&self, read: &mut BTreeSet<String>) {
         match self {
-            Expression::Local(name) if !read.contains(name) => read.push(name.clone()),
+            Expression::Local(name) if !read.contains(name) => {
+                read.insert(name.clone());
+            }
             Expression::Sum(a, b)
             | Expression::Difference(a, b)
             | Expression::Product(a, b)

@@ -5,7 +5,7 @@
 use super::groups::{LANES, groups};
 use super::header::header;
 use super::motion;
-use super::names::{identifier, identifiers};
+use super::names::{identifiers, model_identifier};
 use super::plan::{Array, Expression, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target};
 use super::plan::{plus, product, sum, tidy, total};
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
@@ -32,7 +32,7 @@ pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
     let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
     let step = tidy(planner.step);
     Plan {
-        name: identifier(model),
+        name: model_identifier(model),
         precision: system.precision,
         style: Style::Steps,
         header: header(model, system, Operations::of(&step)),
@@ -358,12 +358,17 @@ impl<'a> Planner<'a> {
                 next.push(Statement::Assign(state(0), pair.next_x()));
                 next.push(Statement::Assign(state(1), Expression::local(name)));
             }
-            Form::Dense(rows) => {
+            Form::Dense { turned, rows } => {
                 for (i, row) in rows.iter().enumerate() {
                     let own = row.iter().enumerate().filter(|(_, e)| **e != 0.0).map(|(j, e)| (*e, local(j)));
-                    if let Some(change) = total(input(i).into_iter().chain(own)) {
-                        next.push(Statement::Assign(state(i), sum(local(i), change)));
-                    }
+                    let change = total(input(i).into_iter().chain(own));
+                    let value = match (change, turned) {
+                        (Some(change), false) => sum(local(i), change),
+                        (Some(change), true) => plus(Some(change), Factor::Less(1.0), local(i)),
+                        (None, false) => continue,
+                        (None, true) => Expression::Negative(Box::new(local(i))),
+                    };
+                    next.push(Statement::Assign(state(i), value));
                 }
             }
         }
@@ -391,7 +396,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// What happens at certain steps, by tables over the arrays.
+    /// What happens at certain samples, by tables over the arrays.
     fn events(&mut self, arrays: &[Array]) -> Vec<u64> {
         let events = &self.system.events;
         if events.is_empty() {
@@ -402,30 +407,37 @@ impl<'a> Planner<'a> {
         for array in arrays {
             let Start::Numbers(numbers) = &array.start else { continue };
             let mut rows = vec![0.0; events.len() * numbers.len()];
+            let mut set = vec![false; numbers.len()];
             for (state, slot) in slots.iter().enumerate().filter(|(_, slot)| slot.array == array.name) {
+                set[slot.at] = self.system.set[state];
                 for (row, event) in events.iter().enumerate() {
                     rows[row * numbers.len() + slot.at] = event.change[state];
                 }
             }
-            if rows.iter().all(|x| *x == 0.0) {
+            if rows.iter().all(|x| *x == 0.0) && !set.contains(&true) {
                 continue;
             }
             let name = format!("EVENTS_{}", array.name.to_uppercase());
-            let change = |at: Index| {
+            let change = |at: Index, set: bool| {
                 let entry = Expression::Entry(name.clone(), Index::Event, at.clone());
-                let value = sum(Expression::state(&array.name, at.clone()), entry);
+                let value = if set { entry } else { sum(Expression::state(&array.name, at.clone()), entry) };
                 Statement::Assign(Target::state(&array.name, at), value)
             };
-            if numbers.len() > LOOP {
-                body.push(Statement::Loop("i", numbers.len(), vec![change(Index::Of("i"))]));
+            let none_set = !set.contains(&true);
+            if numbers.len() > LOOP && none_set {
+                body.push(Statement::Loop("i", numbers.len(), vec![change(Index::Of("i"), false)]));
             } else {
                 let moves = |at: usize| rows.iter().skip(at).step_by(numbers.len()).any(|x| *x != 0.0);
-                body.extend((0..numbers.len()).filter(|&at| moves(at)).map(|at| change(Index::At(at))));
+                let places = (0..numbers.len()).filter(|&at| set[at] || moves(at));
+                body.extend(places.map(|at| change(Index::At(at), set[at])));
             }
-            let note = "what each event adds to the states".to_string();
+            let note = "what each event sets or adds to the states".to_string();
             self.tables.push(Table { name, columns: numbers.len(), values: rows, note });
         }
-        self.step.insert(0, Statement::WhenDue(events.len(), body));
+        // After the step that ends at the event's sample, so that the state that is read there has it.
+        let outputs =
+            self.step.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
+        self.step.insert(outputs.unwrap_or(self.step.len()), Statement::WhenDue(events.len(), body));
         events.iter().map(|event| event.tick).collect()
     }
 

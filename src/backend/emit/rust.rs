@@ -4,6 +4,7 @@ use super::File;
 use super::plan::{Field, Plan, Start, Statement, Style, Table, Target};
 use super::text::{Words, decimal, line, numbers, statements, value};
 use crate::analysis::discrete::Precision;
+use crate::backend::diagnostics::readable;
 
 /// The file.
 pub fn files(plan: &Plan) -> Vec<File> {
@@ -50,7 +51,7 @@ impl Words for Rust<'_> {
     }
 
     fn note(&self, note: &str) -> String {
-        format!("// {note}")
+        format!("// {}", readable(note))
     }
 
     fn constant(&self, name: &str, value: &str) -> String {
@@ -84,14 +85,11 @@ impl Words for Rust<'_> {
     fn due(&self, count: usize) -> [Vec<String>; 2] {
         [
             vec![
+                "self.tick = self.tick.wrapping_add(1);".to_string(),
                 "let event = self.next as usize;".to_string(),
                 format!("if event < {count} && EVENTS[event] == self.tick {{"),
             ],
-            vec![
-                "    self.next += 1;".to_string(),
-                "}".to_string(),
-                "self.tick = self.tick.wrapping_add(1);".to_string(),
-            ],
+            vec!["    self.next += 1;".to_string(), "}".to_string()],
         ]
     }
 
@@ -115,7 +113,8 @@ const ALLOWED: &str =
 /// The text of the file.
 pub fn whole(plan: &Plan) -> String {
     let (words, real) = (Rust::of(plan), real(plan));
-    let mut text: String = plan.header.iter().map(|text| format!("//! {text}").trim_end().to_string() + "\n").collect();
+    let mut text: String =
+        plan.header.iter().map(|text| format!("//! {}", readable(text)).trim_end().to_string() + "\n").collect();
     text += ALLOWED;
     if !matches!(plan.style, Style::Equations { .. }) {
         text += &state(plan);
@@ -127,7 +126,7 @@ pub fn whole(plan: &Plan) -> String {
     let n = plan.coordinates.len();
     text += "\n/// The motion in the model's own coordinates, deviations from rest, with their velocities:\n///\n";
     for (i, coordinate) in plan.coordinates.iter().enumerate() {
-        text += &format!("/// {i}: {}\n", coordinate.note);
+        text += &format!("/// {i}: {}\n", readable(&coordinate.note));
     }
     text += &format!(
         "#[derive(Clone, Copy, Debug, PartialEq)]\npub struct Motion {{\n    pub displacement: [{real}; {n}],\n    \
@@ -139,7 +138,7 @@ pub fn whole(plan: &Plan) -> String {
     if !plan.events.is_empty() {
         let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick},\n")).collect();
         let (count, ticks) = (ticks.len(), ticks.concat());
-        text += &format!("\n/// steps before which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
+        text += &format!("\n/// samples at which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
     }
     text += &match &plan.style {
         Style::Steps | Style::Parameter { .. } => steps(plan),
@@ -159,7 +158,7 @@ fn state(plan: &Plan) -> String {
             Start::Number(_) => real.to_string(),
             Start::Numbers(numbers) => format!("[{real}; {}]", numbers.len()),
         };
-        text += &line(1, &format!("/// {}", array.note));
+        text += &line(1, &format!("/// {}", readable(&array.note)));
         text += &line(1, &format!("{}: {kind},", array.name));
     }
     if !plan.events.is_empty() {
@@ -266,7 +265,9 @@ fn inputs(plan: &Plan, body: &str) -> &'static str {
 fn structure(name: &str, real: &str, fields: &[Field]) -> String {
     let body: String = fields
         .iter()
-        .map(|field| line(1, &format!("/// {}", field.note)) + &line(1, &format!("pub {}: {real},", field.identifier)))
+        .map(|field| {
+            line(1, &format!("/// {}", readable(&field.note))) + &line(1, &format!("pub {}: {real},", field.identifier))
+        })
         .collect();
     format!("\n#[derive(Clone, Copy, Debug, PartialEq)]\npub struct {name} {{\n{body}}}\n")
 }
@@ -287,12 +288,12 @@ fn constants(words: &Rust, table: &Table) -> String {
     let count = table.values.len();
     let list = |values: &[f64], depth| numbers(values, depth, |x| words.number(x));
     if table.columns == 0 {
-        let (note, name, list) = (&table.note, &table.name, list(&table.values, 1));
+        let (note, name, list) = (readable(&table.note), &table.name, list(&table.values, 1));
         return format!("\n/// {note}\nstatic {name}: [{real}; {count}] = [\n{list}];\n");
     }
     let rows: String =
         table.values.chunks(table.columns).map(|row| format!("    [\n{}    ],\n", list(row, 2))).collect();
     let (rows_count, columns) = (count / table.columns, table.columns);
-    let (note, name) = (&table.note, &table.name);
+    let (note, name) = (readable(&table.note), &table.name);
     format!("\n/// {note}\nstatic {name}: [[{real}; {columns}]; {rows_count}] = [\n{rows}];\n")
 }

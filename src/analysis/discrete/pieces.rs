@@ -1,0 +1,272 @@
+//! Piecewise polynomials over samples: all steps, ramps, pulses, tables and chirps of an input as one polynomial from knot to
+//! knot. In: the sources of an input, the step. Out: the polynomial's states at any sample, when these are to be set anew, and what
+//! a block does in a step in which the polynomial changes. Clause: spec.md, "Simulation code".
+//!
+//! States c_k = h^k u^(k) / k! are u = sum c_k s^k, s in steps. They are set at each knot's next sample, not added to: what
+//! rounding leaves of the highest one would grow like the power of time that it stands for. Where a step is long beside the pieces,
+//! a piece carried on to its end is huge; then only what outputs see is kept for that step, and the blocks get the rest at its end.
+
+use crate::analysis::discrete::block::Block;
+use crate::analysis::discrete::hold::{coupled, moved};
+use crate::analysis::discrete::signals::{Chain, MOST_EVENTS, scales};
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::response::signal::{self, Piece, Source};
+use crate::base::{Dd, Number};
+use std::cmp::Ordering;
+
+/// A time between samples.
+#[derive(Clone, Copy, Debug)]
+pub struct When {
+    /// The first sample not before it.
+    pub tick: u64,
+    /// How long before that sample it is, in steps.
+    pub before: Dd,
+}
+
+/// Where a polynomial changes, after t = 0.
+#[derive(Clone, Debug)]
+pub struct Knot {
+    pub when: When,
+    /// The states from here on, at this time.
+    pub states: Vec<Dd>,
+    /// These less what they were just before.
+    pub jump: Vec<Dd>,
+}
+
+/// Beyond this multiple of the signal's largest value, a piece is not carried on to the end of a step.
+const MOST_BEYOND: f64 = 4.0;
+
+impl When {
+    /// A time after t = 0 on the samples; `None` beyond the range of a count.
+    pub fn of(at: &Number, step: &Number) -> Option<When> {
+        let samples = at / step;
+        let near = samples.to_f64().ceil();
+        if !(0.0..4e9).contains(&near) {
+            return None;
+        }
+        // The quotient may have been rounded over a whole number.
+        let mut tick = near as i64;
+        while (&Number::from(tick) - &samples).is_negative() {
+            tick += 1;
+        }
+        while tick > 0 && !(&Number::from(tick - 1) - &samples).is_negative() {
+            tick -= 1;
+        }
+        let before = (&Number::from(tick) - &samples).to_ball();
+        let before = if before.contains_zero() { Dd::ZERO } else { before.mid };
+        Some(When { tick: tick as u64, before })
+    }
+}
+
+/// The states at t = 0 and the knots after it.
+type Polynomials = (Vec<Dd>, Vec<Knot>);
+
+/// The sum of all piecewise sources; the inner `None` where there are none, the outer one where it has too many knots.
+pub fn knots(sources: &[Source], step: &Number, felt: impl Fn(&Number) -> bool) -> Option<Option<Polynomials>> {
+    let lists: Vec<&[Piece]> = sources.iter().filter_map(pieces).collect();
+    let Some(order) = sources.iter().filter(|source| pieces(source).is_some()).map(Source::order).max() else {
+        return Some(None);
+    };
+    let scale = scales(order, step.to_ball().mid);
+    let scaled = |piece: Option<&Piece>, time: &Number| -> Vec<Dd> {
+        let derivatives = piece.map_or_else(Vec::new, |piece| piece.at_time(time));
+        scale.iter().enumerate().map(|(k, &scale)| derivatives.get(k).map_or(Dd::ZERO, |x| x.mid * scale)).collect()
+    };
+    // The piece of each source that is in force, counted from one.
+    let mut current: Vec<usize> =
+        lists.iter().map(|list| list.iter().take_while(|piece| !piece.at.is_positive()).count()).collect();
+    let piece = |source: usize, count: usize| count.checked_sub(1).map(|i| &lists[source][i]);
+    let whole = |current: &[usize], time: &Number| {
+        let each = current.iter().enumerate().map(|(source, &count)| scaled(piece(source, count), time));
+        each.fold(vec![Dd::ZERO; order], |sum, own| add(sum, own, Dd::ONE))
+    };
+    let start = whole(&current, &Number::ZERO);
+    let later = |(source, list): (usize, &&'_ [Piece])| -> Vec<(usize, usize)> {
+        (current[source]..list.len()).take_while(|&i| felt(&list[i].at)).map(|i| (source, i)).collect()
+    };
+    let mut changes: Vec<(usize, usize)> = lists.iter().enumerate().flat_map(later).collect();
+    if changes.len() > MOST_EVENTS {
+        return None;
+    }
+    let at = |&(source, i): &(usize, usize)| &lists[source][i].at;
+    changes.sort_by(|a, b| signal::order(at(a), at(b)));
+    let mut knots: Vec<Knot> = Vec::with_capacity(changes.len());
+    for together in changes.chunk_by(|a, b| signal::order(at(a), at(b)) == Ordering::Equal) {
+        let time = at(&together[0]);
+        let mut jump = vec![Dd::ZERO; order];
+        for &(source, i) in together {
+            jump = add(jump, scaled(piece(source, current[source]), time), -Dd::ONE);
+            current[source] = i + 1;
+            jump = add(jump, scaled(piece(source, i + 1), time), Dd::ONE);
+        }
+        knots.push(Knot { when: When::of(time, step)?, states: whole(&current, time), jump });
+    }
+    Some(Some((start, knots)))
+}
+
+fn pieces(source: &Source) -> Option<&[Piece]> {
+    match source {
+        Source::Pieces { pieces, .. } => Some(pieces),
+        Source::Harmonic { .. } | Source::Impulse { .. } => None,
+    }
+}
+
+fn add(mut sum: Vec<Dd>, own: Vec<Dd>, factor: Dd) -> Vec<Dd> {
+    sum.iter_mut().zip(own).for_each(|(sum, x)| *sum += factor * x);
+    sum
+}
+
+/// A piece of a polynomial, for rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    pub steps: f64,
+    /// sum |c_k| n^k after so many steps, beside the signal's largest value.
+    pub terms: f64,
+}
+
+/// What outputs see of u, u' and u'' at once.
+pub type Seen = [bool; 3];
+
+impl Chain {
+    /// The knots strictly between a sample and the next one.
+    fn within(&self, tick: u64) -> &[Knot] {
+        let first = self.knots.partition_point(|knot| knot.when.tick <= tick);
+        let rest = &self.knots[first..];
+        let count = rest.partition_point(|knot| knot.when.tick == tick + 1 && !knot.when.before.is_zero());
+        &rest[..count]
+    }
+
+    /// The states at a sample.
+    fn at(&self, tick: u64) -> Vec<Dd> {
+        let count = self.knots.partition_point(|knot| knot.when.tick <= tick);
+        match count.checked_sub(1).map(|i| &self.knots[i]) {
+            Some(knot) => shifted(&knot.states, Dd::from((tick - knot.when.tick) as f64) + knot.when.before),
+            None => shifted(&self.start, Dd::from(tick as f64)),
+        }
+    }
+
+    /// Whether the piece at a sample ends before the next one and would be huge there.
+    fn is_cut(&self, tick: u64) -> bool {
+        let beyond: f64 = self.at(tick).iter().skip(1).map(|x| x.hi.abs()).sum();
+        !self.within(tick).is_empty() && beyond > MOST_BEYOND * self.largest
+    }
+
+    /// The states that a step begins with.
+    pub fn used(&self, tick: u64, seen: Seen) -> Vec<Dd> {
+        let mut states = self.at(tick);
+        if self.is_cut(tick) {
+            let keep = |k: usize| k == 0 || seen.get(k).is_some_and(|&seen| seen);
+            states.iter_mut().enumerate().filter(|(k, _)| !keep(*k)).for_each(|(_, x)| *x = Dd::ZERO);
+        }
+        states
+    }
+
+    /// The samples at which the states are set.
+    pub fn ticks(&self) -> impl Iterator<Item = u64> + '_ {
+        self.knots.iter().flat_map(|knot| {
+            let tick = knot.when.tick;
+            let cut = tick > 0 && !knot.when.before.is_zero() && self.is_cut(tick - 1);
+            cut.then(|| tick - 1).into_iter().chain([tick])
+        })
+    }
+
+    /// For rounding: the steps of each piece, and the sum of its terms at its end beside the largest value.
+    pub fn spread(&self) -> Vec<Spread> {
+        let starts = [(0, &self.start)].into_iter().chain(self.knots.iter().map(|knot| (knot.when.tick, &knot.states)));
+        let ends = self.knots.iter().map(|knot| knot.when.tick).chain([u64::MAX]);
+        let of = |((from, states), to): ((u64, &Vec<Dd>), u64)| {
+            let moves = states.iter().skip(1).any(|x| !x.is_zero());
+            let steps = if moves { to - from } else { 0 } as f64;
+            let terms = states.iter().rev().fold(0.0, |sum, x| sum * steps + x.hi.abs());
+            Spread { steps, terms: if terms == 0.0 { 0.0 } else { terms / self.largest } }
+        };
+        if self.angle.is_some() { Vec::new() } else { starts.zip(ends).map(of).collect() }
+    }
+
+    /// What a block has got of the signal in the step to a sample beside what its states at the sample before gave it.
+    pub fn correction(&self, block: &Block, tick: u64, seen: Seen, h: Dd) -> Option<Vec<Dd>> {
+        let mut sum = vec![Dd::ZERO; block.size()];
+        let Some(last) = tick.checked_sub(1) else { return Some(sum) };
+        let within = self.within(last);
+        if !self.is_cut(last) {
+            for knot in within {
+                let own = self.forced(block, vec![Dd::ZERO; block.size()], &knot.jump, knot.when.before, h)?;
+                sum = add(sum, own, Dd::ONE);
+            }
+            return Some(sum);
+        }
+        let mut states = self.at(last);
+        let mut time = Dd::ZERO;
+        for knot in within {
+            let next = Dd::ONE - knot.when.before;
+            sum = self.forced(block, sum, &states, next - time, h)?;
+            (time, states) = (next, knot.states.clone());
+        }
+        sum = self.forced(block, sum, &states, Dd::ONE - time, h)?;
+        let given = self.forced(block, vec![Dd::ZERO; block.size()], &self.used(last, seen), Dd::ONE, h)?;
+        Some(add(sum, given, -Dd::ONE))
+    }
+
+    /// w' = A w + b u over so many steps from w and the states of u.
+    fn forced(&self, block: &Block, w: Vec<Dd>, states: &[Dd], steps: Dd, h: Dd) -> Option<Vec<Dd>> {
+        let size = block.size();
+        let drive: Vec<Dd> = (0..size).map(|i| block.b[(i, self.input)] * h).collect();
+        let rate = (0..size).flat_map(|i| (0..size).map(move |j| (i, j))).map(|(i, j)| match i == j {
+            true => block.a[(i, i)].hi.abs(),
+            false => (block.a[(i, j)] * block.a[(j, i)]).hi.abs().sqrt(),
+        });
+        let turned = (rate.sum::<f64>() * (h * steps).hi).ceil().max(1.0);
+        if turned > MOST_PARTS {
+            let forces = Matrix::from_fn(size, self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
+            let forced = coupled(&block.a, &forces, &self.generator, steps, h)?;
+            let own = moved(&block.a, &w, steps * h)?;
+            let of = |i: usize| (0..self.size()).fold(Dd::ZERO, |sum, j| sum + forced[(i, j)] * states[j]);
+            return Some(own.into_iter().enumerate().map(|(i, x)| x + of(i)).collect());
+        }
+        let part = steps / Dd::from(turned);
+        let a = block.a.map(|x| x * h);
+        let (mut w, mut states) = (w, states.to_vec());
+        for _ in 0..turned as usize {
+            w = series(&a, &drive, w, &states, part);
+            states = shifted(&states, part);
+        }
+        w.iter().all(|x| x.is_finite()).then_some(w)
+    }
+}
+
+/// Parts of a step that are gone through one by one; beyond, squaring is faster.
+const MOST_PARTS: f64 = 64.0;
+/// Terms beyond those of the polynomial: 1/30! is 4e-33.
+const TERMS: usize = 30;
+
+/// The Taylor series of w' = A w + b sum c_k s^k: w_(j+1) = (A w_j + b c_j) / (j + 1).
+fn series(a: &Matrix<Dd>, drive: &[Dd], w: Vec<Dd>, states: &[Dd], s: Dd) -> Vec<Dd> {
+    let size = drive.len();
+    let mut sum = w.clone();
+    let (mut term, mut power) = (w, Dd::ONE);
+    for j in 0..states.len() + TERMS {
+        // Terms carry s^j.
+        let c = states.get(j).map_or(Dd::ZERO, |&c| c * power);
+        let next = |i: usize| (0..size).fold(drive[i] * c, |sum, k| sum + a[(i, k)] * term[k]);
+        let scale = s / Dd::from((j + 1) as f64);
+        term = (0..size).map(|i| next(i) * scale).collect();
+        power = power * s;
+        sum.iter_mut().zip(&term).for_each(|(sum, &x)| *sum += x);
+    }
+    sum
+}
+
+/// The coefficients of a polynomial of s + by (Horner, repeated).
+fn shifted(states: &[Dd], by: Dd) -> Vec<Dd> {
+    let mut states = states.to_vec();
+    if by.is_zero() {
+        return states;
+    }
+    for i in 0..states.len() {
+        for j in (i..states.len() - 1).rev() {
+            let next = states[j + 1];
+            states[j] += by * next;
+        }
+    }
+    states
+}

@@ -1,0 +1,167 @@
+//! exp(A) of two states less plus or minus one, in closed form: with half the trace a and the angle w, w^2 = det A - a^2, it is
+//! e^a (cos w + sin w / w (A - a)), and the angle is taken less whole and half turns. So entries keep their relative error
+//! however near a step comes to a whole number of periods, where a general exponential holds only what is left of one.
+//! In: A times the step, and the angle less whole turns where it is known exactly. Out: F less plus or minus one. Clause: spec.md,
+//! "Simulation code".
+
+use crate::analysis::discrete::precision::exp_minus_one;
+use crate::analysis::numeric::dense::Matrix;
+use crate::base::{Ball, Dd, Number};
+
+/// F = sign (1 + change), the sign being minus where the motion turns by more than a quarter.
+#[derive(Clone, Debug)]
+pub struct Turn {
+    pub turned: bool,
+    pub change: Matrix<Dd>,
+    /// 1 - det F
+    pub lost: Dd,
+    /// |1 -+ lambda|^2 for a complex pair, (1 - lambda_1)(1 - lambda_2) for real ones.
+    pub product: Dd,
+}
+
+impl Turn {
+    /// F
+    pub fn whole(&self) -> Matrix<Dd> {
+        let sign = if self.turned { -Dd::ONE } else { Dd::ONE };
+        Matrix::from_fn(2, 2, |i, j| sign * (self.change[(i, j)] + if i == j { Dd::ONE } else { Dd::ZERO }))
+    }
+}
+
+/// Beyond this angle, in rad, too few of the digits of a double-double say where in its turn a motion is.
+const MOST_ANGLE: f64 = 1e9;
+
+/// An exponent that leaves nothing of a motion.
+const GONE: f64 = -700.0;
+
+/// Whether two states turn beyond what digits tell, before they are gone.
+pub fn too_far(a: &Matrix<Dd>) -> bool {
+    let half = (a[(0, 0)].hi + a[(1, 1)].hi) * 0.5;
+    let square = (a[(0, 0)].hi - half).powi(2) + a[(0, 1)].hi * a[(1, 0)].hi;
+    half >= GONE && -square > MOST_ANGLE * MOST_ANGLE
+}
+
+/// The step of w' = A w over a unit of time; `None` out of range. `angle`: what is known of the angle of a motion without
+/// damping, less whole turns.
+pub fn turn(a: &Matrix<Dd>, angle: Option<Dd>) -> Option<Turn> {
+    let half = (a[(0, 0)] + a[(1, 1)]) * 0.5;
+    let aside = (a[(0, 0)] - a[(1, 1)]) * 0.5;
+    let square = aside.square() + a[(0, 1)] * a[(1, 0)];
+    // A - a
+    let rest = [[aside, a[(0, 1)]], [a[(1, 0)], -aside]];
+    let lost = -exp_minus_one(half * 2.0)?;
+    if square.hi < 0.0 {
+        let w = (-square).sqrt();
+        let gone = half.hi < GONE;
+        let (turned, reduced) = reduced(if gone { Dd::ZERO } else { angle.unwrap_or(w) })?;
+        let keep = Dd::ONE + exp_minus_one(half)?;
+        let (sine, cosine_lost) = sine_and_versine(reduced)?;
+        let shrunk = exp_minus_one(half)?;
+        let along = keep * sine / w;
+        let own = shrunk - keep * cosine_lost;
+        let change = Matrix::from_fn(2, 2, |i, j| along * rest[i][j] + if i == j { own } else { Dd::ZERO });
+        let product = shrunk.square() + keep * cosine_lost * 2.0;
+        return Some(Turn { turned, change, lost, product });
+    }
+    let d = square.sqrt();
+    let (fast, slow) = (exp_minus_one(half + d)?, exp_minus_one(half - d)?);
+    let keep = Dd::ONE + exp_minus_one(half)?;
+    // sinh d / d
+    let along = if d.hi < 0.03 { keep * hyperbolic(square) } else { (fast - slow) / (d * 2.0) };
+    let own = (fast + slow) * 0.5;
+    let change = Matrix::from_fn(2, 2, |i, j| along * rest[i][j] + if i == j { own } else { Dd::ZERO });
+    Some(Turn { turned: false, change, lost, product: fast * slow })
+}
+
+/// An angle less whole turns, or an odd number of half turns where that is nearer.
+fn reduced(angle: Dd) -> Option<(bool, Dd)> {
+    if !angle.is_finite() {
+        return None;
+    }
+    let halves = (angle.hi / std::f64::consts::PI).round();
+    Some((halves % 2.0 != 0.0, angle - Dd::PI * halves))
+}
+
+/// sin x and 1 - cos x = 2 sin^2(x / 2) for |x| <= pi / 2, to the relative error of a double-double.
+fn sine_and_versine(x: Dd) -> Option<(Dd, Dd)> {
+    let half = sine(x * 0.5)?;
+    Some((sine(x)?, half.square() * 2.0))
+}
+
+fn sine(x: Dd) -> Option<Dd> {
+    if x.hi.abs() > 0.1 {
+        return Some(Number::Ball(Ball::exact(x)).sin_cos()?.0.to_ball().mid);
+    }
+    // Eleven terms leave 0.1^22 / 23! of the first.
+    let square = x.square();
+    let (mut term, mut sum) = (x, x);
+    for i in 1..11 {
+        term = -(term * square) / Dd::from(f64::from(2 * i * (2 * i + 1)));
+        sum += term;
+    }
+    Some(sum)
+}
+
+/// sinh d / d of d^2, for d below 0.03.
+fn hyperbolic(square: Dd) -> Dd {
+    let (mut term, mut sum) = (Dd::ONE, Dd::ONE);
+    for i in 1..9 {
+        term = term * square / Dd::from(f64::from(2 * i * (2 * i + 1)));
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::discrete::hold::propagator;
+
+    /// Slow and fast, damped, critical and overdamped: the general exponential, less plus or minus one.
+    #[test]
+    fn the_closed_form_is_the_exponential() {
+        for (k, c) in [
+            (1.0, 0.0),
+            (400.0, 0.3),
+            (1e4, 20.0),
+            (9.0, 6.0),
+            (9.0, 6.0001),
+            (9.0, 5.9999),
+            (0.0, 0.0),
+            (0.0, 3.0),
+            (1e-8, 0.0),
+            (987.0, 1.0),
+            (-4.0, 0.5),
+        ] {
+            let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
+            let h = Dd::from(0.1);
+            let f = propagator(&a, h).expect("in range").f;
+            let found = turn(&a.map(|x| x * h), None).expect("in range");
+            let sign = if found.turned { -Dd::ONE } else { Dd::ONE };
+            for i in 0..2 {
+                for j in 0..2 {
+                    let own = if i == j { Dd::ONE } else { Dd::ZERO };
+                    let error = (sign * (found.change[(i, j)] + own) - f[(i, j)]).hi.abs();
+                    assert!(error < 1e-27 * k.abs().max(1.0), "k {k} c {c} {i}{j}: {error:e}");
+                }
+            }
+            let det = f[(0, 0)] * f[(1, 1)] - f[(0, 1)] * f[(1, 0)];
+            assert!((Dd::ONE - det - found.lost).hi.abs() < 1e-28);
+        }
+    }
+
+    /// A step that is a million periods and 1e-9 rad: what is left keeps its digits.
+    #[test]
+    fn what_is_left_of_whole_turns_keeps_its_digits() {
+        let over = Dd::from(1e-9);
+        let w = Dd::PI * 2e6 + over;
+        let a = Matrix::from_fn(2, 2, |i, j| [[Dd::ZERO, w], [-w, Dd::ZERO]][i][j]);
+        let found = turn(&a, None).expect("in range");
+        assert!(!found.turned);
+        assert!((found.change[(0, 1)] / over - Dd::ONE).hi.abs() < 1e-15);
+        assert!((found.product / over.square() - Dd::ONE).hi.abs() < 1e-15);
+        let exact = turn(&a, Some(Dd::ZERO)).expect("in range");
+        assert!(exact.product.is_zero() && exact.change[(1, 0)].is_zero());
+        let half = turn(&a, Some(Dd::PI)).expect("in range");
+        assert!(half.turned && half.change[(1, 0)].is_zero());
+    }
+}
