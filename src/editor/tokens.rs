@@ -15,7 +15,7 @@ pub enum TokenKind {
     },
     /// A string with its quotes; to the end of the line where it is not closed.
     Text,
-    /// From its slashes to the last visible character of the line.
+    /// From its slashes to the last character of the line that is no blank.
     Comment,
     LineEnd,
     /// `(`, `[` or `{`
@@ -47,12 +47,15 @@ impl Token {
     }
 }
 
+/// What the language takes for blanks in a line; those of other scripts and printers are characters like any other.
+const BLANKS: [char; 3] = [' ', '\t', '\r'];
+
 /// Every token of a text, in order; blanks lie between them.
 pub fn tokens(text: &str) -> Vec<Token> {
     let mut tokens = Vec::with_capacity(text.len() / 4);
     let mut at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
     while let Some(first) = text[at..].chars().next() {
-        if matches!(first, ' ' | '\t' | '\r') {
+        if BLANKS.contains(&first) {
             at += 1;
             continue;
         }
@@ -68,7 +71,7 @@ fn token(text: &str, at: usize, first: char) -> (TokenKind, usize) {
     let rest = &text[at..];
     if rest.starts_with("//") {
         let line = rest.find('\n').map_or(rest, |end| &rest[..end]);
-        return (TokenKind::Comment, at + line.trim_end().len());
+        return (TokenKind::Comment, at + line.trim_end_matches(BLANKS).len());
     }
     if let Some(end) = number_end(text, at) {
         return (TokenKind::Number { number_len: end - at }, unit_after(text, end).unwrap_or(end));
@@ -93,8 +96,8 @@ fn sign_len(rest: &str, first: char) -> usize {
 fn string_len(rest: &str) -> usize {
     match rest[1..].find(['"', '\n']) {
         Some(end) if rest[1 + end..].starts_with('"') => end + 2,
-        Some(end) => 1 + rest[1..1 + end].trim_end().len(),
-        None => rest.trim_end().len(),
+        Some(end) => 1 + rest[1..1 + end].trim_end_matches(BLANKS).len(),
+        None => 1 + rest[1..].trim_end_matches(BLANKS).len(),
     }
 }
 
@@ -179,6 +182,15 @@ mod tests {
         assert_eq!(texts("10 N / m, 0.1 /s, 1/s"), ["10 N", "/", "m", ",", "0.1 /s", ",", "1", "/", "s"]);
         assert_eq!(texts("5 %  1e-4kg·m² 2 about 2e x"), ["5 %", "1e-4kg·m²", "2", "about", "2e", "x"]);
         assert_eq!(texts("2..100 .5 m^-2^n"), ["2", "..", "100", ".5 m^-2", "^", "n"]);
+    }
+
+    #[test]
+    fn a_comment_ends_where_the_parser_ends_it() {
+        // No-break, ogham, en, figure, line and paragraph separators, narrow, mathematical, ideographic.
+        for blank in "\u{a0}\u{1680}\u{2000}\u{2007}\u{2028}\u{2029}\u{202f}\u{205f}\u{3000}".chars() {
+            let text = format!("// note{blank} \t\r\nx");
+            assert_eq!(texts(&text), [&format!("// note{blank}"), "\n", "x"], "{blank:?}");
+        }
     }
 
     #[test]

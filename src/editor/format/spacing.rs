@@ -118,8 +118,15 @@ impl Reader<'_> {
         self.pieces.push(Piece { text: text.into(), role, at });
     }
 
+    /// The word that starts the declaration, or one behind a name or a value: these have no word behind them that starts a
+    /// value of its own, so a parameter `in` or a part `about` is none.
     fn is_keyword(&self, word: &str) -> bool {
-        self.visible().is_none() || matches!(word, "in" | "along" | "about" | "modal")
+        match self.visible().map(|last| last.role) {
+            None => true,
+            Some(Role::Word | Role::Value { .. } | Role::Close) => matches!(word, "in" | "along" | "about"),
+            Some(Role::Keyword) => self.keyword == "damping" && word == "modal",
+            Some(_) => false,
+        }
     }
 
     /// The piece before, line ends and comments left out.
