@@ -331,6 +331,9 @@ pub struct OverrideOptions {
     /// Take values of parameters from a TOML file: `k = "12 N/m"`
     #[arg(long = "settings", value_name = "FILE.toml")]
     pub settings_file: Option<PathBuf>,
+    /// Read tables below this folder too, not only below the model's own
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
     /// What a literal such as 9.81 stands for
     #[arg(long, value_enum, default_value_t = LiteralsOption::Decimal, value_name = "READING")]
     pub literals: LiteralsOption,

@@ -143,7 +143,12 @@ pub struct Dynamics {
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     let mut diagnostics = Diagnostics::new();
     let answer = checked_scene(sources, model, overrides, &mut diagnostics).and_then(|scene| {
-        let system = damped(&scene, &mut diagnostics)?.system;
+        let damped = hanging(&scene, &mut diagnostics)?;
+        if let Some(refusal) = too_long_rows(&damped.lowered.system) {
+            diagnostics.push(refusal);
+            return None;
+        }
+        let system = damped.written_out(&mut diagnostics)?.system;
         let spectrum = analysis::modes(&system).and_then(|modes| {
             let poles = analysis::poles(&system, &modes)?;
             Ok((modes, poles))
@@ -159,6 +164,24 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
         Some(Dynamics { model: scene.scene().name.clone(), system, spectrum })
     });
     Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// Products of entries of rows that the matrices of a transfer function are summed from: some ten seconds of them.
+const MOST_PRODUCTS: u64 = 50_000_000;
+
+/// Says that rows of so many entries are not multiplied out: each of n links that hang one under another moves with all
+/// above it, which makes n^3 products.
+fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
+    let products = system.products();
+    let span = system.coordinates.last()?.span;
+    (products > MOST_PRODUCTS).then(|| {
+        let message = format!(
+            "this scene hangs so deep that its transfer function would be summed from {products} products; the most are \
+             {MOST_PRODUCTS}"
+        );
+        Diagnostic::error(lower::error::TOO_DEEP, span, message)
+            .help("use fewer links, or let bodies stand on the ground with a freedom clause")
+    })
 }
 
 /// A model's motion in time.
@@ -434,13 +457,7 @@ fn checked_scene(
 
 /// The lowered scene with the damping that is declared for all of it, its rows written out.
 fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
-    match hanging(scene, diagnostics)? {
-        Damped { lowered, by_modes: None } => flattened(lowered, diagnostics),
-        Damped { by_modes: Some((_, too_many)), .. } => {
-            diagnostics.push(too_many.to_diagnostic());
-            None
-        }
-    }
+    hanging(scene, diagnostics)?.written_out(diagnostics)
 }
 
 fn flattened(lowered: Lowered, diagnostics: &mut Diagnostics) -> Option<Lowered> {
@@ -452,6 +469,18 @@ fn flattened(lowered: Lowered, diagnostics: &mut Diagnostics) -> Option<Lowered>
 struct Damped {
     lowered: Lowered,
     by_modes: Option<(Number, AnalysisError)>,
+}
+
+impl Damped {
+    fn written_out(self, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+        match self.by_modes {
+            None => flattened(self.lowered, diagnostics),
+            Some((_, too_many)) => {
+                diagnostics.push(too_many.to_diagnostic());
+                None
+            }
+        }
+    }
 }
 
 /// The same with rows chained where the scene hangs deep.

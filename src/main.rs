@@ -2,6 +2,7 @@
 //! streams or the exit status. Clause: spec.md, "Report" 12.8.
 
 mod cli;
+mod transport;
 
 use clap::{CommandFactory, Parser};
 use cli::{
@@ -13,11 +14,13 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread;
 use vibc::analysis::discrete::Hold;
 use vibc::analysis::{self, Roads, Sweep};
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
+use vibc::editor::server::{self, Leave};
 use vibc::model::Overrides;
 use vibc::syntax::limits;
 
@@ -33,7 +36,7 @@ enum Status {
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(report_defect));
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| refuse(&error));
     let status = match &cli.command {
         Command::Analyze(options) => analyze(options, &cli.messages),
         Command::Transfer(options) => transfer(options, &cli.messages),
@@ -48,6 +51,23 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench(options, &cli.messages),
     };
     ExitCode::from(status as u8)
+}
+
+/// Help, or what is wrong with the command line. clap repeats arguments as they are, so what in them would steer the
+/// terminal is made visible before.
+fn refuse(error: &clap::Error) -> ! {
+    let arguments: Vec<String> = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    if arguments.iter().all(|argument| diagnostics::readable(argument) == *argument) {
+        error.exit();
+    }
+    let shown = arguments.iter().map(|argument| diagnostics::readable(argument).into_owned());
+    if let Err(error) = Cli::try_parse_from(shown) {
+        error.exit();
+    }
+    // It was the very character that is wrong.
+    let lines: Vec<String> = error.to_string().lines().map(|line| diagnostics::readable(line).into_owned()).collect();
+    write_to(&mut io::stderr().lock(), &(lines.join("\n") + "\n"));
+    std::process::exit(error.exit_code())
 }
 
 fn analyze(options: &Analyze, messages: &Messages) -> Status {
@@ -394,19 +414,25 @@ fn format_one(path: &Path, source: SourceFile, check: bool, messages: &Messages)
 
 /// Answers an editor until it says goodbye.
 fn language_server() -> Status {
-    let (connection, threads) = lsp_server::Connection::stdio();
-    let read = |path: &str| File::open(path).and_then(read_limited).map_err(|error| error.to_string());
-    let served = vibc::editor::server::serve(&connection, &read);
+    // As many messages as pile up while a text goes through the stages; whoever sends more waits.
+    let (incoming, receiver) = crossbeam_channel::bounded(64);
+    let (sender, outgoing) = crossbeam_channel::unbounded();
+    // Reading ends with `exit` or with the stream, or with the process.
+    thread::spawn(move || transport::receive_all(&mut io::stdin().lock(), &incoming, || io::stdout().lock()));
+    let writer = thread::spawn(move || transport::send_all(&outgoing, || io::stdout().lock()));
+    let connection = lsp_server::Connection { sender, receiver };
+    let folders = |folders: &[String]| folders.iter().map(PathBuf::from).collect::<Vec<_>>();
+    let outside = "it lies outside the folder that is open";
+    let read = |path: &str, below: &[String]| Tables::new(folders(below), outside).read(Path::new(path));
+    let leave = server::serve(&connection, &read);
     // The thread that writes ends with the last sender.
     drop(connection);
-    match (served, threads.join()) {
-        (Ok(()), Ok(())) => Status::Done,
-        (Err(error), _) => {
-            complain(&format!("the editor does not keep to the protocol: {error}"));
-            Status::Usage
-        }
-        (_, Err(error)) => {
-            complain(&format!("the editor cannot be read or written to: {error}"));
+    match (leave, writer.join()) {
+        // As the protocol asks for.
+        (Leave::Announced, Ok(Ok(()))) => Status::Done,
+        (Leave::Unannounced, Ok(Ok(()))) => Status::Errors,
+        _ => {
+            complain("the editor cannot be written to");
             Status::Io
         }
     }
@@ -516,20 +542,67 @@ fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadab
         None => None,
     };
     let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
-    read_tables(&mut sources, model);
+    let folder = sources.file(model).directory.clone();
+    let folders = std::iter::once(folder).chain(overrides.root.clone()).collect();
+    read_tables(
+        &mut sources,
+        model,
+        Tables::new(folders, "it lies outside the model's folder; `--root` allows another"),
+    );
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
 }
 
 /// The tables that a model names; what cannot be read is told at its place in the model.
-fn read_tables(sources: &mut Sources, model: FileId) {
+fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
     for written in vibc::table_files(sources, model) {
         let name = sources.file(model).beside(&written);
-        let file = match File::open(&name).and_then(read_limited) {
+        let file = match tables.read(Path::new(&name)) {
             Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
-            Err(error) => SourceFile::unread(SourceKind::Table, name, error.to_string()),
+            Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
         };
         sources.add(file);
     }
+}
+
+/// The files of tables. A model may come from a stranger: what it names is read below certain folders alone, and no more of
+/// it than fits.
+struct Tables {
+    /// `""` is the folder that the program was started in.
+    folders: Vec<PathBuf>,
+    /// What is said of a file elsewhere.
+    outside: &'static str,
+    /// Bytes that may still be read.
+    room: usize,
+}
+
+impl Tables {
+    fn new(folders: Vec<PathBuf>, outside: &'static str) -> Tables {
+        Tables { folders, outside, room: limits::TABLES }
+    }
+
+    /// A plain file; a pipe or a device may have no end, or wait for ever. Links count as what they lead to.
+    fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
+        let told = |error: io::Error| error.to_string();
+        let path = fs::canonicalize(path).map_err(told)?;
+        if !self.folders.iter().any(|folder| is_below(&path, folder)) {
+            return Err(self.outside.into());
+        }
+        if !fs::metadata(&path).map_err(told)?.is_file() {
+            return Err("it is no plain file".into());
+        }
+        let mut bytes = Vec::new();
+        File::open(&path).map_err(told)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
+        self.room = self
+            .room
+            .checked_sub(bytes.len())
+            .ok_or_else(|| format!("the tables of a model have at most {} MiB in all", limits::TABLES >> 20))?;
+        Ok(bytes)
+    }
+}
+
+fn is_below(path: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    fs::canonicalize(folder).is_ok_and(|folder| path.starts_with(folder))
 }
 
 /// A file, or standard input for `-`.
@@ -632,35 +705,77 @@ fn replace_file(path: &Path, text: &str) -> io::Result<()> {
     if existing.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
         return OpenOptions::new().write(true).open(path)?.write_all(text.as_bytes());
     }
-    let target = if existing.is_ok() { fs::canonicalize(path)? } else { path.to_path_buf() };
-    let beside = beside(&target)?;
-    let written = write_new(&beside, text, existing.ok()).and_then(|()| fs::rename(&beside, &target));
+    let existing = existing.ok();
+    let target = if existing.is_some() { fs::canonicalize(path)? } else { led_to(path)? };
+    let (beside, file) = new_beside(&target, existing.is_some())?;
+    let written = write_new(file, text, existing).and_then(|()| fs::rename(&beside, &target));
     if written.is_err() {
         let _ = fs::remove_file(&beside);
     }
     written
 }
 
-/// A name in the same directory that no other run of the program uses.
-fn beside(target: &Path) -> io::Result<PathBuf> {
-    let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
-    let mut hidden = OsString::from(".");
-    hidden.push(name);
-    hidden.push(format!(".{}.new", std::process::id()));
-    Ok(target.with_file_name(hidden))
+/// Where a name leads that has no file yet: a link may say where it is to be.
+fn led_to(path: &Path) -> io::Result<PathBuf> {
+    /// As many as systems follow.
+    const LINKS: usize = 40;
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = path.parent().unwrap_or(Path::new("")).join(target),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a link that leads back to itself"))
 }
 
-fn write_new(path: &Path, text: &str, replaced: Option<fs::Metadata>) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+/// A new file in the same directory, under a name that nobody uses: another run may have left one of ours behind.
+fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
+    const TRIES: u32 = 1000;
+    let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    if is_private {
+        // Until it has the permissions of the file that it replaces.
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    }
+    let mut tries = 0..TRIES;
+    loop {
+        let mut hidden = OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}-{}.new", std::process::id(), tries.next().unwrap_or(TRIES)));
+        let path = target.with_file_name(hidden);
+        match options.open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && !tries.is_empty() => {}
+            opened => return opened.map(|file| (path, file)),
+        }
+    }
+}
+
+fn write_new(mut file: File, text: &str, replaced: Option<fs::Metadata>) -> io::Result<()> {
     if let Some(metadata) = replaced {
+        keep_owner(&file, &metadata);
         file.set_permissions(metadata.permissions())?;
     }
     file.write_all(text.as_bytes())?;
     file.sync_all()
 }
 
+/// Files can be given to others by the superuser alone, and to a group by its members: whoever else writes owns the file.
+#[cfg(unix)]
+fn keep_owner(file: &File, replaced: &fs::Metadata) {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let _ = fchown(file, None, Some(replaced.gid()));
+    let _ = fchown(file, Some(replaced.uid()), None);
+}
+
+#[cfg(not(unix))]
+fn keep_owner(_: &File, _: &fs::Metadata) {}
+
+/// In one line, whatever names of files and arguments it repeats.
 fn complain(text: &str) {
-    write_to(&mut io::stderr().lock(), &format!("vibc: {text}\n"));
+    write_to(&mut io::stderr().lock(), &format!("vibc: {}\n", diagnostics::readable(text)));
 }
 
 /// A panic is a defect of the program, whatever the input: say so, and what helps to mend it.

@@ -23,7 +23,7 @@ pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let dependent = answer.rest.dependent.iter().map(|dependent| answer.system.display(dependent.coordinate.name));
     let all: Vec<String> = names.iter().cloned().chain(dependent).collect();
     let report = report(answer, options, &all);
-    serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
+    super::json_text(&report) + "\n"
 }
 
 #[derive(serde::Serialize)]

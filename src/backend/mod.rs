@@ -15,6 +15,7 @@ pub mod transfer;
 
 use crate::analysis::{Buckling, Modes, Normalise, Poles, Verdict};
 use crate::base::Number;
+use crate::base::readable::escaped;
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Sensitivity, Solved};
 use crate::system::{Coordinate, LinearSystem};
@@ -38,6 +39,11 @@ pub struct ModalAnswer {
     pub requirements: Vec<Requirement>,
     /// Where they were asked for.
     pub sensitivities: Vec<Sensitivity>,
+}
+
+/// A value as JSON that steers no terminal.
+fn json_text(value: &impl serde::Serialize) -> String {
+    escaped(serde_json::to_string(value).expect("strings and numbers always have a JSON form"))
 }
 
 impl ModalAnswer {

@@ -79,7 +79,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
         outputs,
         steady_state: steady.iter().flat_map(|part| steady_lines(system, part)).collect(),
     };
-    serde_json::to_string(&report).expect("strings and numbers always have a JSON form") + "\n"
+    super::json_text(&report) + "\n"
 }
 
 #[derive(serde::Serialize)]

@@ -56,7 +56,7 @@ pub fn csv(system: &LinearSystem, table: &Table) -> String {
 pub fn json(system: &LinearSystem, table: &Table) -> String {
     let mut lines = Vec::new();
     each_line(system, table, |line| {
-        lines.push(serde_json::to_string(&line).expect("strings and numbers always have a JSON form"));
+        lines.push(super::json_text(&line));
     });
     format!("[\n{}\n]\n", lines.join(",\n"))
 }

@@ -5,6 +5,7 @@ pub mod dimension;
 pub mod line_index;
 pub mod name;
 pub mod number;
+pub mod readable;
 pub mod source;
 pub mod unit;
 pub mod vector;

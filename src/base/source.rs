@@ -1,5 +1,6 @@
 //! Where a thing was written: files, byte ranges, lines and columns.
 
+use super::readable::readable;
 use std::path::{Path, PathBuf};
 
 /// Index of a file in [`Sources`].
@@ -122,9 +123,11 @@ impl SourceFile {
         self.directory.join(written).to_string_lossy().into_owned()
     }
 
-    /// The file's name without directory and extension: the model's name where it declares none.
+    /// The file's name without directory and extension: the model's name where it declares none. It is printed, so what
+    /// would steer a terminal is made visible.
     pub fn stem(&self) -> String {
-        Path::new(&self.name).file_stem().map_or_else(|| "model".into(), |stem| stem.to_string_lossy().into_owned())
+        let stem = Path::new(&self.name).file_stem().map(|stem| stem.to_string_lossy());
+        stem.map_or_else(|| "model".into(), |stem| readable(&stem).into_owned())
     }
 
     /// Line and column of a byte offset, both from 1, the column in characters.

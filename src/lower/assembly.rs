@@ -50,7 +50,7 @@ pub fn assemble(
     reduction: &Reduction,
     state: &State<Number>,
     tensions: Tensions,
-) -> Result<LinearSystem, Vec<LowerError>> {
+) -> Result<(LinearSystem, Vec<Idle>), Vec<LowerError>> {
     let mut assembly = Assembly::new(scene, kinematics, reduction, state, tensions);
     assembly.inertia();
     assembly.gravity();
@@ -67,7 +67,15 @@ pub fn assemble(
     }
     let outputs = scene.outputs.iter().map(|output| assembly.output(output)).collect();
     let initial = initial::initial(scene, &mut assembly)?;
-    Ok(assembly.finish(outputs, initial))
+    let idle = assembly.idle_parts();
+    Ok((assembly.finish(outputs, initial), idle))
+}
+
+/// A spring, damper or input without any part in what moves: its place among those of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Idle {
+    Element(usize),
+    Input(usize),
 }
 
 /// The system in the making, with room for what is worked out on the way.
@@ -87,6 +95,8 @@ pub struct Assembly<'a> {
     reach: Reach<Number>,
     row: Row,
     chain: Vec<ChainedRow>,
+    /// Elements without a term, by their places in the scene.
+    idle: Vec<usize>,
 }
 
 impl<'a> Assembly<'a> {
@@ -116,6 +126,7 @@ impl<'a> Assembly<'a> {
             reach: Reach::default(),
             row: Row::new(),
             chain: Vec::new(),
+            idle: Vec::new(),
         }
     }
 
@@ -228,7 +239,27 @@ impl<'a> Assembly<'a> {
         self.curvature(source, &Vector::of(&self.scene.gravity).negated());
     }
 
+    /// What was declared to act and does nothing: a value of zero says so itself.
+    fn idle_parts(&self) -> Vec<Idle> {
+        let acts = |element: &Element| match &element.law {
+            Law::Spring { stiffness: size, .. } | Law::Damper { damping: size } => !size.is_zero(),
+        };
+        let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
+        let still = |columns: &[Row; 3]| columns.iter().all(Vec::is_empty);
+        let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
+        elements.map(Idle::Element).chain(inputs.map(Idle::Input)).collect()
+    }
+
     fn element(&mut self, number: usize, element: &Element) {
+        let terms = |assembly: &Self| assembly.k.terms().len() + assembly.c.terms().len();
+        let before = terms(self);
+        self.terms_of(number, element);
+        if terms(self) == before {
+            self.idle.push(number);
+        }
+    }
+
+    fn terms_of(&mut self, number: usize, element: &Element) {
         match &element.law {
             Law::Spring { stiffness, rest } => {
                 let law = (stiffness, rest);

@@ -281,7 +281,11 @@ impl Unbalanced {
     }
 
     fn size(&self) -> String {
-        format!("{} {}", four_digits(self.force), if self.turns { "N*m" } else { "N" })
+        let unit = if self.turns { "N*m" } else { "N" };
+        match self.force {
+            force if force.is_finite() => format!("{} {unit}", four_digits(force)),
+            _ => format!("more than 1.8e308 {unit}"),
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod chain;
 pub mod constraints;
 mod drives;
 pub mod error;
+mod idle;
 pub mod initial;
 pub mod kinematics;
 pub mod loads;
@@ -84,7 +85,8 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     constraints.check_redundant(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
     let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
-    let system = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
+    let (system, idle) = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
     let rest = found.finish(scene, &kinematics, &reduction, &system)?;
+    let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle)).collect();
     Ok((Lowered { system, rest }, notes))
 }

@@ -14,6 +14,15 @@ use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 
 /// Declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output each.
 pub const MAX_INSTANCES: u64 = 4_000_000;
+/// Bodies among them: each has coordinates, and takes some 400 bytes before any of these.
+pub const MAX_BODIES: u64 = 1_000_000;
+
+/// What `repeat`s unroll to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    instances: u64,
+    bodies: u64,
+}
 
 /// The name that a declaration declares, and what that then stands for.
 type Declares = Option<(Ident, fn(u32) -> Part)>;
@@ -49,7 +58,7 @@ impl<'a> Check<'a> {
         for decl in &tree.decls {
             self.declare_value(Instance { decl, environment: Environment::TOP });
         }
-        let mut count = 0;
+        let mut count = Count::default();
         for decl in &tree.decls {
             let instance = Instance { decl, environment: Environment::TOP };
             match decl.kind {
@@ -60,7 +69,7 @@ impl<'a> Check<'a> {
     }
 
     /// Unrolls a top-level `repeat` if what it unrolls to is not too much.
-    fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut u64) {
+    fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut Count) {
         let before = *count;
         match self.count(repeat, Environment::TOP, count) {
             Ok(()) => self.unroll(repeat, Environment::TOP),
@@ -72,14 +81,19 @@ impl<'a> Check<'a> {
     }
 
     /// Adds what a `repeat` unrolls to; refuses where that is too much.
-    fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut u64) -> Evaluated<()> {
+    fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut Count) -> Evaluated<()> {
         let (first, last) = self.bounds(repeat, environment)?;
         let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
         let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
         let own = (repeat.body.len() - nested.len()).max(1) as u64;
-        *count = count.saturating_add(repetitions.saturating_mul(own));
-        if *count > MAX_INSTANCES {
-            return self.too_many(repeat, environment);
+        let bodies = repeat.body.iter().filter(|decl| matches!(decl.kind, DeclKind::Body { .. })).count() as u64;
+        count.instances = count.instances.saturating_add(repetitions.saturating_mul(own));
+        count.bodies = count.bodies.saturating_add(repetitions.saturating_mul(bodies));
+        if count.instances > MAX_INSTANCES {
+            return self.too_many(repeat, MAX_INSTANCES, "declarations", environment);
+        }
+        if count.bodies > MAX_BODIES {
+            return self.too_many(repeat, MAX_BODIES, "bodies", environment);
         }
         if nested.is_empty() {
             return Ok(());
@@ -100,9 +114,15 @@ impl<'a> Check<'a> {
         Some(&self.tree.repeats[index as usize])
     }
 
-    fn too_many<T>(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<T> {
+    fn too_many<T>(
+        &mut self,
+        repeat: &Repeat,
+        limit: u64,
+        what: &'static str,
+        environment: Environment,
+    ) -> Evaluated<T> {
         let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);
-        self.fail(environment, NameError::TooManyInstances { span, limit: MAX_INSTANCES })
+        self.fail(environment, NameError::TooManyInstances { span, limit, what })
     }
 
     fn unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
@@ -144,7 +164,7 @@ impl<'a> Check<'a> {
         // Both are below 2^63 in size: their difference fits twice that.
         let repetitions = i128::from(last) - i128::from(first) + 1;
         if repetitions > i128::from(MAX_INSTANCES) {
-            return self.too_many(repeat, environment);
+            return self.too_many(repeat, MAX_INSTANCES, "declarations", environment);
         }
         if repetitions < 0 {
             let span = self.tree.expr(repeat.first).span.to(self.tree.expr(repeat.last).span);

@@ -279,7 +279,7 @@ impl<'a> Check<'a> {
     fn name_value(&mut self, span: Span, indices: ExprList, environment: Environment) -> Evaluated<Value> {
         let word = if indices.is_empty() { span } else { self.word_of(span) };
         if indices.is_empty() && self.sources.slice(word) == "pi" {
-            return Ok(Quantity::plain(Number::pi()).into());
+            return Ok(Value::Scalar(Scalar::pi()));
         }
         let Some(symbol) = self.known_symbol(word, environment) else {
             let error = self.unknown_value(Ident { span: word, indices }, None);

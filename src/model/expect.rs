@@ -58,7 +58,7 @@ impl<'a> Check<'a> {
         let value = self.evaluate(expr, environment)?;
         let number = self.as_number(&value, expr, environment, &FREQUENCY)?;
         match value {
-            Value::Scalar(Scalar { quantity, bare_zero: false }) => self.in_hertz(&quantity, expr, environment),
+            Value::Scalar(Scalar { quantity, bare_zero: false, .. }) => self.in_hertz(&quantity, expr, environment),
             _ => Ok(number),
         }
     }
@@ -159,10 +159,22 @@ impl<'a> Check<'a> {
             None => Ok(Number::ZERO),
             Some(found) if found == expected.dimension => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
+                self.cycles_for_radians(scalar, expr, environment, expected);
                 Ok(scalar.quantity.si.clone())
             }
             Some(found) => Err(self.mismatch(found, expr, environment, expected)),
         }
+    }
+
+    /// Warns where a frequency in cycles went into something that is no frequency.
+    fn cycles_for_radians(&mut self, scalar: &Scalar, expr: ExprId, environment: Environment, expected: &Expected) {
+        let is_rate = [Dimension::NONE, Dimension::FREQUENCY].contains(&expected.dimension);
+        if is_rate || scalar.cycles <= 0.0 {
+            return;
+        }
+        let (span, value) = (self.tree.expr(expr).span, scalar.quantity.si.to_f64());
+        let declared = self.declaration_of(expr, environment);
+        self.report(environment, ValueError::CyclesForRadians { span, value, expected: *expected, declared });
     }
 
     pub fn as_scalar<'v>(

@@ -35,11 +35,12 @@ mod unknown;
 mod value;
 
 use crate::base::unit::Unit;
-use crate::base::{Code, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words};
+use crate::base::{Code, Diagnostic, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words};
+use crate::syntax::limits;
 use crate::syntax::tree::Tree;
 use bodies::Directions;
 use collect::Instances;
-use error::Error;
+use error::{Error, NameError};
 use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
@@ -178,6 +179,8 @@ struct Check<'a> {
     diagnostics: Diagnostics,
     /// What has been said, so that the repetitions of a `repeat` say it once.
     said: HashSet<(Code, Span)>,
+    /// How many errors, and how many other findings.
+    told: [Told; 2],
     overrides: Given,
     /// Whether this is a value from outside, which knows no name of the model.
     outside: bool,
@@ -218,6 +221,7 @@ impl<'a> Check<'a> {
             units: HashMap::new(),
             diagnostics: Diagnostics::new(),
             said: HashSet::new(),
+            told: Default::default(),
             overrides: Given::default(),
             outside: false,
             broken_words: HashSet::new(),
@@ -245,7 +249,9 @@ impl<'a> Check<'a> {
     /// Says what is wrong, once for each place.
     fn report(&mut self, environment: Environment, error: impl Into<Error>) {
         let mut diagnostic = error.into().diagnostic();
-        if !self.said.insert((diagnostic.code, diagnostic.primary.span)) {
+        let place = diagnostic.primary.span;
+        if !self.said.insert((diagnostic.code, place)) || !self.told[usize::from(!diagnostic.is_error())].counts(place)
+        {
             return;
         }
         if self.walk.varies && !environment.is_top() {
@@ -265,9 +271,38 @@ impl<'a> Check<'a> {
     }
 
     fn finish(mut self) -> Checked {
+        let [errors, others] = self.told;
+        self.diagnostics.extend(errors.more(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
+        self.diagnostics.extend(others.more(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
         self.scene.words = std::mem::take(&mut self.words);
         let scene = (!self.diagnostics.has_errors()).then(|| CheckedScene::new(self.scene));
         Checked { scene, diagnostics: self.diagnostics }
+    }
+}
+
+/// Findings of one kind: the first ones are told, the others counted.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    count: usize,
+    /// The last place in the texts that was found.
+    last: Option<Span>,
+}
+
+impl Told {
+    /// Counts one; whether it is told.
+    fn counts(&mut self, place: Span) -> bool {
+        self.count += 1;
+        let order = |span: Span| (span.file(), span.start());
+        if self.last.is_none_or(|last| order(last) < order(place)) {
+            self.last = Some(place);
+        }
+        self.count <= limits::ERRORS
+    }
+
+    /// What says how many were not told, behind all that were.
+    fn more(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
+        let count = self.count.checked_sub(limits::ERRORS).filter(|count| *count > 0)?;
+        self.last.map(|last| tell(last, count))
     }
 }
 

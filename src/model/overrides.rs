@@ -75,7 +75,7 @@ impl<'a> Check<'a> {
     /// Takes what an analysis tries.
     pub fn set(&mut self, values: &[super::Setting]) {
         for (name, quantity) in values {
-            let scalar = Scalar { quantity: quantity.clone(), bare_zero: false };
+            let scalar = Scalar::new(quantity.clone());
             if let Some(name) = self.read_name(name) {
                 self.overrides.trials.insert(name, scalar);
             }
@@ -304,7 +304,7 @@ pub fn like(declared: &Scalar, given: &Scalar) -> Result<Scalar, Unlike> {
         (_, Angle::Plain) => return Err(Unlike::Reading),
         _ => si.clone(),
     };
-    Ok(Scalar { quantity: Quantity { si, ..declared.quantity.clone() }, bare_zero: false })
+    Ok(Scalar { quantity: Quantity { si, ..declared.quantity.clone() }, ..declared.clone() })
 }
 
 /// A bare zero takes the declared dimension; a parameter declared as a bare zero takes any.
@@ -312,5 +312,5 @@ fn zero_like(declared: &Scalar, given: &Scalar) -> Scalar {
     if declared.bare_zero {
         return given.clone();
     }
-    Scalar { quantity: Quantity { si: Number::ZERO, ..declared.quantity.clone() }, bare_zero: false }
+    Scalar { quantity: Quantity { si: Number::ZERO, ..declared.quantity.clone() }, ..declared.clone() }
 }

@@ -1,13 +1,13 @@
 //! What a scene has once: its name, gravity, damping, and whether it rests as drawn. Clause: spec.md, "Parts".
 
 use super::Check;
-use super::error::{NameError, ValueError};
+use super::error::{NameError, PartError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scene::Damping;
 use super::scope::{Environment, Instance};
 use super::value::{Value, Vector};
-use crate::base::{Dimension, Span, Vec3};
+use crate::base::{Dimension, Number, Span, Vec3};
 use crate::syntax::tree::{DeclKind, ExprId, ExprList, Rare};
 
 const FREE_FALL: Expected = Expected::new("an acceleration", Dimension::ACCELERATION, "gravity 9.81 m/s^2");
@@ -66,7 +66,9 @@ impl<'a> Check<'a> {
             DeclKind::Rare { index } => match self.tree.rare[index as usize] {
                 Rare::RestAsDrawn => self.scene.rest_as_drawn = Some(span),
                 Rare::DampingModal { ratio } => {
+                    let at = self.tree.expr(ratio).span;
                     let ratio = self.number(ratio, environment, &DAMPING_RATIO)?;
+                    self.unusual_ratio(&ratio, at, environment);
                     self.scene.damping = Some(Damping::Modal { ratio, span });
                 }
                 Rare::DampingRayleigh { arguments } => {
@@ -103,9 +105,25 @@ impl<'a> Check<'a> {
             return self
                 .fail(environment, ValueError::ArgumentCount { span, function: "rayleigh", expected: 2, found });
         };
+        let places = [alpha, beta].map(|expr| tree.expr(expr).span);
         let alpha = self.number(alpha, environment, &ALPHA);
         let beta = self.number(beta, environment, &BETA)?;
-        Ok(Damping::Rayleigh { alpha: alpha?, beta, span })
+        let alpha = alpha?;
+        for (number, span) in [&alpha, &beta].into_iter().zip(places) {
+            if number.is_negative() {
+                self.report(environment, PartError::DampingFeeds { span });
+            }
+        }
+        Ok(Damping::Rayleigh { alpha, beta, span })
+    }
+
+    /// Says what was read where it is hardly what was meant: `2` for 2 %, or a sign.
+    fn unusual_ratio(&mut self, ratio: &Number, span: Span, environment: Environment) {
+        if ratio.is_negative() {
+            self.report(environment, PartError::DampingFeeds { span });
+        } else if !(&Number::ONE - ratio).is_positive() {
+            self.report(environment, PartError::DampingOverCritical { span, ratio: ratio.to_f64() });
+        }
     }
 }
 

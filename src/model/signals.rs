@@ -99,7 +99,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Signal> {
         if name == "table" {
-            return self.table(given[0], environment);
+            return self.table(given[0], &kind.amplitude, environment);
         }
         let expected = if name == "impulse" { &kind.impulse } else { &kind.amplitude };
         let value = self.number(given[0], environment, expected);
@@ -141,7 +141,7 @@ impl<'a> Check<'a> {
         self.fail(environment, PartError::TimesReversed { span })
     }
 
-    fn table(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Signal> {
+    fn table(&mut self, expr: ExprId, read: &Expected, environment: Environment) -> Evaluated<Signal> {
         let node = *self.tree.expr(expr);
         if !matches!(node.kind, ExprKind::Text) {
             let error = ValueError::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
@@ -149,7 +149,7 @@ impl<'a> Check<'a> {
         }
         let file = self.sources.slice(node.span).trim_matches('"').to_string();
         let rows = match self.sources.table(node.span.file(), &file) {
-            Some(table) => Some(self.table_rows(table, node.span, environment)?),
+            Some(table) => Some(self.table_rows(table, node.span, read, environment)?),
             None => None,
         };
         Ok(Signal::Table { file, span: node.span, rows })

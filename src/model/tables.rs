@@ -1,14 +1,17 @@
 //! Tables of signals: CSV files with two columns, time in s and value in SI units. In: a file's text; out: its rows, or
 //! what is wrong with which line. Clause: spec.md, "Response" 11b.2.
 //!
-//! The first line may name the columns. Empty lines and lines that begin with `#` are passed over.
+//! The first line may name the columns. Empty lines and lines that begin with `#` are passed over. A file may be anything, and
+//! the model that names it a stranger's: what stands in a file is shown only once a row of it was read.
 
 use super::Check;
 use super::error::{PartError, RowFault};
 use super::evaluate::{Evaluated, Stop};
+use super::expect::Expected;
 use super::scene::TableRows;
 use super::scope::Environment;
-use crate::base::{FileId, Literals, Number, Rational, Span};
+use crate::base::unit::{self, Scale};
+use crate::base::{Dimension, FileId, Literals, Number, Rational, Span};
 use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,9 +19,36 @@ use std::sync::Arc;
 /// Rows told one by one; a file that is no table at all has more.
 const MOST_TOLD: usize = 10;
 
+/// Rows of all tables of a model together; each takes some 300 bytes.
+const MOST_ROWS: usize = 1_000_000;
+
+/// What a heading may say of its values, in small letters, that no table of a signal holds.
+const OTHER_QUANTITIES: [&str; 12] = [
+    "acceleration",
+    "accel",
+    "acc",
+    "beschleunigung",
+    "ag",
+    "g",
+    "gal",
+    "velocity",
+    "vel",
+    "geschwindigkeit",
+    "speed",
+    "v",
+];
+
 impl<'a> Check<'a> {
     /// The rows of a table that the model names at `named`.
-    pub fn table_rows(&mut self, file: FileId, named: Span, environment: Environment) -> Evaluated<Arc<TableRows>> {
+    /// The values are read as `read`: a displacement in m.
+    pub fn table_rows(
+        &mut self,
+        file: FileId,
+        named: Span,
+        read: &Expected,
+        environment: Environment,
+    ) -> Evaluated<Arc<TableRows>> {
+        self.heading(file, named, read, environment);
         if let Some(known) = self.tables.get(&file) {
             return known.clone().ok_or(Stop::Reported);
         }
@@ -33,11 +63,20 @@ impl<'a> Check<'a> {
         }
         let (mut table, mut told) = (TableRows::default(), 0);
         let text = self.sources.text(file);
+        let before: usize = self.tables.values().flatten().map(|table| table.times.len()).sum();
         for (place, line) in lines(text) {
+            if before + table.times.len() == MOST_ROWS {
+                let reason = format!("the tables of a model have at most {MOST_ROWS} rows in all");
+                return self.fail(environment, PartError::TableUnread { span: named, reason });
+            }
             let span = |at: &Range<usize>| Span::new(file, place + at.start, place + at.end);
             let fields = fields(line);
             let error = match row(line, &fields, self.literals) {
                 Err(_) if table.times.is_empty() && told == 0 && is_heading(line, &fields, place, text) => continue,
+                Err(_) if table.times.is_empty() => {
+                    let line = self.sources.file(file).position(place).line;
+                    return self.fail(environment, PartError::NotATable { span: named, line });
+                }
                 Err((found, at)) => PartError::TableRow { span: span(&at), found, named },
                 Ok((time, value)) => {
                     let late = table.times.last().is_none_or(|last| time.compare(last) == Some(Ordering::Greater));
@@ -63,6 +102,50 @@ impl<'a> Check<'a> {
             return self.fail(environment, PartError::TableTooShort { span: named, rows });
         }
         Ok(Arc::new(table))
+    }
+
+    /// Warns where the heading names another quantity than the values are read as.
+    fn heading(&mut self, file: FileId, named: Span, read: &Expected, environment: Environment) {
+        let text = self.sources.text(file);
+        let Some((place, line)) = lines(text).next() else { return };
+        let fields = fields(line);
+        let is_table = || lines(text).nth(1).is_some_and(|(_, row)| self.is_row(row));
+        if !is_heading(line, &fields, place, text) || !is_table() {
+            return;
+        }
+        let at = fields[1].clone();
+        let is_word = |c: char| c.is_alphanumeric() || matches!(c, '/' | '^' | '*' | '%' | '²');
+        let words = line[at.clone()].split(|c: char| !is_word(c)).filter(|word| !word.is_empty());
+        let Some(word) = words.into_iter().find(|word| is_other(word, read.dimension)).map(str::to_string) else {
+            return;
+        };
+        let span = Span::new(file, place + at.start, place + at.end);
+        self.report(environment, PartError::TableHeading { span, named, word, read: described(read.dimension) });
+    }
+
+    fn is_row(&self, line: &str) -> bool {
+        row(line, &fields(line), self.literals).is_ok()
+    }
+}
+
+/// A word of a heading names a quantity, or a unit, that is not the one that is read.
+fn is_other(word: &str, read: Dimension) -> bool {
+    if OTHER_QUANTITIES.contains(&word.to_lowercase().as_str()) {
+        return true;
+    }
+    // `x` and `F` are names before they are units; so is `a`.
+    let Ok(unit) = unit::parse(word) else { return false };
+    let is_si = matches!(&unit.scale, Scale::Linear(factor) if *factor == Number::ONE);
+    word.chars().count() > 1 && unit.dimension != Dimension::NONE && !(unit.dimension == read && is_si)
+}
+
+/// The values of a table of this dimension, in words.
+fn described(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::FORCE => "forces in N",
+        Dimension::TORQUE => "torques in N*m",
+        Dimension::LENGTH => "displacements in m",
+        _ => "angles in rad",
     }
 }
 

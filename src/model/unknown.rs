@@ -39,16 +39,39 @@ const FUNCTIONS_ELSEWHERE: [(&str, &str); 21] = [
     ("rayleigh", "a kind of damping: write `damping rayleigh(0.1 /s, 1e-4 s)`"),
 ];
 
+/// What other programs and drawings call the ground.
+const WORDS_FOR_GROUND: [&str; 14] = [
+    "wall",
+    "floor",
+    "ceiling",
+    "earth",
+    "soil",
+    "world",
+    "fixed",
+    "frame",
+    "base",
+    "support",
+    "foundation",
+    "origin",
+    "inertial",
+    "bench",
+];
+
 impl<'a> Check<'a> {
-    /// As [`Check::fail`], but silent about words of declarations that could not be read.
+    /// As [`Check::fail`], but silent about words of declarations that could not be read, and about a word that was said to
+    /// be unknown before: one declaration that is missing is one mistake.
     pub fn fail_unless_broken<T>(
         &mut self,
         environment: Environment,
         word: Span,
         error: impl Into<Error>,
     ) -> Evaluated<T> {
-        if self.broken_words.contains(self.sources.slice(word)) {
+        let (text, error) = (self.sources.slice(word), error.into());
+        if self.broken_words.contains(text) {
             return Err(Stop::Reported);
+        }
+        if let Error::Name(NameError::UnknownValue { .. } | NameError::UnknownPart { .. }) = &error {
+            self.broken_words.insert(text);
         }
         self.fail(environment, error)
     }
@@ -98,6 +121,12 @@ impl<'a> Check<'a> {
         let value = self.words.get(text).and_then(|symbol| self.values.family(symbol));
         let help = value.map(|_| format!("`{text}` is a parameter or a point"));
         let suggestion = if help.is_none() { self.nearest_part(text) } else { None };
+        let ground = || {
+            let is_meant = WORDS_FOR_GROUND.contains(&text.to_ascii_lowercase().as_str());
+            is_meant
+                .then(|| "what does not move is called `ground`; what is moved from outside is a `base`".to_string())
+        };
+        let help = help.or_else(ground);
         NameError::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }
     }
 

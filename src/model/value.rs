@@ -17,6 +17,9 @@ pub struct Scalar {
     pub quantity: Quantity,
     /// Written as `0` without a unit: fits wherever a number is expected.
     pub bare_zero: bool,
+    /// How often a number of cycles is a factor of it: once in `Hz`, and taken away by each `pi`, which only stands
+    /// there to make radians of them. What moves is reckoned in radians: `m * (50 Hz)^2` is no stiffness.
+    pub cycles: f64,
 }
 
 /// A position, a displacement or a direction.
@@ -59,13 +62,28 @@ impl Value {
 
 impl From<Quantity> for Value {
     fn from(quantity: Quantity) -> Value {
-        Value::Scalar(Scalar { quantity, bare_zero: false })
+        Value::Scalar(Scalar::new(quantity))
     }
 }
 
 impl Scalar {
+    pub fn new(quantity: Quantity) -> Scalar {
+        let cycles = if quantity.angle == Angle::Cycles { 1.0 } else { 0.0 };
+        Scalar { quantity, bare_zero: false, cycles }
+    }
+
     pub fn bare_zero() -> Scalar {
-        Scalar { quantity: Quantity::plain(Number::ZERO), bare_zero: true }
+        Scalar { quantity: Quantity::plain(Number::ZERO), bare_zero: true, cycles: 0.0 }
+    }
+
+    pub fn pi() -> Scalar {
+        Scalar { cycles: -1.0, ..Scalar::new(Quantity::plain(Number::pi())) }
+    }
+
+    /// The same with so many cycles as factors; in radians there are none.
+    fn of_cycles(self, cycles: f64) -> Scalar {
+        let is_angle = self.quantity.angle == Angle::Radians;
+        Scalar { cycles: if is_angle { 0.0 } else { cycles }, ..self }
     }
 
     /// The dimension that is to be matched; `None` for the bare zero.
@@ -123,12 +141,14 @@ fn add_scalars(a: &Scalar, b: &Scalar) -> Result<Scalar, Fault> {
         (_, true) => return Ok(a.clone()),
         _ => {}
     }
+    // Of two terms each may be what was not meant.
+    let cycles = a.cycles.max(b.cycles);
     let (a, b) = (&a.quantity, &b.quantity);
     if a.dimension != b.dimension {
         return Err(Fault::Dimensions(a.dimension, b.dimension));
     }
     let angle = if a.angle == b.angle { a.angle } else { Angle::Plain };
-    scalar(&a.si + &b.si, a.dimension, angle)
+    Ok(scalar(&a.si + &b.si, a.dimension, angle)?.of_cycles(cycles))
 }
 
 pub fn multiply(a: &Value, b: &Value) -> Result<Value, Fault> {
@@ -140,9 +160,10 @@ pub fn multiply(a: &Value, b: &Value) -> Result<Value, Fault> {
 }
 
 fn multiply_scalars(a: &Scalar, b: &Scalar) -> Result<Scalar, Fault> {
+    let cycles = a.cycles + b.cycles;
     let (a, b) = (&a.quantity, &b.quantity);
     let dimension = a.dimension.times(b.dimension).ok_or(Fault::Exponent)?;
-    scalar(&a.si * &b.si, dimension, product_angle(a, b))
+    Ok(scalar(&a.si * &b.si, dimension, product_angle(a, b))?.of_cycles(cycles))
 }
 
 fn scale(vector: &Vector, by: &Quantity) -> Result<Value, Fault> {
@@ -154,7 +175,7 @@ fn scale(vector: &Vector, by: &Quantity) -> Result<Value, Fault> {
 }
 
 pub fn divide(a: &Value, b: &Value) -> Result<Value, Fault> {
-    let Value::Scalar(Scalar { quantity: b, .. }) = b else {
+    let Value::Scalar(Scalar { quantity: b, cycles: under, .. }) = b else {
         return Err(Fault::Kind { needed: "a number", found: "a point" });
     };
     let inverse = Quantity {
@@ -164,10 +185,11 @@ pub fn divide(a: &Value, b: &Value) -> Result<Value, Fault> {
     };
     match a {
         Value::Vector(a) => scale(a, &inverse),
-        Value::Scalar(Scalar { quantity: a, .. }) => {
+        Value::Scalar(Scalar { quantity: a, cycles, .. }) => {
             let dimension = a.dimension.times(inverse.dimension).ok_or(Fault::Exponent)?;
             // Dividing by the number itself rounds once, multiplying by its inverse twice.
-            scalar(&a.si / &b.si, dimension, quotient_angle(a, b)).map(Value::Scalar)
+            let quotient = scalar(&a.si / &b.si, dimension, quotient_angle(a, b))?;
+            Ok(Value::Scalar(quotient.of_cycles(cycles - under)))
         }
     }
 }
@@ -207,6 +229,7 @@ fn quotient_angle(a: &Quantity, b: &Quantity) -> Angle {
 
 /// a^b: b is a plain number, and an exact fraction where a has a dimension.
 pub fn power(a: &Value, b: &Value) -> Result<Value, Fault> {
+    let cycles = cycles(a);
     let (a, b) = (quantity(a)?, quantity(b)?);
     let exponent = plain(b)?;
     let dimension = if a.dimension.is_none() {
@@ -219,7 +242,14 @@ pub fn power(a: &Value, b: &Value) -> Result<Value, Fault> {
         return Err(Fault::DivisionByZero);
     }
     let raised = a.si.pow(exponent).ok_or(power_fault(&a.si))?;
-    scalar(raised, dimension, Angle::Plain).map(Value::Scalar)
+    Ok(Value::Scalar(scalar(raised, dimension, Angle::Plain)?.of_cycles(cycles * exponent.to_f64())))
+}
+
+fn cycles(value: &Value) -> f64 {
+    match value {
+        Value::Scalar(scalar) => scalar.cycles,
+        Value::Vector(_) => 0.0,
+    }
 }
 
 fn power_fault(base: &Number) -> Fault {
@@ -230,7 +260,7 @@ fn scalar(si: Number, dimension: Dimension, angle: Angle) -> Result<Scalar, Faul
     if matches!(&si, Number::Ball(_) | Number::Jet(_)) && !si.is_finite() {
         return Err(Fault::Overflow);
     }
-    Ok(Scalar { quantity: Quantity { si, dimension, angle }, bare_zero: false })
+    Ok(Scalar { quantity: Quantity { si, dimension, angle }, bare_zero: false, cycles: 0.0 })
 }
 
 fn quantity(value: &Value) -> Result<&Quantity, Fault> {
@@ -255,7 +285,7 @@ pub struct Function {
 
 /// Every function of numbers.
 pub const FUNCTIONS: [Function; 13] = [
-    Function { name: "sqrt", arguments: (1, 1), apply: |a| square_root(quantity(&a[0])?) },
+    Function { name: "sqrt", arguments: (1, 1), apply: |a| square_root(&a[0]) },
     Function { name: "abs", arguments: (1, 1), apply: |a| absolute(&a[0]) },
     Function { name: "min", arguments: (1, MANY), apply: |a| extreme(a, false) },
     Function { name: "max", arguments: (1, MANY), apply: |a| extreme(a, true) },
@@ -292,9 +322,11 @@ fn angle(value: Option<Number>, domain: &'static str) -> Result<Value, Fault> {
     scalar(value.ok_or(Fault::Domain(domain))?, Dimension::NONE, Angle::Radians).map(Value::Scalar)
 }
 
-fn square_root(q: &Quantity) -> Result<Value, Fault> {
+fn square_root(value: &Value) -> Result<Value, Fault> {
+    let q = quantity(value)?;
     let dimension = q.dimension.pow(1, 2).ok_or(Fault::Exponent)?;
-    scalar(q.si.sqrt().ok_or(Fault::RootOfNegative)?, dimension, Angle::Plain).map(Value::Scalar)
+    let root = scalar(q.si.sqrt().ok_or(Fault::RootOfNegative)?, dimension, Angle::Plain)?;
+    Ok(Value::Scalar(root.of_cycles(cycles(value) / 2.0)))
 }
 
 fn absolute(value: &Value) -> Result<Value, Fault> {
@@ -391,6 +423,23 @@ mod tests {
     }
 
     #[test]
+    fn cycles_are_counted_until_pi_makes_radians_of_them() {
+        let (pi, two) = (Value::Scalar(Scalar::pi()), plain_number("2"));
+        let (mass, frequency) = (quantity_of("4", Dimension::MASS, Angle::Plain), hertz("50"));
+        let times = |a: &Value, b: &Value| multiply(a, b).expect("a number");
+        let square = |a: &Value| power(a, &two).expect("a number");
+        let trap = times(&mass, &square(&frequency));
+        assert_eq!(cycles(&trap), 2.0);
+        assert_eq!(cycles(&times(&mass, &square(&times(&times(&two, &pi), &frequency)))), 0.0);
+        assert_eq!(cycles(&times(&trap, &square(&pi))), 0.0);
+        assert_eq!(cycles(&divide(&frequency, &frequency).expect("a number")), 0.0);
+        assert_eq!(cycles(&divide(&mass, &frequency).expect("a number")), -1.0);
+        assert_eq!(cycles(&square_root(&trap).expect("a number")), 1.0);
+        let radian = quantity_of("1", Dimension::NONE, Angle::Radians);
+        assert_eq!(cycles(&times(&frequency, &radian)), 0.0);
+    }
+
+    #[test]
     fn roots_and_powers_have_dimensions() {
         let stiffness = quantity_of("400", Dimension::STIFFNESS, Angle::Plain);
         let mass = quantity_of("4", Dimension::MASS, Angle::Plain);
@@ -399,7 +448,7 @@ mod tests {
         assert_eq!(power(&mass, &mass), Err(Fault::NotPlain(Dimension::MASS)));
         assert_eq!(power(&mass, &Value::from(Quantity::plain(Number::pi()))), Err(Fault::Exponent));
         let area = Quantity { si: Number::from(9), dimension: Dimension::of(0, 2, 0), angle: Angle::Plain };
-        assert_eq!(square_root(&area), Ok(quantity_of("3", Dimension::LENGTH, Angle::Plain)));
+        assert_eq!(square_root(&area.into()), Ok(quantity_of("3", Dimension::LENGTH, Angle::Plain)));
     }
 
     #[test]

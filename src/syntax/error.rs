@@ -99,6 +99,8 @@ pub enum Meant {
     Value,
     /// `s: ground -- block`, without `spring` or another.
     Part,
+    /// `# as drawn`
+    Comment,
     Nothing,
 }
 
@@ -152,6 +154,8 @@ pub enum Remark {
     Semicolon,
     Hash,
     Comparison,
+    /// `b.x'`
+    Derivative,
 }
 
 impl SyntaxError {
@@ -285,6 +289,7 @@ impl Meant {
         match self {
             Meant::Keyword(keyword) => told.mend(at, Change::Replace(keyword.to_string())),
             Meant::Value => told.mend(start, Change::After("param ".into())).mend(start, Change::After("let ".into())),
+            Meant::Comment => told.mend(at, Change::Replace("//".into())),
             Meant::Part | Meant::Nothing => told,
         }
     }
@@ -296,6 +301,7 @@ impl Meant {
             Meant::Part => {
                 "write what it is before it: `spring`, `damper`, `pivot`, `slide`, `weld`, `force`, ...".into()
             }
+            Meant::Comment => Remark::Hash.help(),
             Meant::Nothing => format!("a declaration starts with one of: {}", words::KEYWORDS.join(", ")),
         }
     }
@@ -347,6 +353,7 @@ impl Remark {
                 "write no `;`: a declaration ends with its line, fields are separated by commas or line ends"
             }
             Remark::Hash => "write `//` before a comment",
+            Remark::Derivative => "write `b.vx` for the velocity of `b.x` and `b.ax` for its acceleration",
             Remark::Comparison => "a requirement compares with `<`, `<=`, `>` or `>=`",
         };
         text.into()

@@ -165,6 +165,9 @@ impl Reader<'_> {
                 Remark::Form(self.form)
             };
         };
+        if matches!(next, '\'' | '\u{2019}' | '\u{2032}' | '\u{2033}') && self.last().is_some_and(in_word) {
+            return Remark::Derivative;
+        }
         if let Some(write) = look_alike(next) {
             return Remark::Write(write);
         }

@@ -23,3 +23,6 @@ pub const NUMBER: usize = 1000;
 
 /// Errors told one by one.
 pub const ERRORS: usize = 100;
+
+/// Bytes of all tables of a model together.
+pub const TABLES: usize = 64 << 20;

@@ -137,6 +137,10 @@ impl<'a> Parse<'a> {
 
     /// A text that is no declaration; neighbours become one, so that a file of nothing else takes little memory.
     fn push_broken(&mut self, range: Range<usize>) {
+        // A `repeat` that is broken as a whole holds what was broken in it.
+        while self.tree.broken.last().is_some_and(|last| range.start <= last.start()) {
+            self.tree.broken.pop();
+        }
         if let Some(last) = self.tree.broken.last_mut() {
             let adjacent = last.end() <= range.start && self.text[last.end()..range.start].trim().is_empty();
             if adjacent && range.end - last.start() < Span::MAX_LEN {
@@ -334,6 +338,9 @@ fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut Str
 /// What may have been meant by a declaration that starts with this word.
 fn meant(word: &str, rest: &str) -> Meant {
     let is_word = word.starts_with(words::is_letter);
+    if word.starts_with('#') {
+        return Meant::Comment;
+    }
     match rest.trim_start().chars().next() {
         Some('=') if is_word => Meant::Value,
         Some(':') if is_word => Meant::Part,

@@ -37,13 +37,26 @@ impl LinearSystem {
         Ok(self)
     }
 
+    /// Products of two entries of one row, over all rows as they would be written out: what sums the matrices takes.
+    pub fn products(&self) -> u64 {
+        let (n, lengths) = (self.n(), self.lengths());
+        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
+        terms.fold(0, |sum: u64, row| sum.saturating_add(length(row, &lengths, n).saturating_pow(2)))
+    }
+
+    /// How many entries the row of each chained motion has at most where it is written out.
+    fn lengths(&self) -> Vec<u64> {
+        let mut lengths: Vec<u64> = Vec::with_capacity(self.chain.len());
+        for row in &self.chain {
+            lengths.push(length(row, &lengths, self.n()));
+        }
+        lengths
+    }
+
     /// Counts what rows over coordinates alone would hold, before any is made.
     fn room_for(&self, most: u64) -> Result<(), TooLong> {
         let n = self.n();
-        let mut lengths: Vec<u64> = Vec::with_capacity(self.chain.len());
-        for row in &self.chain {
-            lengths.push(length(row, &lengths, n));
-        }
+        let lengths = self.lengths();
         let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
         let (mut entries, mut longest, mut deepest) = (0u64, 0, CoordinateId(0));
         for row in terms {

@@ -151,7 +151,8 @@ fn only_main_touches_the_world() {
         "Instant::",
         "SystemTime",
     ];
-    for source in sources().iter().filter(|source| source.path != Path::new("main.rs")) {
+    let program = [Path::new("main.rs"), Path::new("transport.rs")];
+    for source in sources().iter().filter(|source| !program.contains(&source.path.as_path())) {
         for word in world {
             assert!(!source.code.contains(word), "{} uses {word}", source.path.display());
         }

@@ -420,36 +420,54 @@ fn worst_radius(gains: &[Gain]) -> f64 {
 
 /// M, C and K as sums of their terms, exact until the sum is complete; the entries of any of them.
 fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
-    let mut parts: Vec<(u32, u32, usize, Number)> = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
     for (which, form) in [&system.m, &system.c, &system.k].into_iter().enumerate() {
         collect(form, which, &mut parts);
     }
+    summed(&mut parts);
     // The coordinates may be without any term: a row of zeros, singular at every frequency.
-    parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
     let mut entries: Vec<MatrixEntry> = Vec::new();
-    let mut from = 0;
-    while from < parts.len() {
-        let (i, j, which, _) = parts[from];
-        let to = from + parts[from..].iter().take_while(|p| (p.0, p.1, p.2) == (i, j, which)).count();
-        let sum = parts[from..to].iter().fold(Number::ZERO, |sum, part| &sum + &part.3).to_ball();
+    for (i, j, which, sum) in parts {
+        let sum = sum.to_ball();
         if entries.last().is_none_or(|e| (e.i, e.j) != (i, j)) {
             entries.push(MatrixEntry { i, j, m: Ball::ZERO, c: Ball::ZERO, k: Ball::ZERO });
         }
         if let Some(entry) = entries.last_mut() {
             *[&mut entry.m, &mut entry.c, &mut entry.k][which] = sum;
         }
-        from = to;
     }
     entries
 }
 
-fn collect(form: &Form, which: usize, parts: &mut Vec<(u32, u32, usize, Number)>) {
+/// What a term adds to an entry: its place, M, C or K, and how much.
+type Part = (u32, u32, usize, Number);
+
+/// Sorts the parts and adds up those of one entry, in their order.
+fn summed(parts: &mut Vec<Part>) {
+    parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
+    parts.dedup_by(|part, sum| {
+        let is_same = (part.0, part.1, part.2) == (sum.0, sum.1, sum.2);
+        if is_same {
+            sum.3 = &sum.3 + &part.3;
+        }
+        is_same
+    });
+}
+
+fn collect(form: &Form, which: usize, parts: &mut Vec<Part>) {
+    /// Parts beside those that are summed already: long rows have many times more of them than the matrix has entries.
+    const WAITING: usize = 1 << 20;
     let index = |i: &CoordinateId| i.0;
+    let mut room = parts.len() + WAITING;
     for term in form.terms() {
         let row = form.row(term);
         for (i, a) in row {
             let weighted = &term.weight * a;
             parts.extend(row.iter().map(|(j, b)| (index(i), index(j), which, &weighted * b)));
+        }
+        if parts.len() > room {
+            summed(parts);
+            room = 2 * parts.len() + WAITING;
         }
     }
 }

@@ -4,7 +4,7 @@
 //! a label knows both its place in the excerpt and its line and column in the file.
 
 use super::places::Places;
-use super::readable::{readable, visible};
+use crate::base::readable::{readable, visible};
 use crate::base::{Diagnostic, FileId, Label, Position};
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::ops::Range;

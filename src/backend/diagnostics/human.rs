@@ -2,7 +2,7 @@
 
 use super::excerpt::{CONTEXT, Excerpt};
 use super::places::Places;
-use super::readable::readable;
+use crate::base::readable::readable;
 use crate::base::{Diagnostic, Severity, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use std::fmt;
@@ -272,7 +272,7 @@ mod tests {
             }
             let drawn = drawn(&text, diagnostic.clone());
             prop_assert!(drawn.contains("wrong") && drawn.ends_with("1 error\n"));
-            prop_assert!(drawn.chars().all(|c| c == '\n' || super::super::readable::visible(c) == c), "{drawn:?}");
+            prop_assert!(drawn.chars().all(|c| c == '\n' || crate::base::readable::visible(c) == c), "{drawn:?}");
             let sources = sources(&text);
             let line = super::super::json(&sources, std::slice::from_ref(&diagnostic));
             prop_assert!(serde_json::from_str::<serde_json::Value>(&line).is_ok());

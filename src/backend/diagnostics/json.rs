@@ -2,6 +2,7 @@
 
 use super::places::Places;
 use super::severity_name;
+use crate::backend::json_text;
 use crate::base::{Diagnostic, Label, Sources};
 use serde::Serialize;
 
@@ -37,7 +38,7 @@ pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
     let mut text = String::new();
     for diagnostic in diagnostics {
         let line = line(&places, diagnostic);
-        text += &serde_json::to_string(&line).expect("strings and numbers always have a JSON form");
+        text += &json_text(&line);
         text.push('\n');
     }
     text
@@ -60,7 +61,7 @@ pub fn unreadable_json(file: &str, reason: &str) -> String {
         help: None,
         related: Vec::new(),
     };
-    serde_json::to_string(&object).expect("strings and numbers always have a JSON form") + "\n"
+    json_text(&object) + "\n"
 }
 
 fn line<'a>(places: &Places<'a>, diagnostic: &'a Diagnostic) -> Line<'a> {

@@ -5,11 +5,11 @@ mod excerpt;
 mod human;
 mod json;
 mod places;
-mod readable;
 
 pub use human::{HumanStyle, MAX_SHOWN, human};
 pub use json::{json, unreadable_json};
-pub use readable::readable;
+
+pub use crate::base::readable::readable;
 
 use crate::base::{Diagnostic, Severity, Sources};
 use places::Places;

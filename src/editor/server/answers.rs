@@ -35,6 +35,7 @@ pub fn capabilities(encoding: Encoding) -> Value {
             "documentFormattingProvider": true,
             "codeActionProvider": { "codeActionKinds": ["quickfix"] },
             "executeCommandProvider": { "commands": [EXPLAIN] },
+            "workspace": { "workspaceFolders": { "supported": true, "changeNotifications": true } },
         },
         "serverInfo": { "name": "vibc", "version": env!("CARGO_PKG_VERSION") },
     })

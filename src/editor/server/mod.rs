@@ -16,34 +16,75 @@ use gen_lsp_types::{
     DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, InitializeParams,
     PublishDiagnosticsParams, TextDocumentContentChangeEvent, Uri,
 };
-use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, RequestId, Response};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use place::Encoding;
 use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread;
 
-/// Reads a file that a model names; why it cannot be read.
-pub type Read<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+/// Reads a file that a model names, if it lies below one of the folders; why it cannot be read.
+pub type Read<'a> = dyn Fn(&str, &[String]) -> Result<Vec<u8>, String> + 'a;
 
-/// Serves a client until it says goodbye.
-pub fn serve(connection: &Connection, read: &Read) -> Result<(), ProtocolError> {
-    let (id, params) = connection.initialize_start()?;
+/// How a client left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leave {
+    /// With `shutdown` before `exit`.
+    Announced,
+    /// Without.
+    Unannounced,
+}
+
+/// Serves a client until it is gone.
+pub fn serve(connection: &Connection, read: &Read) -> Leave {
+    let Some((id, params)) = introduced(connection) else { return Leave::Unannounced };
+    let folders = folders(&params);
     let params: InitializeParams = serde_json::from_value(params).unwrap_or_default();
     let offered = params.capabilities.general.as_ref().and_then(|general| general.position_encodings.as_deref());
     let encoding = Encoding::negotiated(offered);
     let refreshes = params.capabilities.workspace.as_ref().and_then(|w| w.inlay_hint.as_ref()?.refresh_support);
-    connection.initialize_finish(id, answers::capabilities(encoding))?;
     let (jobs, results) = worker();
     let mut server = Server {
         connection,
         read,
+        folders,
         encoding,
         refreshes: refreshes == Some(true),
+        is_shut: false,
         texts: Vec::new(),
         jobs,
         refreshed: 0,
     };
-    server.run(&results)
+    server.send(Response::new_ok(id, answers::capabilities(encoding)));
+    server.run(&results);
+    if server.is_shut { Leave::Announced } else { Leave::Unannounced }
+}
+
+/// Waits for `initialize`; `None` where the client leaves before.
+fn introduced(connection: &Connection) -> Option<(RequestId, Value)> {
+    loop {
+        match connection.receiver.recv().ok()? {
+            Message::Request(request) if request.method == "initialize" => return Some((request.id, request.params)),
+            Message::Request(request) => {
+                let (code, why) = (ErrorCode::ServerNotInitialized as i32, "the first request is `initialize`");
+                // A client that has gone reads nothing; the next message from it, or its end, tells.
+                let _ = connection.sender.send(Response::new_err(request.id, code, why.into()).into());
+            }
+            Message::Notification(told) if told.method == "exit" => return None,
+            Message::Notification(_) | Message::Response(_) => {}
+        }
+    }
+}
+
+/// The folders that the client has open.
+fn folders(params: &Value) -> Vec<String> {
+    let several = folders_of(&params["workspaceFolders"]);
+    let one = params["rootUri"].as_str().filter(|_| several.is_empty());
+    several.into_iter().chain(one.map(|uri| path(&Uri(uri.into())))).collect()
+}
+
+fn folders_of(list: &Value) -> Vec<String> {
+    let uris = list.as_array().into_iter().flatten().filter_map(|folder| folder["uri"].as_str());
+    uris.map(|uri| path(&Uri(uri.into()))).collect()
 }
 
 /// A text that the client has open.
@@ -60,9 +101,13 @@ struct Text {
 struct Server<'a> {
     connection: &'a Connection,
     read: &'a Read<'a>,
+    /// What the client has open; files are read below them alone.
+    folders: Vec<String>,
     encoding: Encoding,
     /// The client asks for hints again when it is told to.
     refreshes: bool,
+    /// The client has said that it will leave.
+    is_shut: bool,
     texts: Vec<Text>,
     jobs: Sender<Job>,
     refreshed: i32,
@@ -110,17 +155,17 @@ pub struct Refusal {
 }
 
 impl Server<'_> {
-    fn run(&mut self, results: &Receiver<Done>) -> Result<(), ProtocolError> {
+    fn run(&mut self, results: &Receiver<Done>) {
         loop {
             select! {
                 recv(self.connection.receiver) -> message => match message {
                     Ok(message) => {
-                        if self.message(message)? {
-                            return Ok(());
+                        if self.message(message) {
+                            return;
                         }
                     }
                     // The client has gone.
-                    Err(_) => return Ok(()),
+                    Err(_) => return,
                 },
                 recv(results) -> done => if let Ok(done) = done {
                     self.add(done);
@@ -133,19 +178,14 @@ impl Server<'_> {
     }
 
     /// Whether it was the last one.
-    fn message(&mut self, message: Message) -> Result<bool, ProtocolError> {
+    fn message(&mut self, message: Message) -> bool {
         match message {
-            Message::Request(request) => {
-                if self.connection.handle_shutdown(&request)? {
-                    return Ok(true);
-                }
-                self.request(request);
-            }
-            Message::Notification(notification) if notification.method == "exit" => return Ok(true),
-            Message::Notification(notification) => self.notification(notification),
-            Message::Response(_) => {}
+            Message::Request(request) => self.request(request),
+            Message::Notification(notification) if notification.method == "exit" => return true,
+            Message::Notification(notification) if !self.is_shut => self.notification(notification),
+            Message::Notification(_) | Message::Response(_) => {}
         }
-        Ok(false)
+        false
     }
 
     fn send(&self, message: impl Into<Message>) {
@@ -159,9 +199,21 @@ impl Server<'_> {
             "textDocument/didChange" => self.change(params),
             "textDocument/didClose" => self.close(params),
             // A table beside the model may have been written.
-            "textDocument/didSave" => self.texts.iter_mut().for_each(|text| text.is_new |= text.text.contains("table")),
+            "textDocument/didSave" => self.look_at_tables_again(),
+            "workspace/didChangeWorkspaceFolders" => self.change_folders(&params["event"]),
             _ => {}
         }
+    }
+
+    fn look_at_tables_again(&mut self) {
+        self.texts.iter_mut().for_each(|text| text.is_new |= text.text.contains("table"));
+    }
+
+    fn change_folders(&mut self, event: &Value) {
+        let removed = folders_of(&event["removed"]);
+        self.folders.retain(|folder| !removed.contains(folder));
+        self.folders.extend(folders_of(&event["added"]));
+        self.look_at_tables_again();
     }
 
     fn open(&mut self, params: Value) {
@@ -206,7 +258,7 @@ impl Server<'_> {
             return;
         }
         let before = text.document.take();
-        let made = catch_unwind(AssertUnwindSafe(|| made(text, before.as_ref(), self.read)));
+        let made = catch_unwind(AssertUnwindSafe(|| made(text, before.as_ref(), self.read, &self.folders)));
         let Ok(document) = made else {
             return self.log(format!("a defect of the program in `{}`", self.texts[index].uri.0));
         };
@@ -252,7 +304,15 @@ impl Server<'_> {
     }
 
     fn request(&mut self, Request { id, method, params }: Request) {
-        let answer = catch_unwind(AssertUnwindSafe(|| self.answer(&method, params)));
+        let answer = catch_unwind(AssertUnwindSafe(|| match method.as_str() {
+            _ if self.is_shut => Err(invalid("the server is shut down")),
+            "initialize" => Err(invalid("the server is initialized already")),
+            "shutdown" => {
+                self.is_shut = true;
+                Ok(Value::Null)
+            }
+            _ => self.answer(&method, params),
+        }));
         let response = match answer {
             Ok(Ok(value)) => Response::new_ok(id, value),
             Ok(Err(Refusal { code, message })) => Response::new_err(id, code as i32, message),
@@ -262,13 +322,22 @@ impl Server<'_> {
     }
 }
 
-/// The document of a text, with the tables that it names.
-fn made(text: &Text, before: Option<&Document>, read: &Read) -> Document {
+fn invalid(why: &str) -> Refusal {
+    Refusal { code: ErrorCode::InvalidRequest, message: why.into() }
+}
+
+/// The document of a text, with the tables that it names. They lie below a folder that is open; where none is, beside the
+/// text, which has to be a file for that.
+fn made(text: &Text, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
+    let is_file = text.uri.0.starts_with("file://");
+    let own = is_file.then(|| sources.file(file).directory.to_string_lossy().into_owned());
+    let own: Vec<String> = own.into_iter().collect();
+    let folders = if folders.is_empty() { &own } else { folders };
     for written in crate::table_files(&sources, file) {
         let name = sources.file(file).beside(&written);
-        sources.add(match read(&name) {
+        sources.add(match read(&name, folders) {
             Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
             Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
         });

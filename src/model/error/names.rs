@@ -1,9 +1,12 @@
 //! Errors of names, indices, fields and values from outside: what is declared or referred to wrongly.
 
 use super::{error, listed, with_suggestion};
-use crate::base::{Change, Diagnostic, Span};
+use crate::base::{Change, Code, Diagnostic, Span};
 use crate::model::expect::Expected;
 use crate::model::scope::DefinitionKind;
+
+/// Findings that are counted and not told.
+const MORE: &str = "vib::scene::more_findings";
 
 /// What is wrong with a name or a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +20,9 @@ pub enum NameError {
     Duplicate { span: Span, name: String, first: Option<Span> },
     Reserved { span: Span, word: String },
     Cycle { span: Span, members: Vec<(String, Span)> },
-    TooManyInstances { span: Span, limit: u64 },
+    TooManyInstances { span: Span, limit: u64, what: &'static str },
+    MoreErrors { span: Span, count: usize },
+    MoreWarnings { span: Span, count: usize },
     ReversedBounds { span: Span, first: i64, last: i64 },
     NoEqualsSign { span: Span },
     NotToml { span: Span, message: String },
@@ -65,9 +70,17 @@ impl NameError {
             Reserved { span, word } => error("vib::name::reserved", span, format!("`{word}` has a meaning of its own"))
                 .help("choose another name"),
             Cycle { span, members } => cycle(span, &members),
-            TooManyInstances { span, limit } => {
-                error("vib::limit::repeat", span, format!("this makes more than {limit} declarations"))
+            TooManyInstances { span, limit, what } => {
+                error("vib::limit::repeat", span, format!("this makes more than {limit} {what}"))
                     .help("repeat less often, or split the model")
+            }
+            MoreErrors { span, count } => {
+                let errors = if count == 1 { "error" } else { "errors" };
+                error(MORE, span, format!("{count} more {errors} in this model")).help("mend the first ones first")
+            }
+            MoreWarnings { span, count } => {
+                let findings = if count == 1 { "warning or note" } else { "warnings and notes" };
+                Diagnostic::note(Code(MORE), span, format!("{count} more {findings} on this model"))
             }
             ReversedBounds { span, first, last } => {
                 error("vib::repeat::reversed", span, "the last value of the index is below the first one")

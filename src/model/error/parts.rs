@@ -31,6 +31,8 @@ pub enum PartError {
     NoDrawnLength { span: Span },
     NegativeStiffness { span: Span },
     NegativeDamping { span: Span },
+    DampingFeeds { span: Span },
+    DampingOverCritical { span: Span, ratio: f64 },
     ForceWithoutDirection { span: Span },
     InputWithoutEffect { span: Span, part: String },
     SignalOfManyMotions { span: Span },
@@ -42,6 +44,8 @@ pub enum PartError {
     TableRow { span: Span, found: RowFault, named: Span },
     TableOrder { span: Span, named: Span },
     TableTooShort { span: Span, rows: usize },
+    TableHeading { span: Span, named: Span, word: String, read: &'static str },
+    NotATable { span: Span, line: usize },
 }
 
 /// What is wrong with a row of a table.
@@ -166,6 +170,15 @@ impl PartError {
             NegativeDamping { span } => {
                 Diagnostic::note(Code("vib::damper::negative"), span, "this damping is negative: it feeds energy in")
             }
+            DampingFeeds { span } => {
+                Diagnostic::note(Code("vib::damping::negative"), span, "this damping is negative: it feeds energy in")
+            }
+            DampingOverCritical { span, ratio } => {
+                let message =
+                    format!("a damping ratio of {} is {} %: no mode swings", short(ratio), short(100.0 * ratio));
+                Diagnostic::warning(Code("vib::damping::large"), span, message)
+                    .help("critical damping is 1, or 100 %; write a ratio in percent as `2 %`")
+            }
             ForceWithoutDirection { span } => {
                 error("vib::input::direction_unknown", span, "the direction of this force is not known")
                     .help("add it: `along x` or `along (1, 1)`")
@@ -208,6 +221,15 @@ impl PartError {
                     .label(format!("{found} in this file"))
                     .help("write a row for each time, such as `0.5, 12`: time in s, value in SI units")
             }
+            TableHeading { span, named, word, read } => {
+                let message = format!("the values of this table are read as {read}, and its heading says `{word}`");
+                Diagnostic::warning(Code("vib::table::heading"), span, message)
+                    .related(named, "the table is named here")
+                    .help("a table has SI units: s, and N, N*m, m or rad; rewrite its values, or its heading")
+            }
+            NotATable { span, line } => error("vib::table::row", span, "this file is no table")
+                .label(format!("its line {line} is not a time and a value"))
+                .help("write a time in s and a value in SI units in each line, such as `0.5, 12`"),
         }
     }
 }

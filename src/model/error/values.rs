@@ -1,7 +1,7 @@
 //! Errors of values and units: what an expression cannot be worth.
 
 use super::{error, named, short, unit_or_none};
-use crate::base::{Angle, Change, Diagnostic, Dimension, Span};
+use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
 use crate::model::expect::Expected;
 use crate::model::value::Fault;
 use crate::syntax::tree::Binary;
@@ -17,6 +17,7 @@ pub enum ValueError {
     UnitMismatch { span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)> },
     GramForGravity { span: Span },
     FrequencyReading { span: Span, value: f64 },
+    CyclesForRadians { span: Span, value: f64, expected: Expected, declared: Option<(String, Span)> },
     Overflow { span: Span },
     Operation { fault: Fault, operator: Binary, left: Span, right: Span },
     Function { fault: Fault, function: &'static str, argument: Span, span: Span },
@@ -67,6 +68,7 @@ impl ValueError {
                     .help("write `9.81 m/s^2`, or `1 g0` for the standard acceleration of free fall")
             }
             FrequencyReading { span, value } => frequency_reading(span, value),
+            CyclesForRadians { span, value, expected, declared } => cycles_for_radians(span, value, expected, declared),
             Overflow { span } => {
                 error("vib::number::overflow", span, "this number is beyond what can be computed with")
                     .help("sizes from 1e-300 to 1e300 in SI units can be used")
@@ -151,6 +153,17 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
         }
     }
     diagnostic
+}
+
+fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
+    let noun = expected.noun.split_once(' ').map_or(expected.noun, |(_, noun)| noun);
+    let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
+    let message = format!("cycles, not radians, are a factor of this {noun}: it is read as {read}");
+    let told = Diagnostic::warning(Code("vib::unit::cycles"), span, message);
+    let told = declared
+        .into_iter()
+        .fold(told, |told, (name, place)| told.related(place, format!("`{name}` is declared here")));
+    told.help("1 Hz is 2*pi rad/s: write `2*pi*f` for a frequency `f` in Hz, or declare it in rad/s")
 }
 
 fn frequency_reading(span: Span, value: f64) -> Diagnostic {

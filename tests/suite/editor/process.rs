@@ -70,3 +70,99 @@ fn an_editor_that_is_gone_ends_the_server() {
     drop(input);
     assert!(child.wait().expect("it ends").code().is_some());
 }
+
+/// A server that a client has greeted, with the folders that it has open.
+fn greeted(params: Value) -> (Child, ChildStdin, BufReader<ChildStdout>) {
+    let (child, mut input, mut output) = started();
+    write(&mut input, json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": params }));
+    assert_eq!(read(&mut output)["id"], 1);
+    write(&mut input, json!({ "jsonrpc": "2.0", "method": "initialized", "params": {} }));
+    (child, input, output)
+}
+
+fn opened(uri: &str, version: i32, text: &str) -> Value {
+    let document = json!({ "uri": uri, "languageId": "vib", "version": version, "text": text });
+    json!({ "jsonrpc": "2.0", "method": "textDocument/didOpen", "params": { "textDocument": document } })
+}
+
+#[test]
+fn a_server_outlives_whatever_it_is_sent() {
+    let (mut child, mut input, mut output) = greeted(json!({ "capabilities": {} }));
+    let framed = |body: &[u8]| [format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(), body].concat();
+    let parse = -32700;
+    let request = -32600;
+    for (bytes, code) in [
+        (framed(b"{ no json"), parse),
+        (framed(b"\xc3\x28"), parse),
+        (framed(br#"[{"jsonrpc":"2.0","id":2,"method":"shutdown"}]"#), request),
+        (framed(br#"{"jsonrpc":"2.0"}"#), request),
+        (b"Content-Length: 99999999999999999\r\n\r\n".to_vec(), request),
+        (b"Content-Length: none\r\n\r\n".to_vec(), request),
+    ] {
+        input.write_all(&bytes).and_then(|()| input.flush()).expect("the program reads");
+        let answer = read(&mut output);
+        assert_eq!((&answer["id"], &answer["error"]["code"]), (&Value::Null, &json!(code)), "{answer}");
+    }
+    // A blank line before the header, and half an emoji in the text.
+    let text = r#"body b { mass = 1 kg, moves x } // \ud83d"#;
+    let body = opened("untitled:1", 1, "@").to_string().replace('@', text);
+    input.write_all(b"\r\n").expect("the program reads");
+    input.write_all(&framed(body.as_bytes())).and_then(|()| input.flush()).expect("the program reads");
+    let told = read(&mut output);
+    assert_eq!((&told["method"], &told["params"]["version"]), (&json!("textDocument/publishDiagnostics"), &json!(1)));
+    // Requests in the wrong order are refused, each with its own number.
+    write(&mut input, json!({ "jsonrpc": "2.0", "id": 7, "method": "initialize", "params": {} }));
+    assert_eq!(read(&mut output)["error"]["code"], request);
+    write(&mut input, json!({ "jsonrpc": "2.0", "id": 8, "method": "shutdown" }));
+    let answer = read(&mut output);
+    assert!(answer["id"] == 8 && answer.get("error").is_none(), "{answer}");
+    write(&mut input, json!({ "jsonrpc": "2.0", "id": 9, "method": "textDocument/hover", "params": {} }));
+    let answer = read(&mut output);
+    assert_eq!((&answer["id"], &answer["error"]["code"]), (&json!(9), &json!(request)), "{answer}");
+    write(&mut input, json!({ "jsonrpc": "2.0", "method": "exit" }));
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
+
+#[test]
+fn a_client_that_leaves_without_a_word_is_no_success() {
+    let (mut child, mut input, mut output) = started();
+    write(&mut input, json!({ "jsonrpc": "2.0", "id": 4, "method": "textDocument/hover", "params": {} }));
+    assert_eq!(read(&mut output)["error"]["code"], -32002, "nobody has introduced himself");
+    write(&mut input, json!({ "jsonrpc": "2.0", "method": "exit" }));
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    let (mut child, mut input, _output) = greeted(json!({ "capabilities": {} }));
+    write(&mut input, json!({ "jsonrpc": "2.0", "method": "exit" }));
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+}
+
+#[test]
+fn tables_are_read_below_the_open_folder_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir_all(at("open/models")).expect("a folder");
+    for name in ["outside.csv", "open/beside.csv", "open/models/own.csv"] {
+        std::fs::write(at(name), "0, 0\n1, 2\n").expect("a table");
+    }
+    let uri = |name: &str| format!("file://{}", at(name).display());
+    let text = |file: &str| {
+        format!(
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 1 N/m }}\nforce F: b = table(\"{file}\")\n"
+        )
+    };
+    let open = json!({ "capabilities": {}, "workspaceFolders": [{ "uri": uri("open"), "name": "open" }] });
+    let alone = json!({ "capabilities": {} });
+    for (params, reads) in [
+        (open, [("own.csv", true), ("../beside.csv", true), ("../../outside.csv", false), ("/dev/stdin", false)]),
+        (alone, [("own.csv", true), ("../beside.csv", false), ("../../outside.csv", false), ("/dev/stdin", false)]),
+    ] {
+        let (mut child, mut input, mut output) = greeted(params);
+        for (version, (file, is_read)) in (1..).zip(reads) {
+            write(&mut input, opened(&uri("open/models/m.vib"), version, &text(file)));
+            let told = read(&mut output);
+            let found = told["params"]["diagnostics"].as_array().expect("findings");
+            assert_eq!(found.is_empty(), is_read, "{file}: {told}");
+        }
+        drop(input);
+        assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    }
+}

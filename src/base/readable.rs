@@ -28,6 +28,24 @@ pub fn visible(c: char) -> char {
     }
 }
 
+/// JSON without the characters that [`readable`] replaces: each as the escape that stands for it, so that it reads back as
+/// the same text. Line feeds between values stay.
+pub fn escaped(json: String) -> String {
+    let hidden = |c: char| c != '\n' && visible(c) != c;
+    if !json.contains(hidden) {
+        return json;
+    }
+    let mut escaped = String::with_capacity(json.len() + 64);
+    for c in json.chars() {
+        if hidden(c) {
+            escaped.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
+        } else {
+            escaped.push(c);
+        }
+    }
+    escaped
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,6 +54,15 @@ mod tests {
     fn nothing_that_steers_a_terminal_is_left() {
         assert_eq!(readable("a\u{1b}[31mb\rc\u{7}"), "a␛[31mb␍c␇");
         assert_eq!(readable("x\u{202e}y\u{2066}z\u{200b}\u{9b}1m"), "x\u{fffd}y\u{fffd}z\u{fffd}\u{fffd}1m");
+    }
+
+    #[test]
+    fn escaped_json_is_the_same_value() {
+        let text = "a\u{202e}b\u{9b}1m\u{e0041}\u{7f}ω\u{200b}";
+        let json = escaped(format!("[\"{text}\",\n1]"));
+        assert_eq!(json, "[\"a\\u202eb\\u009b1m\\udb40\\udc41\\u007fω\\u200b\",\n1]");
+        let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(value[0], text);
     }
 
     #[test]

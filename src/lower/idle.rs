@@ -1,0 +1,93 @@
+//! Springs, dampers and inputs that act on nothing that moves. In: what the assembly found without a part in the system; out:
+//! a warning for each declaration that says as what it was read. Clause: spec.md, 5.13b.
+
+use super::assembly::Idle;
+use super::kinematics::Kinematics;
+use crate::base::{Code, Diagnostic, Span, Vec3};
+use crate::model::scene::{Element, Geometry, Input, InputKind, Law, Scene};
+use std::collections::HashSet;
+
+const ELEMENT: Code = Code("vib::unused::element");
+const INPUT: Code = Code("vib::unused::input");
+
+/// Declarations told one by one: a `repeat` may make a million that do nothing, and one of them says it for all.
+const SHOWN: usize = 100;
+
+/// One finding for each place of the text.
+pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Diagnostic> {
+    let mut told: HashSet<Span> = HashSet::new();
+    let mut findings = Vec::new();
+    for idle in idle {
+        let span = match idle {
+            Idle::Element(number) => scene.elements[*number].span,
+            Idle::Input(number) => scene.inputs[*number].span,
+        };
+        if findings.len() == SHOWN || !told.insert(span) {
+            continue;
+        }
+        findings.extend(match idle {
+            Idle::Element(number) => Some(element(scene, kinematics, &scene.elements[*number])),
+            Idle::Input(number) => input(scene, &scene.inputs[*number]),
+        });
+    }
+    findings
+}
+
+fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnostic {
+    let what = match element.law {
+        Law::Spring { .. } => "spring",
+        Law::Damper { .. } => "damper",
+    };
+    let [a, b] = [0, 1].map(|end| kinematics.end(&element.ends[end]).piece);
+    let (read, help) = match &element.geometry {
+        _ if a == b => ("between two points of one rigid body".into(), "tie one end to another part"),
+        Geometry::Along(direction) => (
+            format!("along {}, and no motion moves its ends against each other so", shown(direction)),
+            "let it act along a motion of its ends: `along = x`",
+        ),
+        Geometry::Torsion => ("on turning, and no motion turns its ends against each other".into(), "leave it out"),
+        Geometry::Line => (
+            "along the line of its ends, whose distance no motion changes".into(),
+            "name the points that it holds, as in `wheel@(0, 0.1 m)`; on turning acts a stiffness in N*m/rad, a damping in \
+             N*m*s/rad",
+        ),
+    };
+    let message = format!("the {what} `{}` does nothing: it acts {read}", scene.words.display(element.name));
+    Diagnostic::warning(ELEMENT, element.span, message).help(help)
+}
+
+fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
+    let (what, read, help) = match &input.kind {
+        InputKind::Force { direction, .. } => (
+            "force",
+            format!("it acts along {}, and no motion moves its ends so", shown(direction)),
+            "let it act along a motion of its body: `along x`",
+        ),
+        InputKind::ForceBetween { .. } => (
+            "force",
+            "it acts along the line of its ends, whose distance no motion changes".into(),
+            "name points that move against each other",
+        ),
+        InputKind::Torque { .. } => ("torque", "no motion turns its body".into(), "let it act on a body that turns"),
+        // A motion that nothing is attached to is a support that is not used yet, unless it is told to move.
+        InputKind::Base { .. } if input.signal.is_empty() => return None,
+        InputKind::Base { .. } => (
+            "motion of the base",
+            "nothing that moves is attached to it in this direction".into(),
+            "tie a spring or damper to the base that acts along its motion",
+        ),
+    };
+    let message = format!("the {what} `{}` moves nothing: {read}", scene.words.display(input.name));
+    Some(Diagnostic::warning(INPUT, input.span, message).help(help))
+}
+
+/// `x`, `y` or the components of a direction, to three digits.
+fn shown(direction: &Vec3) -> String {
+    let (x, y) = (direction.x.to_f64(), direction.y.to_f64());
+    let digits = |value: f64| format!("{value:.2e}").parse::<f64>().unwrap_or(value).to_string();
+    match (x, y) {
+        (_, 0.0) => "x".into(),
+        (0.0, _) => "y".into(),
+        _ => format!("({}, {})", digits(x), digits(y)),
+    }
+}

@@ -1,0 +1,226 @@
+//! The language server's messages from a stream and back, whatever the stream holds: what is no message is told to the client, and
+//! the next one is read. Clause: spec.md, "Editors".
+//!
+//! A message is a header with the line `Content-Length: N`, an empty line, and N bytes of JSON. Where a header makes no
+//! sense the bytes behind it cannot be counted off: the next such line is looked for.
+
+use crossbeam_channel::{Receiver, Sender};
+use lsp_server::{ErrorCode, Message, RequestId};
+use serde_json::Value;
+use std::io::{self, BufRead, Read, Write};
+use vibc::syntax::limits;
+
+/// Bytes of a message: a text of the largest size, half of whose bytes are escaped.
+const MESSAGE: u64 = 2 * limits::FILE as u64;
+
+/// Bytes of a header that are looked at in one go.
+const LINE: u64 = 1 << 16;
+
+const LENGTH: &[u8] = b"content-length:";
+
+/// What came from a stream.
+#[derive(Debug)]
+enum Received {
+    Message(Message),
+    Refused(Refused),
+}
+
+/// Bytes that are no message.
+#[derive(Debug)]
+struct Refused {
+    /// Of the request that was meant, where that can be seen.
+    id: Option<RequestId>,
+    code: ErrorCode,
+    why: String,
+}
+
+/// Hands the messages of a stream on until the client takes leave or is gone; `answers` is where it reads what was wrong.
+pub fn receive_all<W: Write>(stream: &mut impl BufRead, to: &Sender<Message>, answers: impl Fn() -> W) {
+    // A stream that cannot be read is one that has ended.
+    while let Ok(Some(received)) = receive(stream) {
+        let message = match received {
+            Received::Message(message) => message,
+            Received::Refused(refused) => {
+                if refuse(&mut answers(), refused).is_err() {
+                    return;
+                }
+                continue;
+            }
+        };
+        let is_last = matches!(&message, Message::Notification(told) if told.method == "exit");
+        if to.send(message).is_err() || is_last {
+            return;
+        }
+    }
+}
+
+/// Writes messages to a stream until there are no more.
+pub fn send_all<W: Write>(messages: &Receiver<Message>, stream: impl Fn() -> W) -> io::Result<()> {
+    messages.iter().try_for_each(|message| message.write(&mut stream()))
+}
+
+/// The next message, or what stands in its place; `None` at the end.
+fn receive(stream: &mut impl BufRead) -> io::Result<Option<Received>> {
+    let length = match length(stream)? {
+        None => return Ok(None),
+        Some(Err(why)) => return Ok(Some(refused(None, ErrorCode::InvalidRequest, why))),
+        Some(Ok(length)) => length,
+    };
+    // Grows with what comes, not with what was promised.
+    let mut body = Vec::new();
+    stream.take(length).read_to_end(&mut body)?;
+    let is_whole = body.len() as u64 == length;
+    Ok(is_whole.then(|| message(&body)))
+}
+
+fn refused(id: Option<RequestId>, code: ErrorCode, why: impl Into<String>) -> Received {
+    Received::Refused(Refused { id, code, why: why.into() })
+}
+
+/// The length that the next header gives, or why it is none; `None` at the end of the stream.
+fn length(stream: &mut impl BufRead) -> io::Result<Option<Result<u64, String>>> {
+    let mut found = None;
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        if stream.by_ref().take(LINE).read_until(b'\n', &mut line)? == 0 {
+            return Ok(None);
+        }
+        match found {
+            Some(length) if line.trim_ascii().is_empty() => return Ok(Some(length)),
+            // Other fields, an empty line too many, what is left of a message that was refused.
+            _ => found = length_of(&line).or(found),
+        }
+    }
+}
+
+/// The number behind the last `Content-Length:` of a line: before it there may be the end of a message that was refused.
+fn length_of(line: &[u8]) -> Option<Result<u64, String>> {
+    let at = line.windows(LENGTH.len()).rposition(|word| word.eq_ignore_ascii_case(LENGTH))?;
+    let number = line[at + LENGTH.len()..].trim_ascii();
+    let length = std::str::from_utf8(number).ok().and_then(|number| number.parse::<u64>().ok());
+    Some(match length {
+        Some(length) if length <= MESSAGE => Ok(length),
+        Some(_) => Err(format!("a message has at most {MESSAGE} bytes")),
+        None => Err("`Content-Length` is a number of bytes".into()),
+    })
+}
+
+fn message(body: &[u8]) -> Received {
+    let Ok(text) = std::str::from_utf8(body) else {
+        return refused(None, ErrorCode::ParseError, "the message is not UTF-8");
+    };
+    let read = serde_json::from_str(text).or_else(|error| serde_json::from_str(&whole(text)).map_err(|_| error));
+    let value: Value = match read {
+        Ok(value) => value,
+        Err(error) => return refused(None, ErrorCode::ParseError, format!("the message is not JSON: {error}")),
+    };
+    if value.is_array() {
+        let why = "several messages in one are no part of the protocol";
+        return refused(None, ErrorCode::InvalidRequest, why);
+    }
+    let id = value.get("id").and_then(|id| serde_json::from_value(id.clone()).ok());
+    match serde_json::from_value(value) {
+        Ok(message) => Received::Message(message),
+        Err(_) => refused(id, ErrorCode::InvalidRequest, "this is neither a request nor a notification nor an answer"),
+    }
+}
+
+/// Half a character of two, as JavaScript writes one that was cut in the middle (`\ud83d`), becomes `\ufffd`.
+fn whole(text: &str) -> String {
+    let unit = |at: usize| {
+        let digits = text.get(at..)?.strip_prefix("\\u")?.get(..4)?;
+        u16::from_str_radix(digits, 16).ok()
+    };
+    let (mut whole, mut done, mut at) = (String::with_capacity(text.len()), 0, 0);
+    while let Some(found) = text[at..].find('\\') {
+        at += found;
+        at += match unit(at) {
+            Some(0xd800..=0xdbff) if matches!(unit(at + 6), Some(0xdc00..=0xdfff)) => 12,
+            Some(0xd800..=0xdfff) => {
+                whole += &text[done..at];
+                whole += "\\ufffd";
+                done = at + 6;
+                6
+            }
+            Some(_) => 6,
+            // The backslash and what it stands before.
+            None => 1 + text[at + 1..].chars().next().map_or(0, char::len_utf8),
+        };
+    }
+    whole + &text[done..]
+}
+
+/// Tells the client what was wrong, as an answer to the request that was meant, or to none.
+fn refuse(stream: &mut impl Write, Refused { id, code, why }: Refused) -> io::Result<()> {
+    let error = serde_json::json!({ "code": code as i32, "message": why });
+    let answer = serde_json::json!({ "jsonrpc": "2.0", "id": id, "error": error }).to_string();
+    write!(stream, "Content-Length: {}\r\n\r\n{answer}", answer.len())?;
+    stream.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What comes of a stream: the methods of its messages, and the codes of what was refused.
+    fn heard(stream: &[u8]) -> Vec<String> {
+        let mut stream = stream;
+        let mut heard = Vec::new();
+        while let Some(received) = receive(&mut stream).expect("memory can be read") {
+            heard.push(match received {
+                Received::Message(Message::Notification(told)) => told.method,
+                Received::Message(Message::Request(asked)) => asked.method,
+                Received::Message(Message::Response(_)) => "answer".into(),
+                Received::Refused(refused) => (refused.code as i32).to_string(),
+            });
+        }
+        heard
+    }
+
+    fn framed(body: &[u8]) -> Vec<u8> {
+        [format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(), body].concat()
+    }
+
+    const NEXT: &[u8] = br#"{"jsonrpc":"2.0","method":"next"}"#;
+
+    #[test]
+    fn after_anything_the_next_message_is_heard() {
+        let two_of_one = br#"[{"jsonrpc":"2.0","method":"a"},{"jsonrpc":"2.0","method":"b"}]"#;
+        for (wrong, code) in [
+            (framed(b"{"), "-32700"),
+            (framed(b""), "-32700"),
+            (framed(b"\xff\xfe"), "-32700"),
+            (framed(&[b'['; 100_000]), "-32700"),
+            (framed(two_of_one), "-32600"),
+            (framed(b"{}"), "-32600"),
+            (framed(b"17"), "-32600"),
+            (framed(br#"{"jsonrpc":"2.0","id":7,"method":8}"#), "-32600"),
+            (b"Content-Length: 99999999999999999\r\n\r\n{}".to_vec(), "-32600"),
+            (b"Content-Length: 99999999999999999999999\r\n\r\n".to_vec(), "-32600"),
+            (b"Content-Length: -1\r\n\r\n".to_vec(), "-32600"),
+            (b"Content-Length: many\r\n\r\nmore of it".to_vec(), "-32600"),
+        ] {
+            let stream = [wrong.clone(), framed(NEXT)].concat();
+            assert_eq!(heard(&stream), [code, "next"], "{}", String::from_utf8_lossy(&wrong));
+        }
+    }
+
+    #[test]
+    fn a_header_is_read_with_what_stands_around_it() {
+        let fields = [b"\r\n\ncontent-type: x\r\nCONTENT-LENGTH:33 \r\nOther: 1\r\n\r\n", NEXT].concat();
+        assert_eq!(heard(&fields), ["next"]);
+        // The stream ends in a header, and in a message.
+        assert!(heard(b"Content-Length: 12\r\n").is_empty());
+        assert!(heard(b"Content-Length: 1200\r\n\r\n{}").is_empty());
+    }
+
+    #[test]
+    fn half_a_character_is_read_as_one_that_is_unknown() {
+        assert_eq!(whole(r#""\ud83d""#), r#""\ufffd""#);
+        assert_eq!(whole(r#""\ude00 \ud83dx\ud83d\ud83d\ude00""#), r#""\ufffd \ufffdx\ufffd\ud83d\ude00""#);
+        assert_eq!(whole(r#""\\ud83d \n \u00e9 \"#), r#""\\ud83d \n \u00e9 \"#);
+        let body = br#"{"jsonrpc":"2.0","method":"\ud800"}"#;
+        assert_eq!(heard(&framed(body)), ["\u{fffd}"]);
+    }
+}

@@ -1,0 +1,407 @@
+//! Models, files, names and arguments from somebody who means no good: nothing hangs, fills the memory, steers a terminal
+//! or tells what stands in files that are no business of a model. Clause: spec.md, "Limits" and 5.13a.
+
+use serde_json::Value;
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use vibc::base::{SourceFile, Sources};
+use vibc::model::{self, Overrides};
+
+/// A scene whose force is a table.
+fn driven(table: &str) -> String {
+    format!(
+        "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 10 N/m }}\n\
+         force F: b along x = table(\"{table}\")\noutput x = b.x\n"
+    )
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn write(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> String {
+    let path = folder.join(name);
+    fs::write(&path, text).expect("a temporary file");
+    path.to_string_lossy().into_owned()
+}
+
+/// Longer than any of these runs takes; a run that hangs is ended and fails.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    let mut streams = (child.stdout.take().expect("a pipe"), child.stderr.take().expect("a pipe"));
+    let reader = std::thread::spawn(move || {
+        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+        streams.0.read_to_end(&mut stdout).expect("it writes");
+        streams.1.read_to_end(&mut stderr).expect("it writes");
+        (stdout, stderr)
+    });
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().expect("it can be waited for") {
+            break status;
+        }
+        if start.elapsed() > PATIENCE {
+            child.kill().expect("it can be ended");
+            panic!("{arguments:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let (stdout, stderr) = reader.join().expect("both streams end");
+    Output { status, stdout, stderr }
+}
+
+fn status(output: &Output) -> i32 {
+    output.status.code().expect("no signal")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+/// Its findings, as JSON.
+fn findings(output: &Output) -> Vec<Value> {
+    told(output).lines().map(|line| serde_json::from_str(line).expect("an object a line")).collect()
+}
+
+/// Characters that move a cursor, change colours or turn the reading direction, or that are not to be seen.
+fn steers(text: &str) -> bool {
+    text.chars().any(|c| {
+        c != '\n' && c.is_control()
+            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+    })
+}
+
+/// What would clear the screen, end a line, turn the direction of the text, or do the same as a C1 control.
+const STEERING: [&str; 5] = ["x\u{1b}]0;pwned\u{7}", "a\rb", "a\u{202e}b\u{2066}", "a\u{9b}2Jb", "a\u{200b}b\u{feff}"];
+
+#[cfg(unix)]
+#[test]
+fn a_table_that_is_no_plain_file_is_refused_at_once() {
+    let folder = folder();
+    let made = Command::new("mkfifo").arg(folder.path().join("fifo")).status().expect("`mkfifo` starts");
+    assert!(made.success());
+    fs::create_dir(folder.path().join("inner")).expect("a folder");
+    for (table, reason) in [("fifo", "it is no plain file"), ("inner", "it is no plain file")] {
+        let model = write(folder.path(), "m.vib", driven(table));
+        let refused = run(&["check", &model]);
+        assert_eq!(status(&refused), 3, "{table}");
+        assert!(told(&refused).contains(reason), "{}", told(&refused));
+    }
+    // With every file allowed, devices and the program's own streams are none all the same.
+    for table in ["/dev/zero", "/dev/stdin", "/proc/self/fd/0", "/dev/null"] {
+        let model = write(folder.path(), "m.vib", driven(table));
+        let refused = run(&["check", &model, "--root", "/"]);
+        assert_eq!(status(&refused), 3, "{table}");
+        assert!(told(&refused).contains("it is no plain file"), "{}", told(&refused));
+    }
+}
+
+#[test]
+fn a_table_lies_below_the_folder_of_its_model() {
+    let folder = folder();
+    let models = folder.path().join("models");
+    fs::create_dir_all(models.join("data")).expect("a folder");
+    write(folder.path(), "beside.csv", "0,0\n1,2\n");
+    write(&models, "data/push.csv", "0,0\n1,2\n");
+    let simulate = |table: &str, more: &[&str]| {
+        let model = write(&models, "m.vib", driven(table));
+        run(&[&["simulate", "--until", "1s", "--step", "0.5s", &model], more].concat())
+    };
+    let absolute = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for inside in ["data/push.csv", "./data/../data/push.csv", &absolute("models/data/push.csv")] {
+        let done = simulate(inside, &[]);
+        assert_eq!(status(&done), 0, "{inside}: {}", told(&done));
+    }
+    for outside in ["../beside.csv", "data/../../beside.csv", &absolute("beside.csv"), "/etc/passwd"] {
+        let refused = simulate(outside, &[]);
+        assert_eq!(status(&refused), 3, "{outside}");
+        assert!(told(&refused).contains("it lies outside the model's folder"), "{}", told(&refused));
+    }
+    let allowed = simulate("../beside.csv", &["--root", &folder.path().to_string_lossy()]);
+    assert_eq!(status(&allowed), 0, "{}", told(&allowed));
+    // A link is what it leads to, and another root allows no more than itself.
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.path().join("beside.csv"), models.join("link.csv")).expect("a link");
+        assert_eq!(status(&simulate("link.csv", &[])), 3);
+    }
+    assert_eq!(status(&simulate("../beside.csv", &["--root", &absolute("models/data")])), 3);
+}
+
+#[test]
+fn what_stands_in_a_file_that_is_no_table_is_not_shown() {
+    let folder = folder();
+    for (content, line) in [
+        ("root:secret:0:0:secret:/root:/bin/sh\nuser:secret\n", 1),
+        ("secret,secret\nsecret,secret\n", 2),
+        ("\n# secret\nsecret = secret\n", 3),
+        ("1,secret\n2,3\n", 1),
+        ("secret,a\u{1b}[2J\n1\n", 2),
+    ] {
+        write(folder.path(), "no_table", content);
+        let model = write(folder.path(), "m.vib", driven("no_table"));
+        for form in ["human", "short", "json"] {
+            let refused = run(&["check", &model, "--message-format", form]);
+            assert_eq!(status(&refused), 1, "{content}");
+            assert!(!told(&refused).contains("secret"), "{}", told(&refused));
+        }
+        let found = findings(&run(&["check", &model, "--message-format", "json"]));
+        assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::table::row")), "{content}");
+        assert_eq!(found[0]["label"], format!("its line {line} is not a time and a value"));
+        assert_eq!((found[0]["file"].as_str(), found[0]["line"].as_u64()), (Some(&*model), Some(3)));
+    }
+}
+
+#[test]
+fn tables_have_limits_of_their_own() {
+    let folder = folder();
+    let rows: String = (0..1_000_001).map(|row| format!("{row},0\n")).collect();
+    write(folder.path(), "long.csv", rows);
+    let long = run(&["check", &write(folder.path(), "m.vib", driven("long.csv"))]);
+    assert_eq!(status(&long), 3);
+    assert!(told(&long).contains("at most 1000000 rows in all"), "{}", told(&long));
+    let file = fs::File::create(folder.path().join("large.csv")).expect("a file");
+    file.set_len((64 << 20) + 1).expect("a hole in it");
+    let large = run(&["check", &write(folder.path(), "m.vib", driven("large.csv"))]);
+    assert_eq!(status(&large), 3);
+    assert!(told(&large).contains("at most 64 MiB in all"), "{}", told(&large));
+}
+
+#[cfg(unix)]
+#[test]
+fn no_file_name_steers_the_terminal() {
+    let folder = folder();
+    let scene = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 10 N/m }\nforce F: b = step(1 N, 0 s)\n\
+                 output x = b.x\nrequire frequency(1) > 0.1 Hz\n";
+    for name in STEERING {
+        let model = write(folder.path(), &format!("{name}.vib"), scene);
+        let model = model.as_str();
+        let wrong = write(folder.path(), &format!("{name} wrong.vib"), "body b {\n");
+        let missing = format!("{model}.missing/file");
+        for arguments in [
+            &["analyze", model][..],
+            &["analyze", model, "--format", "json"],
+            &["analyze", model, "--explain-model"],
+            &["transfer", model, "--at", "1Hz"],
+            &["transfer", model, "--at", "1Hz", "--format", "json"],
+            &["simulate", model, "--until", "1s", "--step", "0.5s", "--format", "text"],
+            &["simulate", model, "--until", "1s", "--step", "0.5s", "--format", "json"],
+            &["emit", model, "--target", "c"],
+            &["emit", model, "--target", "rust"],
+            &["emit", model, "--target", "rust", "--style", "equations"],
+            &["check", model],
+            &["fmt", "--check", model],
+            &["check", &wrong],
+            &["check", &wrong, "--message-format", "json"],
+            &["check", &wrong, "--message-format", "short"],
+            &["check", &missing],
+            &["check", &missing, "--message-format", "json"],
+            &["analyze", model, "-o", model],
+            &["analyze", model, "-o", &missing],
+            &["emit", model, "--target", "c", "-o", &format!("{model}/x")],
+            &["check", model, "--settings", &missing],
+        ] {
+            let done = run(arguments);
+            let out = String::from_utf8(done.stdout.clone()).expect("UTF-8");
+            assert!(!steers(&out), "{arguments:?}: {out:?}");
+            assert!(!steers(&told(&done)), "{arguments:?}: {:?}", told(&done));
+        }
+    }
+}
+
+#[test]
+fn json_escapes_what_steers_and_keeps_the_name() {
+    let folder = folder();
+    let name = "a\u{202e}b\u{200b}.vib";
+    let wrong = write(folder.path(), name, "body b { mass = 1 kg, moves x, \u{202e} }\n");
+    let done = run(&["check", &wrong, "--message-format", "json"]);
+    assert!(!steers(&told(&done)), "{:?}", told(&done));
+    assert!(findings(&done).iter().all(|finding| finding["file"] == wrong.as_str()));
+}
+
+#[cfg(unix)]
+#[test]
+fn no_argument_steers_the_terminal() {
+    for text in STEERING {
+        for arguments in [
+            &[text][..],
+            &["analyze", "m.vib", text],
+            &["analyze", "m.vib", "--format", text],
+            &["analyze", "m.vib", "--modes", text],
+            &["analyze", "m.vib", "--tolerance", text],
+            &["analyze", "m.vib", &format!("--{text}")],
+            &["analyze", "m.vib", "--set", text],
+            &["analyze", "m.vib", "--set", &format!("k=1\n{text}")],
+            &["transfer", "m.vib", "--range", text],
+            &["explain", text],
+            &["man", text],
+        ] {
+            let refused = run(arguments);
+            assert_eq!(status(&refused), 2, "{arguments:?}");
+            assert!(refused.stdout.is_empty() && !steers(&told(&refused)), "{arguments:?}: {:?}", told(&refused));
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_goes_where_a_link_leads_and_whole() {
+    use std::os::unix::fs::symlink;
+    let folder = folder();
+    let model = write(folder.path(), "m.vib", "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\n");
+    let report = String::from_utf8(run(&["analyze", &model]).stdout).expect("UTF-8");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    // The old text lives on under its other name: the new one was written beside it, not over it.
+    let (old, other) = (write(folder.path(), "old.txt", "old"), at("other.txt"));
+    fs::hard_link(&old, &other).expect("another name");
+    assert_eq!(status(&run(&["analyze", &model, "-o", &old])), 0);
+    assert_eq!(
+        (fs::read_to_string(&old).unwrap(), fs::read_to_string(&other).unwrap()),
+        (report.clone(), "old".into())
+    );
+    // A link whose file is still to come.
+    symlink("new.txt", at("link.txt")).expect("a link");
+    symlink("link.txt", at("second.txt")).expect("a link");
+    assert_eq!(status(&run(&["analyze", &model, "-o", &at("second.txt")])), 0);
+    assert!(fs::symlink_metadata(at("link.txt")).unwrap().is_symlink());
+    assert!(fs::symlink_metadata(at("second.txt")).unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(at("new.txt")).unwrap(), report);
+    symlink("round.txt", at("round.txt")).expect("a link");
+    assert_eq!(status(&run(&["analyze", &model, "-o", &at("round.txt")])), 3);
+    assert!(fs::symlink_metadata(at("round.txt")).unwrap().is_symlink());
+    let hidden = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    assert!(hidden.into_iter().all(|name| !name.to_string_lossy().starts_with('.')), "nothing temporary is left");
+}
+
+/// Another run, in another container perhaps, had the same number and was ended: what it left is neither in the way nor
+/// taken away.
+#[cfg(unix)]
+#[test]
+fn what_another_run_left_is_not_in_the_way() {
+    let folder = folder();
+    let model = write(folder.path(), "m.vib", "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\n");
+    let script = ": > .r.txt.$$-0.new; : > .r.txt.$$.new; exec \"$0\" analyze \"$1\" -o r.txt";
+    let mut shell = Command::new("sh");
+    let done = shell.args(["-c", script, env!("CARGO_BIN_EXE_vibc"), &model]).current_dir(folder.path()).output();
+    let done = done.expect("a shell");
+    assert_eq!(status(&done), 0, "{}", told(&done));
+    assert!(fs::read_to_string(folder.path().join("r.txt")).unwrap().starts_with("m · 1 freedom"));
+    let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names.filter(|name| name.to_string_lossy().ends_with(".new")).count(), 2);
+}
+
+fn checked(text: &str) -> Vec<vibc::base::Diagnostic> {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("m.vib", text));
+    let parsed = vibc::syntax::parse(&sources, file);
+    let mut found = model::check(&sources, &parsed.tree, &Overrides::default()).diagnostics;
+    found.extend(parsed.errors);
+    found.sorted()
+}
+
+/// Each level was kept with all levels inside it, and each byte was read once for every level around it.
+#[test]
+fn what_is_broken_is_kept_once_however_deep_it_is_nested() {
+    let levels = 3000;
+    let text = "repeat i in 1..2 {\n".repeat(levels) + &"}\n".repeat(levels);
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("m.vib", text.as_str()));
+    let parsed = vibc::syntax::parse(&sources, file);
+    let kept: usize = parsed.tree.broken.iter().map(|span| span.len()).sum();
+    assert!(kept <= text.len(), "{kept} bytes of {}", text.len());
+    let codes: Vec<&str> = parsed.errors.iter().map(|error| error.code.0).collect();
+    assert_eq!(codes, ["vib::syntax::too_deep"]);
+}
+
+#[test]
+fn a_hundred_errors_are_told_and_the_others_counted() {
+    let body = "body b { mass = 1 kg, moves x }\n";
+    for (count, more) in
+        [(100, None), (101, Some("1 more error in this model")), (5000, Some("4900 more errors in this model"))]
+    {
+        let springs = (0..count).map(|i| format!("spring s[{i}]: ground -- b {{ k = k{i} }}\n"));
+        let found = checked(&(body.to_string() + &springs.collect::<String>()));
+        assert_eq!(found.len(), 100 + usize::from(more.is_some()), "{count}");
+        assert!(found[..100].iter().all(|finding| finding.code.0 == "vib::name::unknown"));
+        assert_eq!(found.get(100).map(|last| last.message.as_str()), more);
+    }
+    // Warnings are counted for themselves: they hide no error.
+    let unused: String = (0..300).map(|i| format!("param p{i} = 1 m\n")).collect();
+    let found = checked(&(body.to_string() + &unused + "spring s: ground -- b { k = 1 N/m }\n"));
+    assert_eq!((found.len(), found[100].message.as_str()), (101, "200 more warnings and notes on this model"));
+}
+
+#[test]
+fn a_name_that_is_not_there_is_told_once() {
+    let text = "body aarm { mass = 1 kg, moves x }\nspring s: ground -- arm { k = kk }\nspring t: ground -- arm { k = kk }\n\
+                damper d: ground -- arm { c = 1 N*s/m }\noutput x = arm.x\noutput v = arm.vx\n";
+    let found = checked(text);
+    let told: Vec<(&str, usize)> = found.iter().map(|one| (one.code.0, one.primary.span.start())).collect();
+    let place = |word: &str| text.find(word).expect("it is there");
+    assert_eq!(told, [("vib::part::unknown", place("-- arm") + 3), ("vib::name::unknown", place("kk"))]);
+}
+
+#[test]
+fn repeats_make_no_more_than_fits() {
+    let one = |count: u32| format!("repeat i in 1..{count} {{ body m[i] {{ mass = 1 kg, moves x }} }}\n");
+    let found = checked(&one(1_000_001));
+    assert_eq!((found.len(), found[0].code.0), (1, "vib::limit::repeat"));
+    assert_eq!(found[0].message, "this makes more than 1000000 bodies");
+    // Together they count as one.
+    let two = one(600_000) + &one(600_000).replace("m[", "n[");
+    let found: Vec<&str> = checked(&two).iter().map(|finding| finding.code.0).collect();
+    assert_eq!(found, ["vib::limit::repeat"]);
+    let many = "repeat i in 1..4000001 { param p[i] = 1 m }\n".to_string() + &one(2);
+    assert_eq!(checked(&many)[0].message, "this makes more than 4000000 declarations");
+}
+
+/// Links that hang one under another: each moves with all above it, which makes n^3 products.
+#[test]
+fn a_transfer_function_of_deep_links_is_refused_before_it_is_summed() {
+    let folder = folder();
+    let links = 800;
+    let text = format!(
+        "gravity 9.81 m/s^2\nbody r[1] {{ mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }}\npivot p[1]: ground@(0, 0) -- r[1]\n\
+         repeat i in 2..{links} {{\nbody r[i] {{ mass = 1 kg, shape = rod((0, -(i-1) * 1 m), (0, -i * 1 m)) }}\n\
+         pivot p[i]: r[i-1]@(0, -(i-1) * 1 m) -- r[i]\n}}\nforce F: r[1] along x\noutput x = r[{links}].x\n"
+    );
+    let model = write(folder.path(), "m.vib", text);
+    let refused = run(&["transfer", "--points", "20", "--range", "0.1Hz..10Hz", &model, "--message-format", "json"]);
+    assert_eq!(status(&refused), 4, "{}", told(&refused));
+    let found = findings(&refused);
+    assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::limit::depth")));
+}
+
+#[test]
+fn no_force_is_told_as_infinite() {
+    let folder = folder();
+    let text = "gravity 9.81 m/s^2\nrest as drawn\nbody rod { mass = 1e308 kg, shape = rod((0, 0), (1 m, 0)) }\n\
+                pivot p: ground@(0, 0) -- rod\n";
+    let refused = run(&["check", &write(folder.path(), "m.vib", text)]);
+    assert_eq!(status(&refused), 1);
+    assert!(told(&refused).contains("`rod.angle`: more than 1.8e308 N*m"), "{}", told(&refused));
+}
+
+/// The largest that is taken, and the smallest that is refused.
+#[test]
+fn brackets_and_numbers_have_the_limits_that_are_said() {
+    let brackets = |levels: usize| format!("param k = {}1{}\n", "(".repeat(levels), ")".repeat(levels));
+    let number = |bytes: usize| format!("param k = 0.{} N/m\n", "1".repeat(bytes - 2));
+    let errors = |text: &str| {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("m.vib", text));
+        vibc::syntax::parse(&sources, file).errors.iter().map(|error| error.code.0).collect::<Vec<_>>()
+    };
+    assert_eq!(errors(&brackets(64)), Vec::<&str>::new());
+    assert_eq!(errors(&brackets(65)), ["vib::syntax::too_deep"]);
+    assert_eq!(errors(&number(1000)), Vec::<&str>::new());
+    assert_eq!(errors(&number(1001)), ["vib::syntax::too_large"]);
+}

@@ -1,0 +1,377 @@
+//! Every option of every command, from the table that the program itself reads its command line by: with values that are
+//! right and values that are wrong, each ends with the status it should and one clean message, and none is a defect. An option
+//! without a line in `VALUES` fails the test. Clause: spec.md, "Report" 12.8.
+
+use clap::{Arg, ArgAction, Command, CommandFactory};
+use std::fs;
+use std::process::{self, Stdio};
+use tempfile::TempDir;
+
+#[allow(dead_code)]
+#[path = "../../src/cli.rs"]
+mod cli;
+
+const SCENE: &str = "model scene\nparam k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
+                     damper d: ground -- b { c = 0.1 N*s/m }\nforce F: b along x = step(1 N, 0 s)\noutput x = b.x\n\
+                     require peak(x) > 0 m\n";
+const SETTINGS: &str = "k = \"12 N/m\"\n";
+
+/// What a value that is right ends with: 0 where nothing else is said.
+#[derive(Clone, Copy)]
+enum Good {
+    Done(&'static str),
+    Ends(&'static str, i32),
+}
+use Good::{Done, Ends};
+
+/// Values of options that clap has no list of: of which command (`*` for all), which option, what is right, what is wrong.
+/// `@` is a folder with the files that are written below.
+type Values = (&'static str, &'static str, &'static [Good], &'static [&'static str]);
+
+const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
+
+const VALUES: [Values; 36] = [
+    (
+        "*",
+        "set",
+        &[Done("k=12N/m"), Done(" k = 12 N/m "), Ends("k=12kg", 1), Ends("q=1", 1), Ends("k=(", 1)],
+        &["", "k", "k=", "=1", "k=1\n"],
+    ),
+    ("*", "settings", &[Done("@/settings.toml"), Ends("@/missing.toml", 3), Ends("@/scene.vib", 1)], &[]),
+    ("*", "root", &[Done("@"), Done("@/missing"), Done("/")], &[]),
+    (
+        "analyze",
+        "modes",
+        &[Done("1"), Done("100000")],
+        &["0", "-1", "100001", "1.5", "all", "", "99999999999999999999"],
+    ),
+    (
+        "analyze",
+        "band",
+        &[Done("0.1Hz..1Hz"), Done("0..1rad/s"), Done("0Hz..1e300Hz")],
+        &["", "..", "1Hz..", "1Hz", "2Hz..1Hz", "1Hz..1Hz", "1s..2s", "1..2", "-1Hz..-2Hz"],
+    ),
+    ("analyze", "digits", &[Done("1"), Done("32")], &["0", "33", "-1", "many", ""]),
+    (
+        "*",
+        "tolerance",
+        &[Done("1e-3"), Done("0.999"), Done("1e-9")],
+        &["0", "1", "-1e-3", "nan", "inf", "1e-400", "1 %", ""],
+    ),
+    ("analyze", "until", &[Done("1s"), Done("0.25s"), Done("20ms"), Done("1min")], &TIMES),
+    ("check", "until", &[Done("1s"), Done("0.25s"), Done("20ms")], &TIMES),
+    ("transfer", "from", &[Done("F"), Ends("s", 2), Ends("", 2)], &[]),
+    ("transfer", "to", &[Done("x"), Ends("b.x", 2), Ends("", 2)], &[]),
+    (
+        "transfer",
+        "range",
+        &[Done("0.1Hz..10Hz"), Done("0..10rad/s"), Done("1rad/s..1Hz")],
+        &["", "..", "1Hz", "1Hz..", "2Hz..1Hz", "0Hz..0Hz", "1..2", "1N..2N", "1Hz...2Hz"],
+    ),
+    ("transfer", "points", &[Done("1"), Done("2"), Done("7")], &["0", "-1", "1000001", "1.5", "", "few"]),
+    (
+        "transfer",
+        "at",
+        &[Done("1Hz"), Done("0"), Done("0Hz"), Done("3rad/s"), Done("60rpm")],
+        &["", "1", "1s", "Hz", "x", "1Hz2"],
+    ),
+    ("simulate", "until", &[Done("1s"), Done("500ms")], &TIMES),
+    ("simulate", "step", &[Done("0.5s"), Done("2s"), Ends("1e-9s", 2)], &TIMES),
+    ("emit", "step", &[Done("1ms"), Done("0.5s")], &TIMES),
+    ("emit", "parameter", &[Done("k"), Ends("q", 2), Ends("", 2)], &[]),
+    ("emit", "until", &[Done("1s")], &TIMES),
+    ("emit", "output", &[Done("@/code"), Ends("@/scene.vib", 3), Ends("@/scene.vib/inner", 3)], &[]),
+    ("*", "output", &[Done("@/out"), Done("-"), Ends("@/missing/out", 3), Ends("@/scene.vib", 2)], &[]),
+    ("bench", "svg", &[Done("@/picture.svg"), Ends("@/scene.vib", 2)], &[]),
+    (
+        "analyze",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
+    (
+        "transfer",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
+    (
+        "simulate",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
+    (
+        "emit",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
+    ("bench", "file", &[Ends("@/missing.vib", 3), Ends("@", 3), Ends("@/settings.toml", 1), Ends("-", 1)], &[]),
+    (
+        "check",
+        "files",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
+    (
+        "fmt",
+        "files",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Done("-"),
+        ],
+        &[],
+    ),
+    (
+        "explain",
+        "code",
+        &[Done("vib::unit::mismatch"), Ends("vib::unit::mistmatch", 2), Ends("", 2), Ends("x", 2)],
+        &[],
+    ),
+    ("man", "command", &[Done("analyze"), Done("fmt"), Ends("analyse", 2), Ends("", 2)], &[]),
+    // Of no command: what these say of themselves.
+    ("*", "help", &[Done("")], &[]),
+    ("*", "version", &[Done("")], &[]),
+    ("lsp", "stdio", &[Ends("", 1)], &["yes"]),
+    ("emit", "program", &[Done("")], &["yes"]),
+    ("fmt", "check", &[Ends("", 1)], &["yes"]),
+];
+
+/// What a command needs beside the option at hand: the arguments that stand in for it where it is not the one.
+fn needed(command: &str, option: &str) -> Vec<&'static str> {
+    let file = "@/scene.vib";
+    let mut needed = match command {
+        "analyze" | "transfer" | "bench" if option != "file" => vec![file],
+        "simulate" if option != "file" => vec![file],
+        "emit" if option != "file" => vec![file],
+        "check" | "fmt" if option != "files" => vec![file],
+        "explain" if option != "code" => vec!["vib::unit::mismatch"],
+        "completions" if option != "shell" => vec!["bash"],
+        _ => Vec::new(),
+    };
+    let (until, step) = (["--until", "1s"], ["--step", "0.5s"]);
+    match (command, option) {
+        ("simulate", "until") => needed.extend(step),
+        ("simulate", "step") => needed.extend(until),
+        ("simulate", _) => needed.extend([until, step].concat()),
+        // What is built in has a table of steps to run over.
+        ("emit", "program") => needed.extend(["--target", "c", "--until", "1s", "--output", "@/code"]),
+        ("emit", "until") => needed.extend(["--target", "c", "--program", "--output", "@/code"]),
+        ("emit", "target") => {}
+        ("emit", _) => needed.extend(["--target", "c"]),
+        ("transfer", "points" | "linear") => needed.extend(["--range", "0.1Hz..10Hz"]),
+        _ => {}
+    }
+    needed
+}
+
+struct Setting {
+    folder: TempDir,
+}
+
+impl Setting {
+    fn new() -> Setting {
+        let setting = Setting { folder: tempfile::tempdir().expect("a temporary folder") };
+        setting.lay_out();
+        setting
+    }
+
+    /// The files as they are before each run.
+    fn lay_out(&self) {
+        let at = |name: &str| self.folder.path().join(name);
+        fs::write(at("scene.vib"), SCENE).expect("a file");
+        fs::write(at("settings.toml"), SETTINGS).expect("a file");
+        fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");
+    }
+
+    fn run(&self, arguments: &[String]) -> process::Output {
+        self.lay_out();
+        let folder = self.folder.path().to_string_lossy();
+        let arguments = arguments.iter().map(|argument| argument.replace('@', &folder));
+        let mut program = process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+        program.args(arguments).stdin(Stdio::null()).output().expect("the program starts")
+    }
+}
+
+/// What is wrong with how a run ended.
+fn fault(output: &process::Output, status: i32) -> Option<String> {
+    let told = String::from_utf8_lossy(&output.stderr);
+    let found = output.status.code();
+    if found != Some(status) {
+        return Some(format!("status {found:?}, not {status}: {told}"));
+    }
+    if told.contains("panicked") || told.contains("a defect of the program") {
+        return Some(format!("a defect: {told}"));
+    }
+    if told.chars().any(|c| c != '\n' && c.is_control()) {
+        return Some(format!("characters that steer the terminal: {told:?}"));
+    }
+    if status == 0 {
+        return told.contains("error").then(|| format!("an error, and status 0: {told}"));
+    }
+    let is_one = told.starts_with("error: ") != told.starts_with("vibc: ");
+    let is_finding = told.starts_with("vib::") || told.is_empty();
+    (status == 2 && !is_one || status != 2 && !is_one && !is_finding).then(|| format!("no clean message: {told}"))
+}
+
+fn option_as_written(arg: &Arg, value: &str) -> Vec<String> {
+    match arg.get_long() {
+        None => vec![value.to_string()],
+        Some(long) if !takes_value(arg) && value.is_empty() => vec![format!("--{long}")],
+        Some(long) => vec![format!("--{long}={value}")],
+    }
+}
+
+fn takes_value(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::Set | ArgAction::Append)
+}
+
+/// The line of an option: that of its command before that of all.
+fn line(command: &str, id: &str) -> Option<&'static Values> {
+    let of = |whose: &str| VALUES.iter().find(|(of, option, ..)| *of == whose && *option == id);
+    of(command).or_else(|| of("*"))
+}
+
+fn name(arg: &Arg) -> String {
+    arg.get_long().unwrap_or(arg.get_id().as_str()).to_string()
+}
+
+/// Values that are right, with the status, and values that are wrong.
+fn values(command: &str, arg: &Arg) -> Result<(Vec<Good>, Vec<String>), String> {
+    let name = name(arg);
+    if let Some((_, _, good, bad)) = line(command, &name) {
+        return Ok((good.to_vec(), bad.iter().map(|value| value.to_string()).collect()));
+    }
+    if !takes_value(arg) {
+        return Ok((vec![Done("")], vec!["yes".into()]));
+    }
+    let listed = arg.get_possible_values();
+    if listed.is_empty() {
+        return Err(format!("`{command} {name}` has no line in VALUES"));
+    }
+    let good = listed.iter().map(|value| Done(Box::leak(value.get_name().to_string().into_boxed_str())));
+    let wrong = listed.iter().map(|value| format!("{}x", value.get_name())).chain(["".into()]);
+    Ok((good.collect(), wrong.collect()))
+}
+
+fn commands() -> Vec<Command> {
+    let mut program = cli::Cli::command();
+    program.build();
+    program.get_subcommands().filter(|command| command.get_name() != "help").cloned().collect()
+}
+
+#[test]
+fn every_option_of_every_command_takes_what_is_right_and_refuses_what_is_wrong() {
+    let setting = Setting::new();
+    let mut faults = Vec::new();
+    for command in commands() {
+        let of = command.get_name();
+        for arg in command.get_arguments() {
+            let (good, bad) = match values(of, arg) {
+                Ok(values) => values,
+                Err(missing) => {
+                    faults.push(missing);
+                    continue;
+                }
+            };
+            let mut tell = |value: &str, status: i32| {
+                // Its runs take seconds each; that they go well is shown in `command_line`.
+                if of == "bench" && status == 0 && name(arg) != "help" {
+                    return;
+                }
+                let mut arguments = vec![of.to_string()];
+                arguments.extend(option_as_written(arg, value));
+                arguments.extend(needed(of, &name(arg)).into_iter().map(String::from));
+                if let Some(fault) = fault(&setting.run(&arguments), status) {
+                    faults.push(format!("vibc {arguments:?}: {fault}"));
+                }
+            };
+            for good in good {
+                match good {
+                    // A language server whose client is gone before it takes leave.
+                    Done(value) if of == "lsp" && name(arg) != "help" => tell(value, 1),
+                    Done(value) => tell(value, 0),
+                    Ends(value, status) => tell(value, status),
+                }
+            }
+            bad.iter().for_each(|value| tell(value, 2));
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn every_line_belongs_to_an_option() {
+    let commands = commands();
+    for (of, option, ..) in &VALUES {
+        let mut fits = commands.iter().filter(|command| *of == "*" || command.get_name() == *of);
+        let has = |command: &Command| command.get_arguments().any(|arg| name(arg) == *option);
+        assert!(*option == "version" || fits.any(has), "`{of} {option}` is no option");
+    }
+}
+
+#[test]
+fn options_that_exclude_each_other_are_refused_together() {
+    let setting = Setting::new();
+    for arguments in [
+        &["analyze", "@/scene.vib", "--modes", "1", "--band", "1Hz..2Hz"][..],
+        &["transfer", "@/scene.vib", "--at", "1Hz", "--points", "3"],
+        &["transfer", "@/scene.vib", "--at", "1Hz", "--range", "1Hz..2Hz"],
+        &["transfer", "@/scene.vib", "--at", "1Hz", "--linear"],
+        &["simulate", "@/scene.vib", "--until", "1s"],
+        &["simulate", "@/scene.vib", "--step", "1s"],
+        &["emit", "@/scene.vib"],
+        &["emit", "@/scene.vib", "--target", "c", "--program"],
+        &["emit", "@/scene.vib", "--target", "c", "--program", "--until", "1s"],
+        &["emit", "@/scene.vib", "--target", "c", "--until", "1s"],
+        &["emit", "@/scene.vib", "--target", "c", "--parameter", "k", "--tolerance", "1e-3"],
+        &["emit", "@/scene.vib", "--target", "c", "--style", "equations", "--tolerance", "1e-3"],
+        &["analyze", "@/scene.vib", "--digits", "3", "--digits", "4"],
+        &["analyze", "@/scene.vib", "@/scene.vib"],
+        &["analyze", "@/scene.vib", "--nothing"],
+        &["nothing"],
+    ] {
+        let arguments: Vec<String> = arguments.iter().map(|argument| argument.to_string()).collect();
+        assert_eq!(fault(&setting.run(&arguments), 2), None, "{arguments:?}");
+    }
+}
