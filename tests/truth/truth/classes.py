@@ -1,0 +1,26 @@
+"""The classes of numbers, each with its scenes, its check, and how many scenes make a big and a quick run."""
+
+from dataclasses import dataclass
+from typing import Callable
+
+from . import extrema, modes, motions, poles, transfer
+
+
+@dataclass(frozen=True)
+class Class:
+    """How a class makes a scene from a random generator, and how it compares what is told about it."""
+
+    scene: Callable
+    check: Callable
+    scenes: int
+    quick: int
+
+
+ALL = {
+    "modes": Class(modes.scene, modes.check, 30000, 150),
+    "digits": Class(modes.scene, modes.check_digits, 30000, 100),
+    "poles": Class(poles.scene, poles.check, 20000, 300),
+    "extrema": Class(extrema.scene, extrema.check, 10000, 100),
+    "motions": Class(motions.scene, motions.check, 10000, 100),
+    "transfer": Class(transfer.scene, transfer.check, 10000, 150),
+}

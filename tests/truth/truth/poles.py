@@ -1,0 +1,198 @@
+"""Damped poles: their number, places, damping ratios, kinds, and the verdict of stability."""
+
+from flint import acb, arb, ctx, fmpq
+
+from . import draw
+from .exact import determinant, pi, roots
+from .modes import scale, squares
+from .net import GROUND, Net
+
+BITS = 400
+
+
+def scene(rng):
+    """Ordinary and graded nets, and those in which poles meet."""
+    kind = rng.choice(("plain", "plain", "plain", "plain", "critical", "critical", "twins", "negative", "massless", "rayleigh", "floating"))
+    if kind == "critical":
+        return critical(rng)
+    if kind == "twins":
+        return twins(rng)
+    net = Net()
+    count = draw.size(rng, 6)
+    decades = draw.width(rng)
+    draw.bodies(rng, net, count, decades)
+    draw.springs(rng, net, count, decades, grounded=kind != "floating", negative=0.15 if kind == "negative" else 0)
+    draw.dampers(rng, net, count, decades, share=rng.choice((0.3, 0.8)), negative=0.2 if kind == "negative" else 0)
+    if kind == "massless" and count > 1:
+        for i in rng.sample(range(count), rng.randint(1, count - 1)):
+            net.masses[i] = "0"
+    if kind == "rayleigh":
+        net.damping = ("rayleigh", draw.decimal_word(rng, -3, 1), draw.decimal_word(rng, -4, 0))
+        if rng.random() < 0.5:
+            net.dampers = []
+    return net
+
+
+def nines(rng, value):
+    """A number just below or just above this whole one, by 1e-15 to 1e-89, or the number itself."""
+    depth = rng.choice((0, 3, 8, 15, 16, 17, 20, 30, 40, 50, 60, 89))
+    if depth == 0:
+        return str(value)
+    if rng.random() < 0.5:
+        return f"{value - 1}." + "9" * depth
+    return f"{value}." + "0" * (depth - 1) + "1"
+
+
+def critical(rng):
+    """Several bodies near critical damping, alike or not, joined by springs or dampers, some of these negative."""
+    net = Net()
+    count = rng.choice((1, 2, 2, 2, 3, 4))
+    alike = rng.random() < 0.7
+    root = rng.choice((1, 2, 3, 5))
+    damper = nines(rng, 2 * root)
+    for i in range(count):
+        if not alike:
+            root = rng.choice((1, 2, 3, 5))
+            damper = nines(rng, 2 * root)
+        net.masses.append("1")
+        net.springs.append((GROUND, i, str(root * root)))
+        net.dampers.append((GROUND, i, damper))
+    for i in range(1, count):
+        link = rng.choice(("spring", "damper", "both", "none", "proportional"))
+        j = rng.randrange(i)
+        if link in ("spring", "both"):
+            net.springs.append((j, i, draw.decimal_word(rng, 0, 1, 1)))
+        if link in ("damper", "both"):
+            sign = "-" if rng.random() < 0.4 else ""
+            net.dampers.append((j, i, sign + draw.decimal_word(rng, 0, 1, 1)))
+        if link == "proportional":
+            k = rng.choice((1, 3, 4, 8))
+            net.springs.append((j, i, str(k)))
+            net.dampers.append((j, i, nines(rng, rng.choice((1, 2, 4)))))
+    return net
+
+
+def twins(rng):
+    """Equal oscillators, joined weakly or not at all: clusters, and poles that are defective or nearly so."""
+    net = Net()
+    count = rng.choice((2, 2, 3, 4))
+    mass, k, c = (draw.decimal_word(rng, -1, 2, 2) for _ in range(3))
+    low = rng.choice((-1, -6, -12, -18, -30))
+    for i in range(count):
+        net.masses.append(mass)
+        net.springs.append((GROUND, i, k))
+        net.dampers.append((GROUND, i, c))
+    for i in range(1, count):
+        if rng.random() < 0.8:
+            net.springs.append((i - 1, i, draw.decimal_word(rng, low, low + 1, 2)))
+        if rng.random() < 0.5:
+            net.dampers.append((i - 1, i, draw.decimal_word(rng, low, low + 1, 2)))
+    return net
+
+
+def true_poles(net):
+    """All finite poles, each as often as it occurs."""
+    m, c, k = net.matrices()
+    square = abs(scale(m, k))
+    half = (int(square.p).bit_length() - int(square.q).bit_length()) // 2
+    poly = determinant([k, c, m], fmpq(2) ** half if half >= 0 else 1 / fmpq(2) ** -half)
+    if poly.is_zero():
+        return None
+    return [root for root, count in roots(poly, BITS) for _ in range(count)]
+
+
+def kind_of(s):
+    """The word for a pole."""
+    if s.imag == 0:
+        if s.real == 0:
+            return "rigid"
+        return "overdamped" if s.real < 0 else "divergence"
+    return "flutter" if s.real > 0 else "oscillation"
+
+
+def check(net, program, tally, rng):
+    """Compares the list of poles and the verdict."""
+    ctx.prec = BITS
+    tally.command = "vibc analyze MODEL --format json"
+    answer = program.run("analyze", net.text(), "--format", "json")
+    told = answer.json()
+    if told is None:
+        tally.refuse(answer.reason())
+        return
+    true = true_poles(net)
+    if true is None:
+        return
+    compare(told, true, squares(net), tally)
+
+
+def compare(told, true, modes, tally):
+    """A list of poles against the true ones."""
+    poles = told["poles"]
+    stability(told, true, tally)
+    bounded = [p for p in poles if p["error_bound"] is not None and p["error_bound"] < 1]
+    if any(p["error_bound"] is None for p in poles):
+        tally.refuse("poles without bounds")
+        if len(bounded) > len(true):
+            tally.violate("number of poles", len(bounded), len(true))
+    else:
+        tally.verdict("number of poles", len(poles), len(true))
+    for pole, other in pairs(bounded, true, tally):
+        place = (pole["re"], pole["im"])
+        tally.relative("pole", place, pole["error_bound"], other)
+        if other != 0:
+            size = abs(other)
+            tally.relative("damping ratio", pole["damping_ratio"], pole.get("damping_ratio_error_bound"), -other.real / size)
+            if pole.get("frequency_error_bound") is not None:
+                tally.relative("pole frequency", pole["frequency_hz"], pole["frequency_error_bound"], size / (2 * pi()))
+        if pole["kind"] == "undetermined":
+            tally.refuse("kind of pole")
+        elif other.real.contains(0) and other.imag.contains(0) and not other.is_exact():
+            continue
+        elif not other.real.contains(0) or other.real == 0:
+            tally.verdict("kind of pole", pole["kind"], kind_of(other))
+
+
+def stability(told, true, tally):
+    """The verdict about the rest against the poles."""
+    rest = told["rest"]
+    signs = [1 if s.real > 0 else 0 if s.real == 0 else -1 if s.real < 0 else None for s in true]
+    if rest["kind"] == "undetermined" or None in signs:
+        if rest["kind"] == "undetermined":
+            tally.refuse("undetermined rest")
+        return
+    if any(sign > 0 for sign in signs):
+        tally.verdict("stability", rest["kind"], "unstable")
+    else:
+        tally.verdict("stability", rest["kind"], "neutral" if any(s == 0 for s in true) else "stable")
+
+
+def pairs(poles, true, tally):
+    """Told poles with true ones within their bounds, one to one; a pole that has none is a violation."""
+    near = []
+    for pole in poles:
+        place = acb(arb(pole["re"]), arb(pole["im"]))
+        bound = arb(pole["error_bound"])
+        fits = []
+        for j, other in enumerate(true):
+            distance = abs(place - other)
+            if not distance > bound * abs(other):
+                fits.append((float((distance / (abs(other) + abs(place) + arb(2) ** -1000)).mid()), j))
+        near.append([j for _, j in sorted(fits)])
+    owner = {}
+
+    def place_for(i, seen):
+        for j in near[i]:
+            if j in seen:
+                continue
+            seen.add(j)
+            if j not in owner or place_for(owner[j], seen):
+                owner[j] = i
+                return True
+        return False
+
+    for i, pole in enumerate(poles):
+        if not place_for(i, set()):
+            told = f"{pole['re']!r} + {pole['im']!r} i"
+            tally.comparisons += 1
+            tally.violate("pole that is none", told, "; ".join(s.str(20, radius=False) for s in true), pole["error_bound"])
+    return [(poles[i], true[j]) for j, i in sorted(owner.items())]

@@ -1,0 +1,72 @@
+"""The program under test, driven as a process: a model on its standard input, its answer read back."""
+
+import json
+import os
+import subprocess
+import tempfile
+
+TIME_LIMIT = 20.0
+
+
+class Answer:
+    """What one run of the program left: exit status, standard output, standard error."""
+
+    def __init__(self, status, out, err):
+        self.status = status
+        self.out = out
+        self.err = err
+
+    def json(self):
+        """The standard output read as JSON, or None where it is none."""
+        try:
+            return json.loads(self.out)
+        except ValueError:
+            return None
+
+    def codes(self):
+        """The codes of the findings on standard error, in their order."""
+        found = []
+        for line in self.err.splitlines():
+            try:
+                found.append(json.loads(line)["code"])
+            except (ValueError, KeyError, TypeError):
+                continue
+        return found
+
+    def reason(self):
+        """One word for why there is no answer: the first error's code, or the exit status."""
+        for line in self.err.splitlines():
+            try:
+                finding = json.loads(line)
+            except ValueError:
+                continue
+            if isinstance(finding, dict) and finding.get("severity") == "error":
+                return finding.get("code", "error")
+        return f"status {self.status}"
+
+
+class Program:
+    """The binary, and a folder of its own for models and tables."""
+
+    def __init__(self, path):
+        self.path = os.path.abspath(path)
+        memory = "/dev/shm"
+        self.home = tempfile.TemporaryDirectory(prefix="truth", dir=memory if os.path.isdir(memory) else None)
+        self.folder = self.home.name
+        self.runs = 0
+
+    def run(self, command, text, *options, tables=None):
+        """Runs `command` on the model; `tables` are files that stand beside it."""
+        for name, content in (tables or {}).items():
+            with open(os.path.join(self.folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
+        model = os.path.join(self.folder, "model.vib")
+        with open(model, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.runs += 1
+        words = [self.path, command, model, *options, "--message-format", "json"]
+        try:
+            done = subprocess.run(words, capture_output=True, timeout=TIME_LIMIT, check=False)
+        except subprocess.TimeoutExpired:
+            return Answer(-1, "", '{"code": "timeout", "severity": "error"}')
+        return Answer(done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace"))
