@@ -94,14 +94,16 @@ def main():
     for name in names:
         tally, seconds = run_class(name, program, options)
         rows.append(tally.row() + [f"{seconds:.0f}"])
+        write(tally, folder, options.show)
         if tally.violations:
             failed = True
-            write(tally, folder, options.show)
             for kind, count in sorted(tally.kinds.items()):
                 print(f"{name}: {count} x {kind}", file=sys.stderr)
         if tally.comparisons == 0:
             failed = True
             print(f"{name}: nothing was compared", file=sys.stderr)
+        for kind, count in sorted(tally.open.items()):
+            print(f"{name}: undecided {count} x {kind}", file=sys.stderr)
         for reason, count in sorted(tally.refusals.items()):
             print(f"{name}: refused {count} x {reason}", file=sys.stderr)
         sys.stderr.flush()

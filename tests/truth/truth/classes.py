@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import extrema, modes, motions, poles, transfer
+from . import extrema, measures, modes, motions, poles, questions, transfer
 
 
 @dataclass(frozen=True)
@@ -23,4 +23,7 @@ ALL = {
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
+    "measures": Class(measures.scene, measures.check, 10000, 100),
+    "solve": Class(questions.solve_scene, questions.check_solve, 5000, 60),
+    "sensitivities": Class(questions.sensitivity_scene, questions.check_sensitivity, 10000, 100),
 }

@@ -40,6 +40,7 @@ class Tally:
         self.name = name
         self.comparisons = 0
         self.undecided = 0
+        self.open = {}
         self.scenes = 0
         self.refusals = {}
         self.without_bound = 0
@@ -98,6 +99,7 @@ class Tally:
             # The error cannot be told from zero with more digits than any bound has, or the oracle had too few.
             if not error.upper() <= size * arb(2) ** -150:
                 self.undecided += 1
+                self.open[kind] = self.open.get(kind, 0) + 1
                 return
             error = arb(0)
         floor = size * ROUNDING
