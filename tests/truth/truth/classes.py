@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import extrema, measures, modes, motions, poles, questions, transfer
+from . import emitted, extrema, large, measures, modes, motions, planar, poles, questions, transfer
 
 
 @dataclass(frozen=True)
@@ -20,10 +20,13 @@ ALL = {
     "modes": Class(modes.scene, modes.check, 30000, 150),
     "digits": Class(modes.scene, modes.check_digits, 30000, 100),
     "poles": Class(poles.scene, poles.check, 20000, 300),
+    "large": Class(large.scene, large.check, 2000, 10),
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "solve": Class(questions.solve_scene, questions.check_solve, 5000, 60),
     "sensitivities": Class(questions.sensitivity_scene, questions.check_sensitivity, 10000, 100),
+    "emitted": Class(emitted.scene, emitted.check, 2000, 25),
+    "planar": Class(planar.scene, planar.check, 10000, 100),
 }

@@ -29,7 +29,7 @@ def scene(rng):
         net.springs = [(i - 1, i, draw.decimal_word(rng, 0, 2, 2)) for i in range(count)]
         low = rng.choice((-17, -15, -12, -8, -5, -3)) if kind == "light" else -2
         net.dampers = [(i - 1, i, draw.decimal_word(rng, low, low + 1, 2)) for i in range(count)]
-    net.forces.append((rng.randrange(net.size()), ""))
+    net.forces.append(rng.randrange(net.size()))
     transfer.outputs(rng, net, 2)
     return net
 

@@ -19,7 +19,7 @@ def scene(rng):
     draw.bodies(rng, net, count, 0)
     draw.springs(rng, net, count, 0)
     net.dampers = [(a, b, draw.decimal_word(rng, -1, 1)) for a, b, _ in net.springs]
-    net.forces.append((rng.randrange(count), ""))
+    net.forces.append(rng.randrange(count))
     transfer.outputs(rng, net, 1)
     net.signals = [signals.Harmonic(draw.decimal_word(rng, 0, 1), draw.decimal_word(rng, -1, 1), str(rng.choice((0, 30, 90))))]
     if rng.random() < 0.5:
@@ -28,7 +28,6 @@ def scene(rng):
         net.signals.append(signals.Steps("pulse", draw.decimal_word(rng, 0, 1), "0.5", "1"))
     if rng.random() < 0.3:
         net.signals.append(signals.Harmonic(draw.decimal_word(rng, 0, 1), draw.decimal_word(rng, -1, 1), "0"))
-    net.forces[0] = (net.forces[0][0], " + ".join(s.text("N") for s in net.signals))
     for i in range(count):
         if rng.random() < 0.4:
             net.initial[i] = (draw.decimal_word(rng, -2, 0), draw.decimal_word(rng, -2, 0))
@@ -201,7 +200,8 @@ def overlap(p, gs, q, hs, length):
 
 def powers(a, length, count):
     """The integrals of t^n e^(a t) from 0 to the length, n below count."""
-    if a == 0:
+    if a.contains(0):
+        # A pole and its mirror image on the axis, or zero with itself: the sum is zero.
         return [length ** (n + 1) / (n + 1) for n in range(count)]
     e = (a * length).exp()
     found = [(e - 1) / a]

@@ -17,15 +17,6 @@ def scene(rng):
     net.until = f"{rng.randint(1, 9)}{rng.choice(('', '.5', '.001', '.37'))}e{net.longest}"
     base = bool(net.bases)
     net.signals = [] if rng.random() < 0.2 else [signals.signal(rng, base, net.longest, base) for _ in range(rng.choice((1, 1, 2)))]
-    tables = [s for s in net.signals if isinstance(s, signals.Table)]
-    for i, table in enumerate(tables):
-        table.name = f"table{i}.csv"
-    words = " + ".join(s.text("m" if base else "N") for s in net.signals)
-    if base:
-        net.bases[0] = words
-    else:
-        net.forces[0] = (net.forces[0][0], words)
-    net.tables = {table.name: table.content() for table in tables}
     for i in range(net.size()):
         if rng.random() < 0.6:
             net.initial[i] = (draw.decimal_word(rng, -2, 1), "-" + draw.decimal_word(rng, -2, 1))

@@ -26,21 +26,38 @@ class Net:
         self.damping = None
         self.lines = []
         self.parameters = {}
-        self.tables = {}
+        self.signals = []
 
     # --- text
+
+    @property
+    def tables(self):
+        """The files of the signals, by name."""
+        self.name_tables()
+        return {s.name: s.content() for s in self.signals if hasattr(s, "content")}
+
+    def name_tables(self):
+        """Gives each table a file name of its own."""
+        for i, signal in enumerate(s for s in self.signals if hasattr(s, "content")):
+            signal.name = f"table{i}.csv"
+
+    def driven(self, first, unit):
+        """What drives the first base or force: the signals, if there are some."""
+        words = " + ".join(s.text(unit) for s in self.signals if hasattr(s, "text")) if first else ""
+        return f" = {words}" if words else ""
 
     def text(self):
         """The model."""
         rows = ["model truth"]
+        self.name_tables()
         rows += [f"param {name} = {value}" for name, value in self.parameters.items()]
-        rows += [f"base u{i} {{ moves x }}" + (f" = {base}" if base else "") for i, base in enumerate(self.bases)]
+        rows += [f"base u{i} {{ moves x }}" + self.driven(i == 0, "m") for i, _ in enumerate(self.bases)]
         rows += [f"body b{i} {{ mass = {with_unit(m, 'kg')}, moves x }}" for i, m in enumerate(self.masses)]
         for word, elements, field, unit in (("spring", self.springs, "k", "N/m"), ("damper", self.dampers, "c", "N*s/m")):
             for i, (a, b, value) in enumerate(elements):
                 rows.append(f"{word} {field}{i}: {end(a)} -- {end(b)} {{ {field} = {with_unit(value, unit)} }}")
-        for i, (at, signal) in enumerate(self.forces):
-            rows.append(f"force F{i}: b{at} along x" + (f" = {signal}" if signal else ""))
+        for i, at in enumerate(self.forces):
+            rows.append(f"force F{i}: b{at} along x" + self.driven(i == 0 and not self.bases, "N"))
         for i, terms in enumerate(self.outputs):
             rows.append(f"output y{i} = " + " + ".join(term(*part) for part in terms))
         for i, (x, v) in self.initial.items():
@@ -110,7 +127,7 @@ class Net:
         column = [[fmpq(0)] * 3 for _ in range(size)]
         i = int(name[1:])
         if name[0] == "F":
-            column[self.forces[i][0]][0] += 1
+            column[self.forces[i]][0] += 1
             return column
         k = self.network(self.springs)[1]
         c = self.network(self.dampers)[1]
@@ -161,6 +178,10 @@ class Net:
                 copy = self.without(i)
                 if copy is not None:
                     yield copy
+        for i in range(len(self.signals) if len(self.signals) > 1 else 0):
+            copy = deepcopy(self)
+            del copy.signals[i]
+            yield copy
         for i in list(self.initial):
             copy = deepcopy(self)
             del copy.initial[i]
@@ -178,7 +199,7 @@ class Net:
         """The scene without body i and all that hangs on it."""
         if self.lines or any(w == i and kind in ("x", "vx", "ax") for terms in self.outputs for _, kind, w in terms):
             return None
-        if any("." in kind for terms in self.outputs for _, kind, _ in terms) or any(at == i for at, _ in self.forces):
+        if any("." in kind for terms in self.outputs for _, kind, _ in terms) or i in self.forces:
             return None
         copy = deepcopy(self)
 
@@ -188,7 +209,7 @@ class Net:
         del copy.masses[i]
         copy.springs = [(moved(a), moved(b), v) for a, b, v in self.springs if i not in (a, b)]
         copy.dampers = [(moved(a), moved(b), v) for a, b, v in self.dampers if i not in (a, b)]
-        copy.forces = [(moved(at), signal) for at, signal in self.forces]
+        copy.forces = [moved(at) for at in self.forces]
         copy.outputs = [[(f, kind, moved(w)) for f, kind, w in terms] for terms in self.outputs]
         copy.initial = {moved(j): state for j, state in self.initial.items() if j != i}
         return copy

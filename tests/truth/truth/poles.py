@@ -6,13 +6,14 @@ from . import draw
 from .exact import determinant, pi, roots
 from .modes import scale, squares
 from .net import GROUND, Net
+from .tally import decimal
 
 BITS = 400
 
 
 def scene(rng):
     """Ordinary and graded nets, and those in which poles meet."""
-    kind = rng.choice(("plain", "plain", "plain", "plain", "critical", "critical", "twins", "negative", "massless", "rayleigh", "floating"))
+    kind = rng.choice(("plain", "plain", "plain", "plain", "critical", "critical", "twins", "negative", "massless", "rayleigh", "modal", "floating"))
     if kind == "critical":
         return critical(rng)
     if kind == "twins":
@@ -30,6 +31,9 @@ def scene(rng):
         net.damping = ("rayleigh", draw.decimal_word(rng, -3, 1), draw.decimal_word(rng, -4, 0))
         if rng.random() < 0.5:
             net.dampers = []
+    if kind == "modal":
+        net.damping = ("modal", rng.choice(("0.02", "5e-3", "0.3", "0.999999", "1e-9", draw.decimal_word(rng, -3, 0))))
+        net.dampers = []
     return net
 
 
@@ -92,6 +96,8 @@ def twins(rng):
 
 def true_poles(net):
     """All finite poles, each as often as it occurs."""
+    if net.damping and net.damping[0] == "modal":
+        return modal(net)
     m, c, k = net.matrices()
     square = abs(scale(m, k))
     half = (int(square.p).bit_length() - int(square.q).bit_length()) // 2
@@ -99,6 +105,20 @@ def true_poles(net):
     if poly.is_zero():
         return None
     return [root for root, count in roots(poly, BITS) for _ in range(count)]
+
+
+def modal(net):
+    """The poles where each oscillation has one damping ratio below 1."""
+    zeta = arb(decimal(net.damping[1]))
+    found = []
+    for square in squares(net):
+        omega = abs(square).sqrt()
+        if square > 0:
+            root = (1 - zeta * zeta).sqrt() * omega
+            found += [acb(-zeta * omega, root), acb(-zeta * omega, -root)]
+        else:
+            found += [acb(omega), acb(-omega)] if square < 0 else [acb(0), acb(0)]
+    return found
 
 
 def kind_of(s):
@@ -136,20 +156,30 @@ def compare(told, true, modes, tally):
             tally.violate("number of poles", len(bounded), len(true))
     else:
         tally.verdict("number of poles", len(poles), len(true))
-    for pole, other in pairs(bounded, true, tally):
-        place = (pole["re"], pole["im"])
-        tally.relative("pole", place, pole["error_bound"], other)
-        if other != 0:
-            size = abs(other)
-            tally.relative("damping ratio", pole["damping_ratio"], pole.get("damping_ratio_error_bound"), -other.real / size)
-            if pole.get("frequency_error_bound") is not None:
-                tally.relative("pole frequency", pole["frequency_hz"], pole["frequency_error_bound"], size / (2 * pi()))
-        if pole["kind"] == "undetermined":
-            tally.refuse("kind of pole")
-        elif other.real.contains(0) and other.imag.contains(0) and not other.is_exact():
-            continue
-        elif not other.real.contains(0) or other.real == 0:
-            tally.verdict("kind of pole", pole["kind"], kind_of(other))
+    for pole, other, around in pairs(bounded, true, tally):
+        tally.relative("pole", (pole["re"], pole["im"]), pole["error_bound"], other)
+        one(pole, other, around, tally)
+
+
+def one(pole, other, around, tally):
+    """What is told of a pole besides its place. `around` are all poles within its bound: any of them may be meant."""
+    if other != 0:
+        ratio = min((-s.real / abs(s) for s in around), key=lambda z: float(abs(z - pole["damping_ratio"]).mid()))
+        size = arb(1) if pole["damping_ratio"] == 0 else None
+        tally.relative("damping ratio", pole["damping_ratio"], pole.get("damping_ratio_error_bound"), ratio, size)
+        if pole.get("frequency_error_bound") is not None:
+            tally.relative("pole frequency", pole["frequency_hz"], pole["frequency_error_bound"], abs(other) / (2 * pi()))
+    if pole["kind"] == "undetermined":
+        tally.refuse("kind of pole")
+        return
+    if all(settled(s) for s in around):
+        words = sorted({kind_of(s) for s in around})
+        tally.verdict("kind of pole", pole["kind"], pole["kind"] if pole["kind"] in words else " or ".join(words))
+
+
+def settled(s):
+    """Whether the oracle knows the signs of a pole."""
+    return (s.real == 0 or not s.real.contains(0)) and (s.imag == 0 or not s.imag.contains(0))
 
 
 def stability(told, true, tally):
@@ -195,4 +225,4 @@ def pairs(poles, true, tally):
             told = f"{pole['re']!r} + {pole['im']!r} i"
             tally.comparisons += 1
             tally.violate("pole that is none", told, "; ".join(s.str(20, radius=False) for s in true), pole["error_bound"])
-    return [(poles[i], true[j]) for j, i in sorted(owner.items())]
+    return [(poles[i], true[j], [true[n] for n in near[i] if true[n] != 0 or true[j] == 0]) for j, i in sorted(owner.items())]

@@ -2,7 +2,7 @@
 
 from flint import arb, ctx, fmpq
 
-from . import draw, extrema, transfer
+from . import draw, extrema, signals, transfer
 from .exact import determinant, interpolate, pi, real_roots, roots, value
 from .modes import scale, squares
 from .net import GROUND, Net
@@ -27,7 +27,9 @@ def solve_scene(rng):
         draw.springs(rng, net, count, 0)
         draw.dampers(rng, net, count, 0, share=0.7)
         place(rng, net, kind)
-    net.forces.append((0, "step(1 N, 0 s)" if kind == "static" else ""))
+    net.forces.append(0)
+    if kind == "static":
+        net.signals.append(signals.Steps("step", "1", "0"))
     net.outputs.append([("1", "x", 0)])
     net.parameters["p"] = f"10 {net.unit}"
     low = rng.choice(("1", "2", "0.5"))

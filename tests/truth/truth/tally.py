@@ -74,14 +74,14 @@ class Tally:
         error = abs(value - truth)
         self.settle(kind, told, bound, arb(bound), error, truth, abs(value) if size is None else size)
 
-    def relative(self, kind, told, bound, truth):
+    def relative(self, kind, told, bound, truth, size=None):
         """A real or complex number with a bound relative to the true value."""
         if told is None or bound is None:
             self.without_bound += 1
             return
         value = number(told)
         error = abs(value - truth)
-        self.settle(kind, told, bound, arb(bound) * abs(truth), error, truth, abs(value))
+        self.settle(kind, told, bound, arb(bound) * abs(truth), error, truth, abs(value) if size is None else size)
 
     def digits(self, kind, told, truth):
         """A decimal number whose last digit may be off by one: the ratio counts units over the error."""
@@ -166,12 +166,14 @@ def write(tally, folder, limit):
     for old in os.listdir(folder):
         if old.startswith(tally.name + "-"):
             os.remove(os.path.join(folder, old))
-    seen = {}
-    for violation in sorted(tally.violations, key=lambda v: seen.setdefault(v.kind, len(seen))):
-        count = seen.get((violation.kind,), 0)
-        if count >= limit:
+    seen, scenes = {}, set()
+    for violation in tally.violations:
+        key = (violation.kind, id(violation.scene))
+        count = seen.get(violation.kind, 0)
+        if count >= limit or key in scenes:
             continue
-        seen[(violation.kind,)] = count + 1
+        scenes.add(key)
+        seen[violation.kind] = count + 1
         place = os.path.join(folder, f"{tally.name}-{violation.kind.replace(' ', '_').replace('/', '_')}-{count + 1}.vib")
         with open(place, "w", encoding="utf-8") as file:
             file.write("\n".join(violation.lines()) + "\n")

@@ -22,7 +22,7 @@ def scene(rng, most=4, decades=None, base=True):
             net.springs[i] = (("base", 0), b, k) if a == GROUND else (a, b, k)
         net.dampers = [(("base", 0), b, c) if a == GROUND and rng.random() < 0.7 else (a, b, c) for a, b, c in net.dampers]
     else:
-        net.forces.append((rng.randrange(count), ""))
+        net.forces.append(rng.randrange(count))
     outputs(rng, net)
     return net
 
