@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import emitted, extrema, large, measures, modes, motions, planar, poles, questions, transfer
+from . import emitted, extrema, extremes, large, measures, modes, motions, planar, poles, questions, transfer
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ ALL = {
     "digits": Class(modes.scene, modes.check_digits, 30000, 100),
     "poles": Class(poles.scene, poles.check, 20000, 300),
     "large": Class(large.scene, large.check, 2000, 10),
+    "extremes": Class(extremes.scene, extremes.check, 5000, 50),
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),

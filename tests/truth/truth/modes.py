@@ -86,9 +86,7 @@ def compare(told, true, tally):
             tally.relative("growth rate", mode["growth_rate"], mode["omega_error_bound"], size)
             continue
         tally.relative("omega", mode["omega"], mode["omega_error_bound"], size)
-        bound = mode.get("frequency_error_bound")
-        if bound is not None:
-            tally.relative("frequency", mode["frequency_hz"], bound, size / (2 * pi()))
+        tally.relative("frequency", mode["frequency_hz"], mode["omega_error_bound"], size / (2 * pi()))
     for split in told.get("splits", []):
         a, b = split["modes"]
         gap = true[b - 1].sqrt() - true[a - 1].sqrt()

@@ -184,14 +184,37 @@ def check(net, program, tally, rng):
         motions = {f"y{i}": Motion(net, i) for i in range(len(net.outputs))}
     except ValueError:
         return
+    truths = {}
     for output in told["outputs"]:
         motion = motions[output["name"]]
         bounds = output.get("error_bounds", output.get("error_bound"))
         for k, shown in enumerate(output["values"]):
             bound = bounds[k] if isinstance(bounds, list) else bounds
             truth = motion.at(decimal(word) * k)
+            truths[output["name"], k] = truth
             tally.absolute("sample", shown, bound, truth)
     steady(net, told, motions, tally)
+    if rng.random() < 0.3:
+        table(net, program, word, truths, tally)
+
+
+def table(net, program, word, truths, tally):
+    """The same samples as CSV, with the columns that `--bounds` adds."""
+    options = ("--until", net.until + "s", "--step", word + "s", "--format", "csv", "--bounds")
+    answer = program.run("simulate", net.text(), *options, tables=net.tables)
+    if answer.status == 2:
+        tally.refuse("no --bounds")
+        return
+    tally.command = "vibc simulate MODEL " + " ".join(options)
+    lines = answer.out.splitlines()
+    names = lines[0].split(",") if lines else []
+    for k, line in enumerate(lines[1:]):
+        cells = dict(zip(names, line.split(",")))
+        for (name, at), truth in truths.items():
+            if at == k and cells.get(name) and cells.get(name + "_bound"):
+                tally.absolute("sample as CSV", cells[name], float(cells[name + "_bound"]), truth, abs(truth))
+            elif at == k:
+                tally.without_bound += 1
 
 
 def draw_step(net, step):

@@ -154,6 +154,8 @@ def compare(told, true, modes, tally):
         tally.refuse("poles without bounds")
         if len(bounded) > len(true):
             tally.violate("number of poles", len(bounded), len(true))
+    elif any("all poles" in words for words in told["not_computed"].get("not_proved", [])):
+        tally.refuse("poles not counted")
     else:
         tally.verdict("number of poles", len(poles), len(true))
     for pole, other, around in pairs(bounded, true, tally):
@@ -167,8 +169,8 @@ def one(pole, other, around, tally):
         ratio = min((-s.real / abs(s) for s in around), key=lambda z: float(abs(z - pole["damping_ratio"]).mid()))
         size = arb(1) if pole["damping_ratio"] == 0 else None
         tally.relative("damping ratio", pole["damping_ratio"], pole.get("damping_ratio_error_bound"), ratio, size)
-        if pole.get("frequency_error_bound") is not None:
-            tally.relative("pole frequency", pole["frequency_hz"], pole["frequency_error_bound"], abs(other) / (2 * pi()))
+        tally.relative("modulus of a pole", pole["omega"], pole["error_bound"], abs(other))
+        tally.relative("frequency of a pole", pole["frequency_hz"], pole["error_bound"], abs(other) / (2 * pi()))
     if pole["kind"] == "undetermined":
         tally.refuse("kind of pole")
         return

@@ -196,15 +196,15 @@ def check_solve(net, program, tally, rng):
         row = told["solved"][0]
         if len(true) != 1:
             tally.comparisons += 1
-            tally.violate("number of roots", f"one: {row['value']}", f"{len(true)}: " + ", ".join(x.str(20, radius=False) for x in true))
+            tally.violate("number of roots, one told", f"one: {row['value']}", f"{len(true)}: " + ", ".join(x.str(20, radius=False) for x in true))
             return
-        tally.verdict("number of roots", "one", many)
+        tally.verdict("number of roots, one told", "one", many)
         tally.relative("root", row["value"], row["error_bound"], true[0])
         return
     if "vib::solve::no_root" in codes:
-        tally.verdict("number of roots", "none", many)
+        tally.verdict("number of roots, none told", "none", many)
     elif "vib::solve::several_roots" in codes:
-        tally.verdict("number of roots", "several", many)
+        tally.verdict("number of roots, several told", "several", many)
     else:
         tally.refuse(answer.reason())
 
