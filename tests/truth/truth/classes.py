@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import emitted, extrema, extremes, large, measures, modes, motions, planar, poles, questions, transfer
+from . import emitted, extrema, extremes, large, measures, modes, motions, planar, poles, sensitivities, solving, transfer
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ ALL = {
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
     "measures": Class(measures.scene, measures.check, 10000, 100),
-    "solve": Class(questions.solve_scene, questions.check_solve, 5000, 60),
-    "sensitivities": Class(questions.sensitivity_scene, questions.check_sensitivity, 10000, 100),
+    "solve": Class(solving.scene, solving.check, 5000, 60),
+    "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
     "emitted": Class(emitted.scene, emitted.check, 2000, 25),
     "planar": Class(planar.scene, planar.check, 10000, 100),
 }

@@ -195,8 +195,9 @@ def compare(net, printed, steps, bounds, tally):
                 tally.violate("no number", told, "a number")
                 continue
             truth = motion.at(t)
-            tally.settle("emitted output", told, f"{bound} at step {k}", size * bound, abs(arb(told) - truth), f"{truth.str(25, radius=False)}, parts {size.str(5, radius=False)}",
-                         size if size > 0 else arb(1))
+            words = f"{truth.str(25, radius=False)}, parts {size.str(5, radius=False)}"
+            unit = size if size > 0 else arb(1)
+            tally.settle("emitted output", told, f"{bound} at step {k}", size * bound, abs(arb(told) - truth), words, unit)
 
 
 def largest(motion, t):

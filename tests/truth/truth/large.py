@@ -1,6 +1,6 @@
 """Nets of 10 to 30 coordinates: modes and poles, by certified eigenvalues of a matrix of balls."""
 
-from flint import acb, arb_mat, ctx
+from flint import arb_mat, ctx
 
 from . import draw, planar, poles
 from .mechanics import eigenvalues
@@ -47,6 +47,3 @@ def check(net, program, tally, rng):
         return
     planar.modes(told, squares, tally)
     poles.compare(told, places, None, tally)
-
-
-__all__ = ["scene", "check", "acb"]

@@ -1,5 +1,7 @@
 """Measures, as `require` tells them: frequency, damping, gain, phase, amplitude, static, peak, rms; and its verdicts."""
 
+import cmath
+
 from flint import acb, arb, ctx, fmpq
 
 from . import draw, motions, signals, transfer
@@ -133,7 +135,6 @@ class Track(motions.Motion):
 
 def simple(parts, t):
     """A sum of parts in binary64."""
-    import cmath
     total = 0.0
     for p, gs in parts:
         polynomial = 0.0

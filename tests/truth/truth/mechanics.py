@@ -2,7 +2,7 @@
 derivatives by reading off coefficients. Coordinates are translations of bodies and absolute angles; joints that close
 loops are equations with multipliers."""
 
-from flint import acb_mat, arb, arb_mat, arb_series, fmpq
+from flint import acb_mat, arb, arb_mat, arb_series
 
 from .tally import decimal
 
@@ -356,6 +356,3 @@ def eigenvalues(a):
             value = type(value)(value.real)
         found.append(value)
     return found
-
-
-__all__ = ["Body", "Line", "Scene", "Rest", "eigenvalues", "GROUND", "fmpq"]

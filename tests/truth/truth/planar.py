@@ -1,6 +1,6 @@
 """Planar scenes: rests that are not the drawing, tensions, frequencies and poles about them, buckling."""
 
-from flint import acb, acb_mat, arb, arb_mat, ctx
+from flint import acb_mat, arb, arb_mat, ctx
 
 from . import draw, poles, transfer
 from .exact import I, pi
@@ -321,6 +321,3 @@ def responses(scene, rest, program, tally, told):
             tally.refuse("no value")
             continue
         tally.relative("transfer value", (entry["re"], entry["im"]), entry["error_bound"], truth)
-
-
-__all__ = ["scene", "check", "acb"]

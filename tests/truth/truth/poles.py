@@ -13,7 +13,7 @@ BITS = 400
 
 def scene(rng):
     """Ordinary and graded nets, and those in which poles meet."""
-    kind = rng.choice(("plain", "plain", "plain", "plain", "critical", "critical", "twins", "negative", "massless", "rayleigh", "modal", "floating"))
+    kind = rng.choice(("plain",) * 4 + ("critical",) * 2 + ("twins", "negative", "massless", "rayleigh", "modal", "floating"))
     if kind == "critical":
         return critical(rng)
     if kind == "twins":
