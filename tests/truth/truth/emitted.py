@@ -24,12 +24,14 @@ int main(void) {
     truth_outputs outputs;
     unsigned long k;
     unsigned next = 0;
+    double most = 0.0;
     truth_init(&state);
     for (k = 0; k <= %(last)sul; k++) {
         %(step)s
+        %(most)s
         if (k == at[next]) {
             next++;
-            printf("%(format)s\\n", %(values)s);
+            printf("%(format)s %%.17g\\n", %(values)s, most);
         }
     }
     (void)held;
@@ -98,8 +100,8 @@ def check(net, program, tally, rng):
         return
     with open(os.path.join(folder, "truth.h"), encoding="utf-8") as file:
         header = file.read()
-    bounds = told_bounds(header)
-    if bounds is None:
+    bounds = Bounds(header)
+    if bounds.levels is None:
         tally.refuse("no bound in the header")
         return
     last = rng.choice((1000, 1000, 100000))
@@ -113,14 +115,25 @@ def check(net, program, tally, rng):
     compare(net, printed, steps, bounds, tally)
 
 
-def told_bounds(header):
-    """The relative errors after 1e3 and 1e5 steps that the header tells."""
-    text = re.sub(r"\s*\n \*\s*", " ", header)
-    found = re.search(r"rounding at most (\S+) after 1e3 steps and (\S+) after 1e5", text)
-    try:
-        return (float(found[1]), float(found[2])) if found else None
-    except ValueError:
-        return None
+class Bounds:
+    """What a header says about rounding: relative to the sum of the largest parts, or to the largest output."""
+
+    def __init__(self, header):
+        text = re.sub(r"\s*\n \*\s*", " ", header)
+        parts = re.search(r"rounding at most (\S+) after 1e3 steps and (\S+) after 1e5", text)
+        seen = re.search(r"rounding takes at most (\S+) in (\d+) steps and (\S+) in (\d+) steps of the largest value", text)
+        self.of_outputs = seen is not None
+        try:
+            if seen:
+                self.levels = [(int(seen[2]), float(seen[1])), (int(seen[4]), float(seen[3]))]
+            else:
+                self.levels = [(1000, float(parts[1])), (100000, float(parts[2]))]
+        except (ValueError, TypeError):
+            self.levels = None
+
+    def at(self, step):
+        """How many steps the bound that holds at this one speaks of, and the bound."""
+        return next(((last, bound) for last, bound in self.levels if step <= last), (step, None))
 
 
 def run(net, folder, steps):
@@ -133,6 +146,7 @@ def run(net, folder, steps):
         step = "truth_step(&state, &outputs);"
     source = DRIVER % {
         "at": ", ".join(str(k) for k in steps) + ", 0", "held": ", ".join(getattr(net, "held", ["0"])), "last": steps[-1], "step": step,
+        "most": " ".join(f"if (outputs.{n} > most) most = outputs.{n}; if (-outputs.{n} > most) most = -outputs.{n};" for n in names),
         "format": " ".join("%.17g" for _ in names), "values": ", ".join(f"outputs.{name}" for name in names)}
     with open(os.path.join(folder, "main.c"), "w", encoding="utf-8") as file:
         file.write(source)
@@ -181,6 +195,7 @@ class Held:
 def compare(net, printed, steps, bounds, tally):
     """The outputs at each checkpoint; the bound is relative to the sum of the largest parts so far."""
     h = decimal(net.step)
+    most = {k: row[-1] for k, row in zip(steps, printed)}
     for i in range(len(net.outputs)):
         try:
             motion = motions.Motion(net, i)
@@ -188,14 +203,16 @@ def compare(net, printed, steps, bounds, tally):
             continue
         for k, row in zip(steps, printed):
             t = h * k
-            size = largest(motion, t)
-            bound = bounds[0] if k <= 1000 else bounds[1]
+            last, bound = bounds.at(k)
             told = row[i]
+            if bound is None:
+                continue
+            size = arb(most.get(last, row[-1])) if bounds.of_outputs else largest(motion, t)
             if told != told or abs(told) == float("inf"):
                 tally.violate("no number", told, "a number")
                 continue
             truth = motion.at(t)
-            words = f"{truth.str(25, radius=False)}, parts {size.str(5, radius=False)}"
+            words = f"{truth.str(25, radius=False)}, size {size.str(5, radius=False)}"
             unit = size if size > 0 else arb(1)
             tally.settle("emitted output", told, f"{bound} at step {k}", size * bound, abs(arb(told) - truth), words, unit)
 

@@ -205,11 +205,11 @@ def one(row, curve, index, tally):
     if kind == "peak":
         width = curve.width(index)
         if width is None:
-            tally.verdict("width", row["width_hz"], None)
-        elif row["width_hz"] is None:
+            tally.verdict("width", row.get("width_hz"), None)
+        elif row.get("width_hz") is None:
             tally.refuse("no width")
         elif row.get("width_error_bound") is not None:
-            tally.relative("width", row["width_hz"], row["width_error_bound"], width)
+            tally.relative("width", row.get("width_hz"), row["width_error_bound"], width)
         else:
             tally.without_bound += 1
 

@@ -188,11 +188,12 @@ def check(net, program, tally, rng):
     for output in told["outputs"]:
         motion = motions[output["name"]]
         bounds = output.get("error_bounds", output.get("error_bound"))
+        unit = max((abs(arb(v)) for v in output["values"] if v is not None), default=arb(0)) + arb(2) ** -100
         for k, shown in enumerate(output["values"]):
             bound = bounds[k] if isinstance(bounds, list) else bounds
             truth = motion.at(decimal(word) * k)
             truths[output["name"], k] = truth
-            tally.absolute("sample", shown, bound, truth)
+            tally.absolute("sample", shown, bound, truth, unit)
     steady(net, told, motions, tally)
     if rng.random() < 0.3:
         table(net, program, word, truths, tally)
@@ -212,7 +213,7 @@ def table(net, program, word, truths, tally):
         cells = dict(zip(names, line.split(",")))
         for (name, at), truth in truths.items():
             if at == k and cells.get(name) and cells.get(name + "_bound"):
-                tally.absolute("sample as CSV", cells[name], float(cells[name + "_bound"]), truth, abs(truth))
+                tally.absolute("sample as CSV", float(cells[name]), float(cells[name + "_bound"]), truth, arb(1))
             elif at == k:
                 tally.without_bound += 1
 

@@ -65,14 +65,14 @@ class Tally:
         if told != true:
             self.violate(kind, told, true)
 
-    def absolute(self, kind, told, bound, truth, size=None):
-        """A real or complex number with an absolute bound. `size` is what the rounding of the number is measured by."""
+    def absolute(self, kind, told, bound, truth, unit=None):
+        """A real or complex number with an absolute bound. `unit` is the size of the numbers that it stands among."""
         if told is None or bound is None:
             self.without_bound += 1
             return
         value = number(told)
         error = abs(value - truth)
-        self.settle(kind, told, bound, arb(bound), error, truth, abs(value) if size is None else size)
+        self.settle(kind, told, bound, arb(bound), error, truth, abs(value), unit)
 
     def relative(self, kind, told, bound, truth, size=None):
         """A real or complex number with a bound relative to the true value."""
@@ -89,15 +89,15 @@ class Tally:
         error = abs(number(told) - truth)
         self.settle(kind, told, "1 unit", arb(unit), error, truth, arb(unit) / 2 / ROUNDING)
 
-    def settle(self, kind, told, bound, allowed, error, truth, size):
-        """Whether an error is within what is allowed, and by how much."""
+    def settle(self, kind, told, bound, allowed, error, truth, size, unit=None):
+        """Whether an error is within what is allowed, and by how much; `size` is what rounding is measured by."""
         self.comparisons += 1
         if error > allowed:
             self.violate(kind, told, text(truth), bound)
             return
         if not error <= allowed:
             # The error cannot be told from zero with more digits than any bound has, or the oracle had too few.
-            if not error.upper() <= size * arb(2) ** -150:
+            if not error.upper() <= (size if unit is None else unit) * arb(2) ** -150:
                 self.undecided += 1
                 self.open[kind] = self.open.get(kind, 0) + 1
                 return
