@@ -5,7 +5,7 @@ use vibc::backend::explain;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their clauses tell
 /// the example in words.
-const IN_WORDS: [&str; 14] = [
+const IN_WORDS: [&str; 16] = [
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",
