@@ -69,10 +69,10 @@ fn the_gate_runs_the_test_command_of_the_readme() {
     let set_up = blocks(&readme(), "sh");
     assert_eq!(
         set_up.first().map(String::as_str),
-        Some("cargo run --release -- analyze examples/cart.vib\ncargo test\n")
+        Some("cargo run --release -- analyze examples/cart.vib\ncargo test --locked\n")
     );
     let gate = fs::read_to_string(root().join(".ci/run")).unwrap();
-    assert!(gate.lines().any(|line| line == "cargo test"));
+    assert!(gate.lines().any(|line| line == "cargo test --locked"));
 }
 
 /// A file that the README names is there.
