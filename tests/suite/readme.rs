@@ -81,6 +81,12 @@ fn links_lead_somewhere() {
     let readme = readme();
     let links = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     for link in links.filter(|link| !link.contains("://")) {
-        assert!(root().join(link).exists(), "{link}");
+        match link.strip_prefix('#') {
+            Some(section) => {
+                let heading = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+                assert!(readme.lines().any(|line| line.starts_with("## ") && heading(line) == section), "{link}");
+            }
+            None => assert!(root().join(link).exists(), "{link}"),
+        }
     }
 }
