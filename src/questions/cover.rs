@@ -32,7 +32,7 @@ pub enum Rest {
 pub struct Proof(());
 
 /// Looks that say nothing at all, after which the measure counts as one that is not enclosed.
-const SILENT: usize = 12;
+const SILENT: usize = 48;
 /// Parts that are told.
 const MOST_PARTS: usize = 8;
 
@@ -79,7 +79,8 @@ impl Cover<'_> {
             looks += 1;
             let over = (self.over)(part.ball());
             if over.is_silent() {
-                silent += 1;
+                // Measures that are never enclosed need no second look.
+                silent += if over.is_hopeless() { SILENT } else { 1 };
             } else {
                 heard = true;
             }

@@ -18,6 +18,8 @@ pub struct Over {
     course: Option<Course>,
     /// It cannot be what is asked, whatever the test says.
     apart: bool,
+    /// Nor will anything be found out over a smaller range.
+    hopeless: bool,
 }
 
 impl Over {
@@ -32,8 +34,13 @@ impl Over {
         self.course.is_some() || slope.is_some_and(|slope| slope.is_finite() && !slope.contains_zero())
     }
 
+    /// The measure is not enclosed over any range.
+    pub fn is_hopeless(&self) -> bool {
+        self.hopeless
+    }
+
     pub fn silent() -> Over {
-        Over { test: None, course: None, apart: false }
+        Over { test: None, course: None, apart: false, hopeless: false }
     }
 
     /// Nothing was found out.
@@ -115,25 +122,49 @@ fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
 impl Asked<'_> {
     /// What is known of the measure over the range that the family stands for.
     pub fn over(&self) -> Over {
-        let test = |test: Option<Jet>| Over { test, course: None, apart: false };
+        let test = |test: Option<Jet>| Over { test, course: None, apart: false, hopeless: self.family.is_none() };
         let told = |number: Option<Number>| self.family.and_then(|family| Some(family.told(&number?)));
         let target = &self.question.value;
         match self.probe {
             Probe::Frequency(_) | Probe::Square(_) => {
                 let square = (target * &two_pi()).square();
                 let course = self.course.filter(|_| !matches!(target, Number::Jet(_)));
-                Over { test: self.family.and_then(|family| family.resonance(&square)), course, apart: false }
+                Over {
+                    test: self.family.and_then(|family| family.resonance(&square)),
+                    course,
+                    apart: false,
+                    hopeless: self.family.is_none() && course.is_none(),
+                }
             }
             Probe::Critical(1) => test(told(self.family.and_then(Family::single_discriminant))),
             Probe::Damping(1) => test(told(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
-            Probe::Gain(..) | Probe::Amplitude(_) => test(told(self.phasor().map(|z| &z.squared() - &target.square()))),
+            Probe::Gain(..) | Probe::Amplitude(_) => {
+                let direct = || Some(&self.phasor()?.squared() - &target.square());
+                // Beside a resonance: the force that makes the motion what is asked, less the force that there is.
+                let inverse = || {
+                    let (z, force) = self.inverse()?;
+                    let wanted = force.checked_div(target)?;
+                    Some(&z.squared() - &wanted.square())
+                };
+                test(told(direct().or_else(inverse)))
+            }
             Probe::Phase(..) => {
-                let turned = self.phasor().and_then(|z| z.turned(&Number::ONE, &-target));
+                let direct = || self.phasor()?.turned(&Number::ONE, &-target);
+                let turned = direct().or_else(|| self.inverse()?.0.turned(&Number::ONE, target));
                 let apart = turned.as_ref().is_some_and(|z| z.re.is_negative());
                 Over { apart, ..test(told(turned.map(|z| z.im))) }
             }
-            Probe::Static(_) => test(told(self.phasor().map(|z| &z.re - target))),
-            Probe::Damping(_) | Probe::Critical(_) | Probe::Peak(_) | Probe::Rms(_) | Probe::Stable => test(None),
+            Probe::Static(_) => {
+                let direct = || Some(&self.phasor()?.re - target);
+                let inverse = || {
+                    let (z, force) = self.inverse()?;
+                    Some(&z.re - &force.checked_div(target)?)
+                };
+                test(told(direct().or_else(inverse)))
+            }
+            Probe::Damping(_) | Probe::Critical(_) | Probe::Peak(_) | Probe::Rms(_) | Probe::Stable => {
+                Over { hopeless: true, ..test(None) }
+            }
         }
     }
 
@@ -148,6 +179,33 @@ impl Asked<'_> {
                 lasting(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
             }
             Probe::Amplitude(output) => swing(family, self.drive.signals, *output),
+            _ => None,
+        }
+    }
+
+    /// One over the complex number that the measure is made of, times a force: where a single force makes it.
+    fn inverse(&self) -> Option<(Phasor, Number)> {
+        let family = self.family?;
+        match self.probe {
+            Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
+                Some((family.inverse_response(*input, *output, &(at * &two_pi()))?, Number::ONE))
+            }
+            Probe::Static(output) => {
+                let mut loads = self.drive.loads.iter().filter(|(_, load)| !load.is_zero());
+                let (input, load) = loads.next().filter(|_| loads.next().is_none())?;
+                Some((family.inverse_response(*input, *output, &Number::ZERO)?, load.clone()))
+            }
+            Probe::Amplitude(output) => {
+                let signals = self.drive.signals.iter().enumerate();
+                let mut harmonic = signals.flat_map(|(input, signals)| {
+                    signals.iter().filter_map(move |signal| match signal {
+                        Signal::Harmonic { value, frequency, .. } => Some((input, value, frequency)),
+                        _ => None,
+                    })
+                });
+                let (input, value, frequency) = harmonic.next().filter(|_| harmonic.next().is_none())?;
+                Some((family.inverse_response(input, *output, &(frequency * &two_pi()))?, value.clone()))
+            }
             _ => None,
         }
     }

@@ -40,14 +40,14 @@ pub struct Crossing(());
 
 impl Crossing {
     /// The measure is exactly what it should be there.
-    pub fn met() -> Crossing {
+    pub(super) fn met() -> Crossing {
         Crossing(())
     }
 }
 
 impl Root {
     /// A root that Krawczyk's operator encloses.
-    pub fn enclosed(near: Dd, within: f64) -> Root {
+    pub(super) fn enclosed(near: Dd, within: f64) -> Root {
         Root { near, within, proof: Some(Crossing(())) }
     }
 

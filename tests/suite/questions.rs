@@ -294,3 +294,85 @@ fn forms_that_are_not_there_are_named() {
     let said = finding(&format!("{text}require stabel\n"));
     assert_eq!(said.help.as_deref(), Some("did you mean `stable`?"));
 }
+
+/// Models with a parameter `p`, its range, and a measure of it with the unit that it is compared in. Geometry, a rest that moves,
+/// resonances in the range, several coordinates.
+const FAMILIES: [(&str, f64, f64, &str, &str); 7] = [
+    (
+        "param p = 6 N*m\ngravity 10 m/s^2\nbody rod { mass = 2 kg, shape = rod((0, 0), (0, -1.5 m)) }\npivot o: ground@(0, 0) -- rod\n\
+         spring s: ground -- rod { k = 20 N*m/rad }\ntorque T: rod = constant(p)\n",
+        1.0,
+        12.0,
+        "frequency(1)",
+        "Hz",
+    ),
+    (
+        "param p = 0.7 m\nbody b { mass = 2 kg, at = (0, 0), moves x, moves y }\nspring s: ground@(-1 m, p) -- b { k = 100 N/m }\n\
+         spring t: ground@(1 m, p) -- b { k = 150 N/m }\nspring u: ground@(0, -1 m) -- b { k = 30 N/m }\n",
+        0.2,
+        3.0,
+        "frequency(1)",
+        "Hz",
+    ),
+    (CHAIN, 20.0, 900.0, "frequency(2)", "Hz"),
+    (CHAIN, 20.0, 900.0, "gain(F -> y, 1.3 Hz)", "m/N"),
+    (CHAIN, 20.0, 900.0, "phase(F -> y, 1.3 Hz)", "rad"),
+    (CHAIN, 20.0, 900.0, "static(c.x - a.x)", "m"),
+    (
+        "param p = 2 kg\nbody a { mass = 1 kg, moves x }\nbody b { mass = p, moves x }\nspring s: ground -- a { k = 100 N/m }\n\
+         spring t: a -- b { k = 80 N/m }\nforce F: a = harmonic(2 N, 1.1 Hz)\n",
+        0.5,
+        6.0,
+        "amplitude(b.x)",
+        "m",
+    ),
+];
+
+const CHAIN: &str = "param p = 100 N/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 2 kg, moves x }\nbody c { mass = 1.5 kg, moves x }\n\
+                     spring s: ground -- a { k = 200 N/m }\nspring t: a -- b { k = p }\nspring u: b -- c { k = 150 N/m }\n\
+                     damper d: a -- b { c = 1 N*s/m }\ndamper e: b -- c { c = 0.01 * p * 1 s }\nforce F: c = step(3 N, 0 s)\noutput y = c.x\n";
+
+/// What a measure is at a value of the parameter is taken for what it should be: the value is found, or one of several, and never
+/// is it proven that there is none or another one alone.
+#[test]
+fn no_root_is_excluded() {
+    let mut state = 20261122u64;
+    let mut random = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for (text, low, high, measure, unit) in FAMILIES {
+        let declared = text.lines().next().expect("a parameter");
+        let dimension = declared.rsplit(' ').next().expect("a unit");
+        for _ in 0..3 {
+            let truth = low + (high - low) * random();
+            let at = text.replacen(declared, &format!("param p = {truth} {dimension}"), 1);
+            let read = run(&format!("{at}require {measure} > -1000 {unit}\n"));
+            let value = match &read.answer.expect("a report").requirements[0].value {
+                vibc::questions::answer::Value::Number(ball) => ball.to_f64(),
+                other => panic!("{measure}: {other:?}"),
+            };
+            let asked =
+                format!("{text}solve p in {low} {dimension} .. {high} {dimension}: {measure} = {value:e} {unit}\n");
+            let outcome = run(&asked);
+            let said: String =
+                outcome.diagnostics.iter().map(|d| format!("{} {}", d.message, d.primary.text)).collect();
+            let among = || numbers(&said).iter().any(|x| (x - truth).abs() < 1e-5 * truth);
+            match outcome.answer.map(|answer| answer.solved) {
+                Some(solved) => {
+                    let off = (solved[0].value.to_f64() - truth).abs();
+                    assert!(off < 1e-10 * truth, "{measure} at {truth}: {:?}", solved[0]);
+                }
+                None => assert!(said.contains(" values of `p`") && among(), "{measure} at {truth}: {said}"),
+            }
+        }
+    }
+}
+
+/// A resonance without damping in the middle of the range: both values are found and proven to be all.
+#[test]
+fn roots_on_both_sides_of_a_resonance_are_all() {
+    let undamped = "param k = 10 N/m\nparam m = 1 kg\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\nforce F: block along x\n";
+    let said = finding(&format!("{undamped}solve k in 5 N/m .. 100 N/m: gain(F -> block.x, 1 Hz) = 0.05 m/N\n"));
+    assert_eq!(said.primary.text, "k = 19.4784 N/m and 59.4784 N/m");
+}

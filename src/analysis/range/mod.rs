@@ -191,38 +191,52 @@ impl<'a> Family<'a> {
         (self.system.n() == 1).then(|| &self.c[0][0].square() - &(&four * &(&self.k[0][0] * &self.m[0][0])))
     }
 
-    /// H(i omega) from an input to an output.
+    /// H(i omega) from an input to an output; `None` where it may be infinite.
     pub fn response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
         let n = self.system.n();
-        let square = omega.square();
-        let stiffness = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
-        let damping = |i: usize, j: usize| omega * &self.c[i][j];
-        // re and im of (Q_r + i Q_i) x = b_r + i b_i, one below the other.
-        let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-            (true, true) => stiffness(i, j),
-            (true, false) => -&damping(i, j - n),
-            (false, true) => damping(i - n, j),
-            (false, false) => stiffness(i - n, j - n),
-        });
-        let b = &self.system.inputs.get(input)?.b;
-        let (b_re, b_im) = at(n, b, omega);
-        let right = JetMatrix::from_fn(2 * n, 1, |i, _| if i < n { b_re[i].clone() } else { b_im[i - n].clone() });
-        let found = solved(&matrix, &right)?;
-        let x = |i: usize| number(self.known(found.entry(i, 0)));
+        let path = self.path(input, output, omega)?;
+        let found = complex_solved(n, |i, j| self.dynamic(i, j, omega), |i| path.b[i].clone())?;
+        let x: Vec<Phasor> = found.iter().map(|(re, im)| self.phasor(re, im)).collect();
+        Some(path.p.iter().zip(&x).fold(path.d, |sum, (p, x)| sum.plus(&p.times(x))))
+    }
+
+    /// 1 / H(i omega): the input that makes the output 1; `None` where H may be zero. It passes resonances, where it is zero.
+    pub fn inverse_response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
+        let n = self.system.n();
+        let path = self.path(input, output, omega)?;
+        // Q x - b u = 0, p x + d u = 1
+        let entry = |i: usize, j: usize| match (i < n, j < n) {
+            (true, true) => self.dynamic(i, j, omega),
+            (true, false) => path.b[i].negated(),
+            (false, true) => path.p[j].clone(),
+            (false, false) => path.d.clone(),
+        };
+        let right = |i: usize| if i < n { Phasor::ZERO } else { Phasor { re: Number::ONE, im: Number::ZERO } };
+        let found = complex_solved(n + 1, entry, right)?;
+        let (re, im) = found.last()?;
+        Some(self.phasor(re, im))
+    }
+
+    fn phasor(&self, re: &Jet, im: &Jet) -> Phasor {
+        Phasor { re: number(self.known(re.clone())), im: number(self.known(im.clone())) }
+    }
+
+    /// An entry of K - omega^2 M + i omega C.
+    fn dynamic(&self, i: usize, j: usize, omega: &Number) -> Phasor {
+        let re = &self.k[i][j] - &(&omega.square() * &self.m[i][j]);
+        Phasor { re, im: omega * &self.c[i][j] }
+    }
+
+    /// How an input acts, what an output sees of the motion, and of the input itself.
+    fn path(&self, input: usize, output: usize, omega: &Number) -> Option<Path> {
+        let n = self.system.n();
         let out = self.system.outputs.get(output)?;
-        let (p_re, p_im) = at(n, &out.p, omega);
-        let (mut re, mut im) = (Number::ZERO, Number::ZERO);
-        for i in 0..n {
-            re = &re + &(&(&p_re[i] * &x(i)) - &(&p_im[i] * &x(n + i)));
-            im = &im + &(&(&p_re[i] * &x(n + i)) + &(&p_im[i] * &x(i)));
-        }
         let through = |power: usize| {
             let entries = out.d[power].iter().filter(|(known, _)| *known as usize == input);
             entries.fold(Number::ZERO, |sum, (_, value)| &sum + value)
         };
-        let re = &re + &(&through(0) - &(&square * &through(2)));
-        let im = &im + &(omega * &through(1));
-        Some(Phasor { re, im })
+        let d = Phasor { re: &through(0) - &(&omega.square() * &through(2)), im: omega * &through(1) };
+        Some(Path { b: at(n, &self.system.inputs.get(input)?.b, omega), p: at(n, &out.p, omega), d })
     }
 
     /// How large the parts of each row of s^2 M + s C + K are on the diagonal.
@@ -246,6 +260,15 @@ impl<'a> Family<'a> {
 impl Phasor {
     pub const ZERO: Phasor = Phasor { re: Number::ZERO, im: Number::ZERO };
 
+    pub fn times(&self, other: &Phasor) -> Phasor {
+        let re = &(&self.re * &other.re) - &(&self.im * &other.im);
+        Phasor { re, im: &(&self.re * &other.im) + &(&self.im * &other.re) }
+    }
+
+    pub fn negated(&self) -> Phasor {
+        Phasor { re: -&self.re, im: -&self.im }
+    }
+
     pub fn plus(&self, other: &Phasor) -> Phasor {
         Phasor { re: &self.re + &other.re, im: &self.im + &other.im }
     }
@@ -268,20 +291,46 @@ fn number(jet: Jet) -> Number {
     Number::Jet(Box::new(jet))
 }
 
-/// c0 + i omega c1 - omega^2 c2 of sparse columns, as real and imaginary parts.
-fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> (Vec<Number>, Vec<Number>) {
-    let (mut re, mut im) = (vec![Number::ZERO; n], vec![Number::ZERO; n]);
+/// From an input to an output, at a frequency.
+struct Path {
+    b: Vec<Phasor>,
+    p: Vec<Phasor>,
+    d: Phasor,
+}
+
+/// A^-1 b of complex numbers, by real and imaginary parts one below the other.
+fn complex_solved(
+    n: usize,
+    entry: impl Fn(usize, usize) -> Phasor,
+    right: impl Fn(usize) -> Phasor,
+) -> Option<Vec<(Jet, Jet)>> {
+    let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| {
+        let z = entry(i % n, j % n);
+        match (i < n, j < n) {
+            (true, true) | (false, false) => z.re,
+            (true, false) => -&z.im,
+            (false, true) => z.im,
+        }
+    });
+    let right = JetMatrix::from_fn(2 * n, 1, |i, _| if i < n { right(i).re } else { right(i - n).im });
+    let found = solved(&matrix, &right)?;
+    Some((0..n).map(|i| (found.entry(i, 0), found.entry(n + i, 0))).collect())
+}
+
+/// c0 + i omega c1 - omega^2 c2 of sparse columns.
+fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> Vec<Phasor> {
+    let mut list = vec![Phasor::ZERO; n];
     let square = omega.square();
     for (i, value) in &parts[0] {
-        re[i.index()] = &re[i.index()] + value;
+        list[i.index()].re = &list[i.index()].re + value;
     }
     for (i, value) in &parts[1] {
-        im[i.index()] = &im[i.index()] + &(omega * value);
+        list[i.index()].im = &list[i.index()].im + &(omega * value);
     }
     for (i, value) in &parts[2] {
-        re[i.index()] = &re[i.index()] - &(&square * value);
+        list[i.index()].re = &list[i.index()].re - &(&square * value);
     }
-    (re, im)
+    list
 }
 
 /// The derivatives of the weights; `None` where a row moves too.
