@@ -3,14 +3,15 @@
 //! Clause: spec.md, "Report".
 
 use super::decimal::{certain, certain_digits};
+use super::json_number::JsonNumber;
 use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{
     Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
-use crate::base::{Ball, Dd, Number, Rounded};
+use crate::base::{Ball, Dd, Number, Rounded, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{Derivative, Others, Requirement, Sensitivity, Slope, Solved, Value};
-use crate::system::{CoordinateKind, Form, LinearSystem};
+use crate::system::{CoordinateKind, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
 
@@ -54,11 +55,14 @@ struct Rest<'a> {
     stable: bool,
     kind: &'static str,
     displacement: ByName<'a>,
+    displacement_error_bound: ByName<'a>,
     distance: Distance,
-    residual: f64,
+    residual: JsonNumber,
     proven: bool,
     steps: u32,
     tensions: Named,
+    /// Absolute, as those of the displacements.
+    tensions_error_bound: Named,
 }
 
 /// Coordinates that act on each other and on nothing else.
@@ -98,12 +102,14 @@ impl JsonRemark<'_> {
 /// How far the rest is from the drawing: the largest displacements of coordinates.
 #[derive(serde::Serialize)]
 struct Distance {
-    translation_m: f64,
-    rotation_rad: f64,
+    translation_m: JsonNumber,
+    rotation_rad: JsonNumber,
+    translation_error_bound: JsonNumber,
+    rotation_error_bound: JsonNumber,
 }
 
 /// An object with a number for each name, where the names are their own.
-struct Named(Vec<(String, f64)>);
+struct Named(Vec<(String, JsonNumber)>);
 
 impl Serialize for Named {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -128,24 +134,33 @@ struct NotComputed {
 
 #[derive(serde::Serialize)]
 struct Matrices {
-    m: Vec<Vec<f64>>,
-    c: Vec<Vec<f64>>,
-    k: Vec<Vec<f64>>,
+    m: Vec<Vec<JsonNumber>>,
+    c: Vec<Vec<JsonNumber>>,
+    k: Vec<Vec<JsonNumber>>,
+    error_bound: MatrixBounds,
+}
+
+/// Absolute, of the entry that is known worst.
+#[derive(serde::Serialize)]
+struct MatrixBounds {
+    m: JsonNumber,
+    c: JsonNumber,
+    k: JsonNumber,
 }
 
 #[derive(serde::Serialize)]
 struct JsonMode<'a> {
     mode: usize,
     kind: &'static str,
-    omega: Option<f64>,
-    frequency_hz: Option<f64>,
-    growth_rate: Option<f64>,
-    omega_error_bound: f64,
+    omega: JsonNumber,
+    frequency_hz: JsonNumber,
+    growth_rate: JsonNumber,
+    omega_error_bound: JsonNumber,
     shape: ByName<'a>,
     kinetic: Vec<JsonShare>,
     strain: Vec<JsonShare>,
     cluster: Option<u32>,
-    input_condition: Option<f64>,
+    input_condition: JsonNumber,
     route: &'static str,
     /// Decimals of as many digits as were asked for, as far as they are certain.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -160,20 +175,20 @@ struct JsonMode<'a> {
 #[derive(serde::Serialize)]
 struct JsonSplit {
     modes: [usize; 2],
-    omega: f64,
-    frequency_hz: f64,
-    error_bound: f64,
+    omega: JsonNumber,
+    frequency_hz: JsonNumber,
+    error_bound: JsonNumber,
     #[serde(skip_serializing_if = "Option::is_none")]
     omega_digits: Option<String>,
 }
 
 #[derive(serde::Serialize)]
 struct JsonBuckling<'a> {
-    load_factor: f64,
-    error_bound: f64,
+    load_factor: JsonNumber,
+    error_bound: JsonNumber,
     /// The factor less one, which has digits of its own.
-    margin: f64,
-    margin_error_bound: f64,
+    margin: JsonNumber,
+    margin_error_bound: JsonNumber,
     shape: ByName<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     load_factor_digits: Option<String>,
@@ -184,20 +199,20 @@ struct JsonBuckling<'a> {
 #[derive(serde::Serialize)]
 struct JsonShare {
     of: String,
-    share: f64,
+    share: JsonNumber,
 }
 
 #[derive(serde::Serialize)]
 struct JsonPole {
-    re: f64,
-    im: f64,
-    omega: f64,
-    frequency_hz: f64,
-    damping_ratio: Option<f64>,
-    damped_frequency_hz: f64,
+    re: JsonNumber,
+    im: JsonNumber,
+    omega: JsonNumber,
+    frequency_hz: JsonNumber,
+    damping_ratio: JsonNumber,
+    damped_frequency_hz: JsonNumber,
     kind: &'static str,
-    error_bound: f64,
-    damping_ratio_error_bound: Option<f64>,
+    error_bound: JsonNumber,
+    damping_ratio_error_bound: JsonNumber,
     cluster: Option<u32>,
     defective: bool,
     route: &'static str,
@@ -213,21 +228,21 @@ struct JsonPole {
 #[derive(serde::Serialize)]
 struct JsonSolved<'a> {
     parameter: &'a str,
-    value: f64,
+    value: JsonNumber,
     unit: &'a str,
-    error_bound: Option<f64>,
-    si: f64,
+    error_bound: JsonNumber,
+    si: JsonNumber,
     measure: &'a str,
-    target: f64,
-    residual: f64,
-    residual_error_bound: Option<f64>,
-    slope: Option<f64>,
-    slope_error_bound: Option<f64>,
-    relative_slope: Option<f64>,
+    target: JsonNumber,
+    residual: JsonNumber,
+    residual_error_bound: JsonNumber,
+    slope: JsonNumber,
+    slope_error_bound: JsonNumber,
+    relative_slope: JsonNumber,
     others: &'static str,
     unsettled: Vec<[String; 2]>,
     looked_at: usize,
-    until_s: Option<f64>,
+    until_s: JsonNumber,
 }
 
 /// In SI, frequencies in Hz.
@@ -235,18 +250,20 @@ struct JsonSolved<'a> {
 struct JsonRequirement<'a> {
     text: &'a str,
     holds: Option<bool>,
-    value: Option<f64>,
-    limit: Option<f64>,
-    margin: Option<f64>,
-    error_bound: Option<f64>,
+    value: JsonNumber,
+    limit: JsonNumber,
+    margin: JsonNumber,
+    /// Absolute: a margin may be 0.
+    margin_error_bound: JsonNumber,
+    error_bound: JsonNumber,
     told: Cow<'a, str>,
-    until_s: Option<f64>,
+    until_s: JsonNumber,
 }
 
 /// An object with a number for each name, in their order.
 struct ByName<'a> {
     names: &'a [String],
-    values: Vec<f64>,
+    values: Vec<JsonNumber>,
 }
 
 impl Serialize for ByName<'_> {
@@ -304,9 +321,9 @@ fn not_proved(answer: &ModalAnswer) -> Vec<&'static str> {
 #[derive(serde::Serialize)]
 struct JsonSensitivity<'a> {
     parameter: &'a str,
-    value: f64,
+    value: JsonNumber,
     unit: &'a str,
-    si: f64,
+    si: JsonNumber,
     frequencies: Vec<JsonSlope>,
     damping: Vec<JsonSlope>,
 }
@@ -319,12 +336,12 @@ struct JsonSlope {
     #[serde(skip_serializing_if = "Option::is_none")]
     motion: Option<usize>,
     kind: &'static str,
-    derivative: Option<f64>,
-    error_bound: Option<f64>,
-    relative: Option<f64>,
+    derivative: JsonNumber,
+    error_bound: JsonNumber,
+    relative: JsonNumber,
     /// Of the parts into which equal frequencies part, without a bound.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    slopes: Vec<f64>,
+    slopes: Vec<JsonNumber>,
 }
 
 fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
@@ -335,9 +352,9 @@ fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
     };
     JsonSensitivity {
         parameter: &sensitivity.parameter,
-        value: shown.number.to_f64(),
+        value: JsonNumber::enclosed(shown.number),
         unit: shown.unit,
-        si: sensitivity.value.to_f64(),
+        si: JsonNumber::number(&sensitivity.value),
         frequencies: slopes(&sensitivity.frequencies, |first, i| (Some(first + i), None)),
         damping: slopes(&sensitivity.ratios, |_, i| (None, Some(i + 1))),
     }
@@ -358,11 +375,11 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
         mode,
         motion,
         kind,
-        derivative: found.map(|(absolute, _)| absolute.to_f64() + 0.0),
-        error_bound: found.and_then(|(absolute, _)| derivative_bound(absolute)),
-        relative: found.and_then(|(_, relative)| finite(relative.to_f64() + 0.0)),
+        derivative: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative(absolute)),
+        error_bound: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative_bound(absolute)),
+        relative: found.map_or(JsonNumber::NULL, |(_, relative)| derivative(relative)),
         slopes: match slope {
-            Some(Slope::Splits(slopes)) => slopes.iter().map(|slope| slope.0 + 0.0).collect(),
+            Some(Slope::Splits(slopes)) => slopes.iter().copied().map(JsonNumber::unproven).collect(),
             _ => Vec::new(),
         },
     }
@@ -370,20 +387,20 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
 
 fn json_solved(solved: &Solved) -> JsonSolved<'_> {
     let shown = solved.shown();
-    let value = shown.number.to_f64();
     JsonSolved {
         parameter: &solved.parameter,
-        value,
+        value: JsonNumber::enclosed(shown.number),
         unit: shown.unit,
-        error_bound: solved.shown_bound().and_then(|bound| finite(error_bound(&shown.number.widen(bound)))),
-        si: solved.value.to_f64(),
+        error_bound: (solved.shown_bound())
+            .map_or(JsonNumber::NULL, |bound| JsonNumber::relative_bound(shown.number.widen(bound))),
+        si: JsonNumber::number(&solved.value),
         measure: &solved.measure,
-        target: solved.target.to_f64(),
-        residual: solved.residual.to_f64() + 0.0,
-        residual_error_bound: Rounded::of(solved.residual).map(Rounded::bound),
-        slope: solved.slope.and_then(|slope| finite(slope.to_f64())),
-        slope_error_bound: solved.slope.and_then(|slope| derivative_bound(&slope)),
-        relative_slope: solved.relative_slope().and_then(|slope| finite(slope.to_f64())),
+        target: JsonNumber::number(&solved.target),
+        residual: JsonNumber::enclosed(solved.residual),
+        residual_error_bound: JsonNumber::absolute_bound(solved.residual),
+        slope: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative),
+        slope_error_bound: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative_bound),
+        relative_slope: solved.relative_slope().as_ref().map_or(JsonNumber::NULL, derivative),
         others: match solved.others {
             Others::None(_) => "none",
             Others::Unsettled(_) => "unsettled",
@@ -394,15 +411,22 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
             Others::None(_) | Others::Unknown => Vec::new(),
         },
         looked_at: solved.looked_at,
-        until_s: solved.until.as_ref().map(Number::to_f64),
+        until_s: solved.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }
 
-/// `None` where the derivative has no proven bound.
-fn derivative_bound(derivative: &Derivative) -> Option<f64> {
+fn derivative(derivative: &Derivative) -> JsonNumber {
     match derivative {
-        Derivative::Enclosed(ball) => finite(error_bound(ball)),
-        Derivative::Seen(_) => None,
+        Derivative::Enclosed(ball) => JsonNumber::enclosed(*ball),
+        Derivative::Seen(seen) => JsonNumber::unproven(*seen),
+    }
+}
+
+/// `null` where the derivative has no proven bound.
+fn derivative_bound(derivative: &Derivative) -> JsonNumber {
+    match derivative {
+        Derivative::Enclosed(ball) => JsonNumber::relative_bound(*ball),
+        Derivative::Seen(_) => JsonNumber::NULL,
     }
 }
 
@@ -414,17 +438,14 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
     JsonRequirement {
         text: &requirement.text,
         holds: requirement.holds,
-        value: value.map(|ball| ball.to_f64() + 0.0),
-        limit: requirement.limit.as_ref().map(|limit| limit.to_f64()),
-        margin: requirement.margin.and_then(|margin| finite(margin.to_f64() + 0.0)),
-        error_bound: value.and_then(|ball| finite(error_bound(ball))),
+        value: value.map_or(JsonNumber::NULL, |ball| JsonNumber::enclosed(*ball)),
+        limit: requirement.limit.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
+        margin: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::enclosed),
+        margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
+        error_bound: value.map_or(JsonNumber::NULL, |ball| JsonNumber::relative_bound(*ball)),
         told: requirement.told(),
-        until_s: requirement.until.as_ref().map(Number::to_f64),
+        until_s: requirement.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 /// The independent parts, each with the numbers of its modes.
@@ -449,37 +470,66 @@ fn normalisation(normalise: Normalise) -> &'static str {
 
 fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
     let tensions = answer.rest.tensions.iter();
-    let tensions = tensions.map(|found| (answer.system.display(found.spring), found.tension.to_f64() + 0.0));
-    let displacement = answer.displacements();
+    let tensions = tensions.map(|found| (answer.system.display(found.spring), JsonNumber::number(&found.tension)));
+    let by_name = |of: &dyn Fn(&Number) -> JsonNumber| ByName {
+        names,
+        values: answer.displacements().map(|(_, q)| of(q)).collect(),
+    };
+    let bounds = answer.rest.tensions.iter();
+    let bounds =
+        bounds.map(|found| (answer.system.display(found.spring), JsonNumber::absolute_bound(found.tension.to_ball())));
     Rest {
         stable: answer.stability == Stability::Stable,
         kind: answer.stability.kind().name(),
-        displacement: ByName { names, values: displacement.map(|(_, q)| q.to_f64() + 0.0).collect() },
+        displacement: by_name(&JsonNumber::number),
+        displacement_error_bound: by_name(&|q| JsonNumber::absolute_bound(q.to_ball())),
         distance: distance(answer),
-        residual: answer.rest.residual,
+        residual: JsonNumber::unproven(Unproven(answer.rest.residual)),
         proven: answer.rest.is_proven(),
         steps: answer.rest.steps,
         tensions: Named(tensions.collect()),
+        tensions_error_bound: Named(bounds.collect()),
     }
 }
 
 fn distance(answer: &ModalAnswer) -> Distance {
+    // The largest of the sizes is off by the largest radius at most.
     let largest = |kind: CoordinateKind| {
-        let sizes = answer
-            .displacements()
-            .filter(|(coordinate, _)| coordinate.kind == kind)
-            .map(|(_, value)| value.to_f64().abs());
-        sizes.fold(0.0, f64::max)
+        let of_kind = answer.displacements().filter(|(coordinate, _)| coordinate.kind == kind);
+        of_kind.map(|(_, value)| value.to_ball().abs()).fold(Ball::ZERO, |largest, size| {
+            let mid = if size.mid.to_f64() > largest.mid.to_f64() { size.mid } else { largest.mid };
+            Ball::new(mid, largest.rad.max(size.rad))
+        })
     };
-    Distance { translation_m: largest(CoordinateKind::Translation), rotation_rad: largest(CoordinateKind::Rotation) }
+    let (translation, rotation) = (largest(CoordinateKind::Translation), largest(CoordinateKind::Rotation));
+    Distance {
+        translation_m: JsonNumber::enclosed(translation),
+        rotation_rad: JsonNumber::enclosed(rotation),
+        translation_error_bound: JsonNumber::absolute_bound(translation),
+        rotation_error_bound: JsonNumber::absolute_bound(rotation),
+    }
 }
 
 fn matrices(system: &LinearSystem) -> Matrices {
     let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
-    let rows = |form: &Form| {
-        form.assemble(system.n()).iter().map(|row| row.iter().map(|entry| entry.to_f64() + 0.0).collect()).collect()
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.assemble(system.n()));
+    let rows =
+        |form: &[Vec<Ball>]| form.iter().map(|row| row.iter().map(|x| JsonNumber::enclosed(*x)).collect()).collect();
+    let bound = |form: &[Vec<Ball>]| {
+        let bounds = form.iter().flatten().map(|x| Rounded::of(*x).map_or(f64::INFINITY, Rounded::bound));
+        JsonNumber::bound(bounds.fold(0.0, f64::max))
     };
-    Matrices { m: rows(&system.m), c: rows(&system.c), k: rows(&system.k) }
+    Matrices {
+        error_bound: MatrixBounds { m: bound(&m), c: bound(&c), k: bound(&k) },
+        m: rows(&m),
+        c: rows(&c),
+        k: rows(&k),
+    }
+}
+
+/// Displacements of a shape: they have no bound.
+fn unproven(shape: &[f64]) -> Vec<JsonNumber> {
+    shape.iter().map(|x| JsonNumber::unproven(Unproven(*x))).collect()
 }
 
 fn json_mode<'a>(
@@ -496,15 +546,19 @@ fn json_mode<'a>(
     JsonMode {
         mode: number,
         kind: mode.kind.name(),
-        omega: (settled && !diverges).then(|| omega.to_f64()),
-        frequency_hz: (settled && !diverges).then(|| frequency.to_f64()),
-        growth_rate: diverges.then(|| omega.to_f64()),
-        omega_error_bound: error_bound(&omega).max(if diverges { 0.0 } else { error_bound(&frequency) }),
-        shape: ByName { names, values: normalise(mode, options.normalise) },
+        omega: JsonNumber::enclosed(omega).only_if(settled && !diverges),
+        frequency_hz: JsonNumber::enclosed(frequency).only_if(settled && !diverges),
+        growth_rate: JsonNumber::enclosed(omega).only_if(diverges),
+        omega_error_bound: JsonNumber::bound(error_bound(&omega).max(if diverges {
+            0.0
+        } else {
+            error_bound(&frequency)
+        })),
+        shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
         strain: shares(&mode.strain, |of| system.display(of)),
         cluster: mode.cluster,
-        input_condition: mode.input_condition,
+        input_condition: mode.input_condition.map_or(JsonNumber::NULL, |x| JsonNumber::unproven(Unproven(x))),
         route: mode.route.name(),
         omega_digits: digits(&omega, options).filter(|_| settled && !diverges),
         frequency_hz_digits: digits(&frequency, options).filter(|_| settled && !diverges),
@@ -522,9 +576,9 @@ fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {
     let frequency = per_turn(split.omega);
     JsonSplit {
         modes: [split.lower, split.lower + 1],
-        omega: split.omega.to_f64(),
-        frequency_hz: frequency.to_f64(),
-        error_bound: error_bound(&split.omega).max(error_bound(&frequency)),
+        omega: JsonNumber::enclosed(split.omega),
+        frequency_hz: JsonNumber::enclosed(frequency),
+        error_bound: JsonNumber::bound(error_bound(&split.omega).max(error_bound(&frequency))),
         omega_digits: digits(&split.omega, options),
     }
 }
@@ -532,33 +586,36 @@ fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {
 fn json_buckling<'a>(found: &Buckling, options: &ReportOptions, names: &'a [String]) -> JsonBuckling<'a> {
     let (factor, margin) = (found.load_factor, found.load_factor - Ball::ONE);
     JsonBuckling {
-        load_factor: factor.to_f64(),
-        error_bound: error_bound(&factor),
-        margin: margin.to_f64(),
-        margin_error_bound: error_bound(&margin),
-        shape: ByName { names, values: found.shape.clone() },
+        load_factor: JsonNumber::enclosed(factor),
+        error_bound: JsonNumber::relative_bound(factor),
+        margin: JsonNumber::enclosed(margin),
+        margin_error_bound: JsonNumber::relative_bound(margin),
+        shape: ByName { names, values: unproven(&found.shape) },
         load_factor_digits: digits(&factor, options),
         margin_digits: digits(&margin, options),
     }
 }
 
 fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonShare> {
-    shares.iter().map(|share| JsonShare { of: name(share.of), share: share.part + 0.0 }).collect()
+    shares
+        .iter()
+        .map(|share| JsonShare { of: name(share.of), share: JsonNumber::unproven(Unproven(share.part)) })
+        .collect()
 }
 
 fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
     let omega = pole.modulus();
     let (frequency, damped) = (per_turn(omega), per_turn(pole.im.abs()));
     JsonPole {
-        re: pole.re.to_f64() + 0.0,
-        im: pole.im.to_f64() + 0.0,
-        omega: omega.to_f64(),
-        frequency_hz: frequency.to_f64(),
-        damping_ratio: pole.damping_ratio.map(|zeta| zeta.to_f64() + 0.0),
-        damped_frequency_hz: damped.to_f64(),
+        re: JsonNumber::enclosed(pole.re),
+        im: JsonNumber::enclosed(pole.im),
+        omega: JsonNumber::enclosed(omega),
+        frequency_hz: JsonNumber::enclosed(frequency),
+        damping_ratio: pole.damping_ratio.map_or(JsonNumber::NULL, JsonNumber::enclosed),
+        damped_frequency_hz: JsonNumber::enclosed(damped),
         kind: pole.kind.name(),
-        error_bound: pole_error_bound(pole),
-        damping_ratio_error_bound: pole.damping_ratio.as_ref().map(error_bound),
+        error_bound: JsonNumber::bound(pole_error_bound(pole)),
+        damping_ratio_error_bound: pole.damping_ratio.map_or(JsonNumber::NULL, JsonNumber::relative_bound),
         cluster: pole.cluster,
         defective: pole.defective,
         route: pole.route.name(),

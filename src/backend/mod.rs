@@ -7,6 +7,7 @@ pub mod diagnostics;
 pub mod emit;
 pub mod explain;
 pub mod json;
+mod json_number;
 pub mod report;
 #[cfg(test)]
 mod samples;

@@ -168,3 +168,18 @@ fn every_file_says_what_it_is_for() {
         assert!(!vague.contains(&name.as_str()), "{} has not been understood yet", source.path.display());
     }
 }
+
+/// Results for programs are made of `JsonNumber`, `Rounded` or whole numbers: a field that takes any binary64 number would let one
+/// leave without the question whether it has a bound.
+#[test]
+fn no_bare_number_leaves_in_json() {
+    let backend = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/backend");
+    for file in ["json.rs"] {
+        let text = fs::read_to_string(backend.join(file)).expect("a source file");
+        for (at, item) in text.split("#[derive(serde::Serialize)]").skip(1).enumerate() {
+            let body = item.split("\n}").next().unwrap_or(item);
+            assert!(!body.contains("f64"), "{file}, serialised item {at}: {body}");
+        }
+        assert!(text.contains("#[derive(serde::Serialize)]"), "{file} serialises nothing: this test looks at nothing");
+    }
+}

@@ -1,0 +1,81 @@
+//! Numbers as fields of JSON. A field holds what was made from an enclosure, a bound, or what is marked as unproven: a bare
+//! binary64 number has no way in, so that no result can be written without the question whether it has a bound
+//! (`tests/suite/house.rs` looks for such fields). Clause: spec.md, "Report".
+
+use crate::base::{Ball, Number, Rounded, Unproven};
+use serde::Serialize;
+
+/// A number, or `null` where nothing is known or it is infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub(super) struct JsonNumber(Option<f64>);
+
+impl JsonNumber {
+    pub const NULL: JsonNumber = JsonNumber(None);
+
+    /// What stands for an enclosed number; its bound is a field beside it.
+    pub fn enclosed(value: Ball) -> JsonNumber {
+        JsonNumber(Rounded::of(value).map(Rounded::value))
+    }
+
+    /// The same for a number that may be exact.
+    pub fn number(value: &Number) -> JsonNumber {
+        JsonNumber::enclosed(value.to_ball())
+    }
+
+    /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
+    pub fn relative_bound(value: Ball) -> JsonNumber {
+        JsonNumber::bound(Rounded::of(value).map_or(f64::INFINITY, Rounded::relative_bound))
+    }
+
+    /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
+    pub fn absolute_bound(value: Ball) -> JsonNumber {
+        JsonNumber(Rounded::of(value).map(Rounded::bound))
+    }
+
+    /// An upper bound, rounded upwards by whoever computed it.
+    pub fn bound(bound: f64) -> JsonNumber {
+        JsonNumber(Some(bound).filter(|bound| bound.is_finite()))
+    }
+
+    /// A number without a bound; README.md lists them.
+    pub fn unproven(Unproven(value): Unproven) -> JsonNumber {
+        JsonNumber(Some(value + 0.0).filter(|value| value.is_finite()))
+    }
+
+    /// `null` where the condition fails.
+    pub fn only_if(self, condition: bool) -> JsonNumber {
+        if condition { self } else { JsonNumber::NULL }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Dd;
+
+    fn written(number: JsonNumber) -> String {
+        serde_json::to_string(&number).expect("JSON")
+    }
+
+    #[test]
+    fn nothing_known_and_infinite_numbers_are_null() {
+        for number in [
+            JsonNumber::enclosed(Ball::new(Dd::ONE, f64::INFINITY)),
+            JsonNumber::relative_bound(Ball::new(Dd::ZERO, 1.0)),
+            JsonNumber::bound(f64::INFINITY),
+            JsonNumber::unproven(Unproven(f64::NAN)),
+            JsonNumber::enclosed(Ball::ONE).only_if(false),
+        ] {
+            assert_eq!(written(number), "null");
+        }
+    }
+
+    #[test]
+    fn numbers_are_in_the_shortest_form_without_a_negative_zero() {
+        assert_eq!(written(JsonNumber::enclosed(Ball::from(0.1))), "0.1");
+        assert_eq!(written(JsonNumber::enclosed(-Ball::ZERO)), "0.0");
+        assert_eq!(written(JsonNumber::unproven(Unproven(-0.0))), "0.0");
+        assert_eq!(written(JsonNumber::absolute_bound(Ball::ONE)), "0.0");
+    }
+}
