@@ -2,7 +2,7 @@
 
 use crate::analysis::discrete::Hold;
 use crate::analysis::discrete::beside::ExactCell;
-use crate::analysis::discrete::block::{Block, Direct, clean_product, product, sum};
+use crate::analysis::discrete::block::{Block, Direct, NOTHING, clean_product, product, sum};
 use crate::analysis::discrete::hold::{Propagator, exponential, propagator};
 use crate::analysis::discrete::lift::{Lift, lift};
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
@@ -221,8 +221,12 @@ impl Maker<'_> {
             let row = (0..c.rows()).map(|i| (i, round(c[(i, j)])));
             row.filter(|(_, value)| *value != 0.0).collect()
         });
-        let at_start = product(&to, &Matrix::from_fn(start.len(), 1, |i, _| start[i]));
         let entries = |m: &Matrix<Dd>| (0..m.columns()).flat_map(|j| m.column(j).to_vec()).collect::<Vec<Dd>>();
+        let most = |numbers: &[Dd]| numbers.iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
+        // A motion that does not start in this block does so by rounding alone.
+        let nothing = NOTHING * most(&entries(&to)) * most(start);
+        let at_start = product(&to, &Matrix::from_fn(start.len(), 1, |i, _| start[i]));
+        let at_start = at_start.map(|x| if x.hi.abs() <= nothing { Dd::ZERO } else { x });
         let driven = drive.iter().flat_map(|(_, column)| column.iter().copied());
         let kept = self.precision.keeps(driven)
             && [&to, &back, &at_start].into_iter().all(|m| self.precision.keeps(entries(m)));

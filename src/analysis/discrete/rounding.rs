@@ -89,9 +89,8 @@ fn pair(lift: &Lift, inputs: [f64; 2]) -> (f64, Vec<f64>) {
     let of_x = k * (1.0 + inputs[0]) + 2.0 * mu * k;
     let of_v = 2.0 * k * p + mu * (damped + 1.0 + inputs[1]);
     if imaginary > 0.05 * mu && k > 0.0 {
-        // The largest of_x |x| + of_v |v| with |zeta| = 1: v = -Im zeta / Im lambda and k x = Re zeta - Re mu v.
-        let (re, im) = (of_x / k, (of_x * real.abs() / k + of_v) / imaginary);
-        let step = (re * re + im * im).sqrt();
+        // Of |zeta| = 1: the largest x and v, as if inputs kept both so large.
+        let step = of_x * mu / (imaginary * k) + of_v / imaginary;
         let r = keep.sqrt();
         let sums = (0..=DOUBLINGS).map(|i| geometric(r, 2f64.powi(i as i32)));
         return (step, sums.collect());
