@@ -447,3 +447,16 @@ fn a_damper_across_the_motion_makes_nothing_grow() {
     assert!(free.poles.list.iter().all(|pole| pole.kind != PoleKind::Undetermined), "{:?}", free.poles.list);
     assert_eq!(verdict(&free), Stability::Neutral);
 }
+
+/// Pairs that are critical but for 70 digits, each several times, beside a node without inertia: the common divisor of the
+/// determinant and its derivative has more bits than a dozen primes hold. The scene was refused as singular.
+#[test]
+fn repeated_nearly_critical_pairs_beside_a_massless_node_are_told() {
+    let off = ten_to_minus(70);
+    let pair = Quadratic::new(1, whole(2) + off, whole(1));
+    let quadratics = [pair.clone(), pair.clone(), pair.clone(), pair, Quadratic::new(0, whole(1), whole(3))];
+    let scene = Scene::of(&quadratics, &rows(5, &mut Random::new(1)), &Number::ONE);
+    let mut seen = Seen::default();
+    seen.check(&scene, "four pairs and a node");
+    assert_eq!((seen.counted, seen.stable), (1, 1), "{seen:?}");
+}

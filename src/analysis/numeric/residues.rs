@@ -22,6 +22,15 @@ pub const PRIMES: [Field; 12] = [
     Field { c: 579 },
 ];
 
+/// Gaps of this size are enough for thousands of primes, and small enough for [`Field::multiply`].
+const MOST: u64 = 1 << 18;
+
+/// The largest primes below 2^61 in descending order, some six thousand of them: [`PRIMES`], then those that follow.
+pub fn primes() -> impl Iterator<Item = Field> {
+    let further = (PRIMES[PRIMES.len() - 1].c + 2..MOST).step_by(2).map(|c| Field { c });
+    PRIMES.into_iter().chain(further.filter(|field| field.is_prime()))
+}
+
 const MASK: u64 = (1 << 61) - 1;
 
 impl Field {
@@ -41,7 +50,23 @@ impl Field {
         if a == 0 { 0 } else { self.prime() - a }
     }
 
-    /// a b, reduced by 2^61 = c twice: the high part shrinks from 61 bits to at most 71 - 61 of them.
+    /// The test of Miller and Rabin with bases that leave no composite number below 2^64 (Sorenson and Webster, Math. Comp. 86
+    /// (2017) 985).
+    fn is_prime(self) -> bool {
+        let p = self.prime();
+        let twos = (p - 1).trailing_zeros();
+        [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37].into_iter().all(|base| {
+            let mut x = self.power(base, (p - 1) >> twos);
+            let mut passes = x == 1 || x == p - 1;
+            for _ in 1..twos {
+                x = self.multiply(x, x);
+                passes |= x == p - 1;
+            }
+            passes
+        })
+    }
+
+    /// a b, reduced by 2^61 = c twice: the high part shrinks from 61 bits to at most 18 of them, c being below 2^18.
     #[inline]
     pub fn multiply(self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
@@ -119,6 +144,20 @@ mod tests {
             }
             let top = field.prime() - 1;
             assert_eq!(field.multiply(top, top), 1);
+        }
+    }
+
+    #[test]
+    fn further_primes_follow() {
+        let list: Vec<Field> = primes().take(60).collect();
+        assert_eq!(list[..PRIMES.len()], PRIMES);
+        // As FLINT has them.
+        let gaps: Vec<u64> = list[PRIMES.len()..PRIMES.len() + 4].iter().map(|field| field.c).collect();
+        assert_eq!(gaps, [675, 759, 799, 819]);
+        for field in primes().step_by(50).take(40) {
+            let (a, p) = (field.random(3), u128::from(field.prime()));
+            assert_eq!(u128::from(field.multiply(a, a)), u128::from(a) * u128::from(a) % p);
+            assert_eq!(field.multiply(a, field.inverse(a)), 1);
         }
     }
 
