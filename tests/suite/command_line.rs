@@ -460,6 +460,38 @@ fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
     assert!(many.err.contains("samples"), "{}", many.err);
 }
 
+/// A row of numbers and their bounds: at rest, then sin(1 s) with what rounding it to binary64 loses. A scene without outputs, and one
+/// of whose samples nothing is known, end by themselves.
+#[test]
+fn samples_are_printed_with_their_bounds() {
+    let folder = folder();
+    let swing = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ninitial a { vx = 1 m/s }\n";
+    let simulate = |text: &str, more: &[&str]| {
+        let path = file(&folder, "swing.vib", text.to_string());
+        run(&[&["simulate", &path, "--until", "1s", "--step", "62.5ms"], more].concat())
+    };
+    let told = simulate(&format!("{swing}output x = a.x\n"), &["--bounds"]);
+    assert_eq!((told.status, told.err.as_str()), (0, ""));
+    let lines: Vec<&str> = told.out.lines().collect();
+    assert_eq!((lines[0], lines.len()), ("time_s,x,x_bound", 18));
+    assert!(lines[1].starts_with("0.0,0.0,"), "{}", lines[1]);
+    let last: Vec<f64> = lines[17].split(',').map(|field| field.parse().expect("a number")).collect();
+    // sin 1 = 0.841470984807896506652502...: the nearest binary64 number is 1.7768450932935e-18 below.
+    assert_eq!(last[..2], [1.0, 0.8414709848078965]);
+    assert!((1.776845093e-18..1.776845094e-18).contains(&last[2]), "{}", last[2]);
+    let plain = simulate(&format!("{swing}output x = a.x\n"), &[]);
+    assert_eq!(plain.out.lines().next(), Some("time_s,x"));
+    let none = simulate(swing, &[]);
+    assert_eq!((none.status, none.out.as_str()), (2, ""));
+    assert!(none.err.contains("no output"), "{}", none.err);
+    let still = simulate(
+        &format!("{}output x = a.x\n", swing.replace("vx = 1 m/s", "vx = 0 m/s")),
+        &["--message-format", "short"],
+    );
+    assert_eq!(still.status, 0);
+    assert!(still.err.contains("warning[vib::motion::still]"), "{}", still.err);
+}
+
 /// x = sin t: half a second brings it to 0.4794255386 m, no further.
 #[test]
 fn measures_are_followed_for_the_time_that_is_said() {

@@ -568,6 +568,23 @@ mod tests {
         assert!(respond(&system, &[], &grid("2", "0.1")).is_none());
     }
 
+    /// A damper that joins the modes a little, by one part in 10^8 to 10^28: whichever road is taken, the digits are there.
+    #[test]
+    fn modes_that_are_nearly_apart_keep_their_digits() {
+        for digits in (8..=28).step_by(2) {
+            let mut system = chain(3, true, "0.7");
+            push(&mut system.c, &format!("1e-{digits}"), 2, None);
+            system.initial = vec![(CoordinateId(0), n("0.01"), -&n("0.2"))];
+            let history = crate::analysis::response::respond(&system, &[], &grid("2.5", "0.0625")).expect("a motion");
+            for output in 0..system.outputs.len() {
+                let column = || history.values.iter().map(|row| row[output]);
+                let largest = column().map(|y| y.mid.hi.abs()).fold(0.0, f64::max);
+                let widest = column().map(|y| y.rad).fold(0.0, f64::max);
+                assert!(widest < 1e-18 * largest, "1e-{digits}, output {output}: {widest:e} of {largest:e}");
+            }
+        }
+    }
+
     /// A long run in many batches against one step of the whole matrix.
     #[test]
     fn ten_thousand_steps_keep_their_digits() {
