@@ -16,12 +16,16 @@ use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 pub const MAX_INSTANCES: u64 = 4_000_000;
 /// Bodies among them: each has coordinates, and takes some 400 bytes before any of these.
 pub const MAX_BODIES: u64 = 1_000_000;
+/// Joints, couplings, inputs, outputs and questions among them: a force with its signal takes a kilobyte.
+pub const MAX_OTHERS: u64 = 1_000_000;
 
 /// What `repeat`s unroll to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
     instances: u64,
     bodies: u64,
+    /// Neither bodies nor the springs, dampers and values of which there are most.
+    others: u64,
 }
 
 /// The name that a declaration declares, and what that then stands for.
@@ -86,14 +90,20 @@ impl<'a> Check<'a> {
         let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
         let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
         let own = (repeat.body.len() - nested.len()).max(1) as u64;
-        let bodies = repeat.body.iter().filter(|decl| matches!(decl.kind, DeclKind::Body { .. })).count() as u64;
+        let number = |is: fn(&DeclKind) -> bool| repeat.body.iter().filter(|decl| is(&decl.kind)).count() as u64;
+        let bodies = number(|kind| matches!(kind, DeclKind::Body { .. }));
+        let others = number(|kind| matches!(kind, DeclKind::Rare { .. }));
         count.instances = count.instances.saturating_add(repetitions.saturating_mul(own));
         count.bodies = count.bodies.saturating_add(repetitions.saturating_mul(bodies));
+        count.others = count.others.saturating_add(repetitions.saturating_mul(others));
         if count.instances > MAX_INSTANCES {
             return self.too_many(repeat, MAX_INSTANCES, "declarations", environment);
         }
         if count.bodies > MAX_BODIES {
             return self.too_many(repeat, MAX_BODIES, "bodies", environment);
+        }
+        if count.others > MAX_OTHERS {
+            return self.too_many(repeat, MAX_OTHERS, "joints, inputs and outputs", environment);
         }
         if nested.is_empty() {
             return Ok(());

@@ -359,6 +359,10 @@ fn repeats_make_no_more_than_fits() {
     let two = one(600_000) + &one(600_000).replace("m[", "n[");
     let found: Vec<&str> = checked(&two).iter().map(|finding| finding.code.0).collect();
     assert_eq!(found, ["vib::limit::repeat"]);
+    let forces = "repeat i in 1..1000001 { force F[i]: b along x }\n".to_string() + &one(2).replace("m[i]", "b");
+    assert!(
+        checked(&forces).iter().any(|one| one.message == "this makes more than 1000000 joints, inputs and outputs")
+    );
     let many = "repeat i in 1..4000001 { param p[i] = 1 m }\n".to_string() + &one(2);
     assert_eq!(checked(&many)[0].message, "this makes more than 4000000 declarations");
 }
