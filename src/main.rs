@@ -144,7 +144,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let text = match options.format {
         TableFormat::Text => backend::transfer::text(&dynamics.model, system, &table),
         TableFormat::Csv => backend::transfer::csv(system, &table),
-        TableFormat::Json => backend::transfer::json(system, &table),
+        TableFormat::Json => backend::transfer::json(&dynamics.model, system, &table),
     };
     deliver(options.output.as_deref(), &text)
 }

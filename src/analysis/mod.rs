@@ -40,6 +40,7 @@ pub use poles::poles;
 pub use response::{History, grid, respond, samples};
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
+pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
-pub use transfer::table::{Feature, FeatureKind, Roads, Row, Sweep, Table, table};
+pub use transfer::table::{Roads, Row, Sweep, Table, table};
 pub use transfer::{Disc, Frequency, Gain, Transfer};

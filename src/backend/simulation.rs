@@ -2,7 +2,7 @@
 
 use super::decimal::{Decimal, certain, certain_digits, certain_number, upper};
 use super::report::table::{Align, Table};
-use super::transfer::{error_bound, hundredths, phase};
+use super::transfer::{amplitude, error_bound, hundredths, phase};
 use crate::analysis::{Gain, History, Steady};
 use crate::base::{Ball, Dd, Rounded};
 use crate::system::{LinearSystem, Output};
@@ -110,7 +110,7 @@ fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
         JsonSteady {
             output: system.display(output.name),
             frequency_hz: part.frequency.to_f64(),
-            amplitude: disc.and_then(|disc| finite(&disc.gain())),
+            amplitude: disc.and_then(|disc| amplitude(&disc)).map(Rounded::value),
             phase_deg: disc.and_then(phase).and_then(|phase| finite(&phase)),
             error_bound: disc.map(|disc| error_bound(&disc)).filter(|bound| bound.is_finite()),
             infinite: *gain == Gain::Infinite,

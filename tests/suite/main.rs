@@ -14,6 +14,7 @@ mod emit_state;
 mod emit_target;
 mod exact;
 mod examples;
+mod extrema;
 mod formatting;
 mod fuzzing;
 mod hard_cases;

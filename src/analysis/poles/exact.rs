@@ -198,7 +198,7 @@ fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
 
 /// First values on circles whose radii are those of the Newton polygon (Bini, Numer. Algorithms 13 (1996) 179): between
 /// corners i and j of the upper hull of log2 |a_i| there are j - i roots of about 2^((l_i - l_j) / (j - i)).
-fn circles(f: &Polynomial) -> Vec<ComplexFloat> {
+pub(in crate::analysis) fn circles(f: &Polynomial) -> Vec<ComplexFloat> {
     let corners = upper_hull(f);
     let (mut values, mut turn) = (Vec::new(), Complex::new(0.96, 0.28));
     for pair in corners.windows(2) {
@@ -234,7 +234,7 @@ fn upper_hull(f: &Polynomial) -> Vec<(usize, i64)> {
 }
 
 /// The iteration of Ehrlich and Aberth until no value moves by more than half of its bits, at most so many sweeps.
-fn iterate(f: &Polynomial, slope: &Polynomial, values: &mut [ComplexFloat], bits: u64) {
+pub(in crate::analysis) fn iterate(f: &Polynomial, slope: &Polynomial, values: &mut [ComplexFloat], bits: u64) {
     for _ in 0..100 {
         let mut settled = true;
         for i in 0..values.len() {
@@ -279,7 +279,7 @@ fn correction(
 }
 
 /// f(z) by Horner's scheme, exact without `bits`.
-fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
+pub(in crate::analysis) fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
     f.coefficients().iter().rev().fold(ComplexFloat::zero(), |sum, a| {
         let next = &(&sum * z) + &ComplexFloat::new(Float::from(a.clone()), Float::zero());
         match bits {

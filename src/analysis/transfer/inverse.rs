@@ -301,6 +301,27 @@ mod tests {
         assert!(bound.iter().all(|b| *b < 1.0), "{bound:?}");
     }
 
+    /// Nearly singular matrices, whose inverses in binary64 keep three digits: |R| |r| alone is less than the distance wherever R
+    /// came out too small.
+    #[test]
+    fn the_bound_holds_with_a_poor_inverse() {
+        let mut too_small = 0;
+        for i in 1..200 {
+            let a = 1.0 + f64::from(i) / 300.0;
+            let b = a * (1.0 - 2e-13);
+            let entries = symmetric(2, |i, j| if i == j { a } else { b });
+            let Some(inverse) = Inverse::<Complex<f64>>::of(2, &entries) else { continue };
+            // x - y = (1, -1), so the residual is (a - b)(1, -1), exactly.
+            let residual = [a - b, b - a].map(|r| Complex::new(Ball::from(r), Ball::ZERO));
+            let bound = inverse.error(&residual);
+            assert!(bound.iter().all(|bound| *bound >= 1.0), "{a} {bound:?}");
+            let sizes: Vec<f64> = residual.iter().zip(&inverse.scale).map(|(r, d)| r.magnitude() * d).collect();
+            let alone = multiply(2, &inverse.sizes, &sizes);
+            too_small += usize::from(alone.iter().zip(&inverse.scale).any(|(t, d)| t * d * UP < 1.0));
+        }
+        assert!(too_small > 5, "the case is not met: {too_small}");
+    }
+
     #[test]
     fn a_singular_matrix_has_no_proven_inverse() {
         let entries = symmetric(2, |_, _| 3.0);

@@ -7,6 +7,7 @@
 //! where that fails too, with exact rational numbers. Clause: spec.md, "Transfer".
 
 pub(in crate::analysis) mod exact;
+pub mod extrema;
 pub(in crate::analysis) mod inverse;
 pub(in crate::analysis) mod lanes;
 pub mod modal;
@@ -15,14 +16,17 @@ pub(in crate::analysis) mod sparse;
 pub mod table;
 pub(in crate::analysis) mod two_sided;
 
+use crate::analysis::modes::parts::{self, independent};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::extrema::{Denominator, Exactly, coordinates_between};
 use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
+use std::sync::OnceLock;
 
 /// A value of H.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +69,10 @@ pub struct Transfer<'a> {
     entries: Vec<MatrixEntry>,
     /// How they are eliminated; `None` where that would fill them.
     pattern: Option<Pattern>,
+    /// Zeros and poles, once somebody asks for them: of each input and output in turn.
+    parts: OnceLock<Vec<parts::Part>>,
+    denominator: OnceLock<Option<Denominator>>,
+    exactly: Vec<OnceLock<Option<Exactly>>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +93,12 @@ struct Solution {
 
 /// Refinement stops below this relative radius: the value is then right in binary64, and two digits more.
 const SETTLED: f64 = 1e-18;
+/// Small parts are not sought in larger systems.
+const MOST_WITH_PARTS: usize = 2000;
+/// Zeros and poles are kept of so many pairs of inputs and outputs, and not sought of others.
+const MOST_PAIRS: usize = 10_000;
+/// What half a unit in the last place of binary64 allows.
+const TO_THE_LAST_DIGIT: f64 = 1e-17;
 /// Sums in binary64 are hardly ever better than this.
 const FAST_ABOVE: f64 = 1e-14;
 /// Inverses of more coordinates take too long at every frequency.
@@ -168,7 +182,30 @@ impl<'a> Transfer<'a> {
             k: Squares::of(&system.k),
             pattern: Pattern::of(system.n(), &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()),
             entries,
+            parts: OnceLock::new(),
+            denominator: OnceLock::new(),
+            exactly: vec![OnceLock::new(); system.inputs.len().saturating_mul(system.outputs.len()).min(MOST_PAIRS)],
         }
+    }
+
+    /// H of one input and one output by its zeros and poles, where exact arithmetic finds them.
+    pub fn exactly(&self, input: usize, output: usize) -> Option<&Exactly> {
+        let found = || {
+            if self.system.n() > MOST_WITH_PARTS {
+                return None;
+            }
+            let parts = self.parts.get_or_init(|| independent(self.system));
+            let coordinates = coordinates_between(self.system, parts, input, output);
+            let own;
+            let denominator = if coordinates.len() == self.system.n() {
+                self.denominator.get_or_init(|| Denominator::of(self.system, &coordinates)).as_ref()?
+            } else {
+                own = Denominator::of(self.system, &coordinates)?;
+                &own
+            };
+            denominator.pair(self.system, input, output).map(|factored| Exactly::of(&factored))
+        };
+        self.exactly.get(input * self.system.outputs.len() + output)?.get_or_init(found).as_ref()
     }
 
     /// H at a frequency from every input to every output: `[input][output]`.
@@ -198,7 +235,21 @@ impl<'a> Transfer<'a> {
         if gains.iter().flatten().any(|gain| *gain == Gain::Unknown) {
             exact::solve(self.system, frequency, inputs, outputs, &mut gains);
         }
+        self.mend(frequency, inputs, outputs, &mut gains);
         gains
+    }
+
+    /// What no elimination tells well, zeros and poles may: next to a pole that hardly any damper holds.
+    fn mend(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize], gains: &mut [Vec<Gain>]) {
+        for (&input, row) in inputs.iter().zip(gains) {
+            for (&output, gain) in outputs.iter().zip(row).filter(|(_, gain)| is_poor(gain)) {
+                let better = self.exactly(input, output).map_or(Gain::Unknown, |road| road.gain(frequency));
+                let error = |gain: &Gain| gain.disc().map_or(f64::INFINITY, |disc| disc.relative_error());
+                if error(&better) < error(gain) {
+                    *gain = better;
+                }
+            }
+        }
     }
 
     /// H at many frequencies: for each of them every input, for each input every output, all in one list. Several frequencies
@@ -398,6 +449,15 @@ fn by_factor(z: Complex<Ball>, a: Ball) -> Complex<Ball> {
         -z
     } else {
         z.scale(a)
+    }
+}
+
+/// Worse than what a binary64 number can show.
+fn is_poor(gain: &Gain) -> bool {
+    match gain {
+        Gain::Finite(disc) => disc.relative_error() > TO_THE_LAST_DIGIT,
+        Gain::Infinite => false,
+        Gain::Unknown => true,
     }
 }
 

@@ -268,6 +268,71 @@ mod tests {
         }
     }
 
+    /// Dampers to the ground of 1 N*s/m and one of -3/4 between them: both diagonals are positive, C is not.
+    #[test]
+    fn dampers_that_push_somewhere_are_refused() {
+        let mut system = chain(2);
+        system.c = crate::system::Form::new();
+        for i in 0..2 {
+            push(&mut system.c, "1", i, None);
+        }
+        assert!(TwoSided::of(&Transfer::of(&system)).is_some());
+        let source = system.c.source(system.coordinates[0].name);
+        let between = [(CoordinateId(0), Number::ONE), (CoordinateId(1), -&Number::ONE)];
+        system.c.push(source, crate::system::Nature::Property, -&Number::from("0.75"), between);
+        assert!(TwoSided::of(&Transfer::of(&system)).is_none());
+    }
+
+    /// The chain's receptance at its free end, as a continued fraction in rational numbers: the pivots from the ground outwards
+    /// are q_i - (k_i + i omega c_i)^2 / pivot before.
+    #[test]
+    fn the_value_is_enclosed_against_exact_arithmetic() {
+        type Pair = (Number, Number);
+        let times = |a: &Pair, b: &Pair| (&(&a.0 * &b.0) - &(&a.1 * &b.1), &(&a.0 * &b.1) + &(&a.1 * &b.0));
+        let recip = |a: &Pair| {
+            let norm = &a.0.square() + &a.1.square();
+            (&a.0 / &norm, &-&a.1 / &norm)
+        };
+        let mut errors = 0;
+        for n in [1, 2, 5, 12] {
+            let system = chain(n);
+            let transfer = Transfer::of(&system);
+            let road = TwoSided::of(&transfer).expect("dampers on all");
+            for step in 1..20 {
+                let omega = &Number::from(step) / &Number::from(7);
+                let spring = |i: usize| -> Pair {
+                    (Number::from("1000.1"), &omega * &Number::from(if i % 3 == 0 { "0.3" } else { "0.7" }))
+                };
+                let inertia = -&(&omega.square() * &Number::from("1.3"));
+                // From the ground: pivot_i = spring_i + spring_(i+1) + inertia - spring_i^2 / pivot_(i-1).
+                let mut pivot: Option<Pair> = None;
+                for i in 0..n {
+                    let mut q = spring(i);
+                    q.0 = &q.0 + &inertia;
+                    if i + 1 < n {
+                        let next = spring(i + 1);
+                        q = (&q.0 + &next.0, &q.1 + &next.1);
+                    }
+                    if let Some(before) = pivot {
+                        let taken = times(&times(&spring(i), &spring(i)), &recip(&before));
+                        q = (&q.0 - &taken.0, &q.1 - &taken.1);
+                    }
+                    pivot = Some(q);
+                }
+                let truth = recip(&pivot.expect("at least one"));
+                let truth = Complex::new(truth.0.to_ball(), truth.1.to_ball());
+                for tolerance in [1e-17, 1e-10] {
+                    let disc = road.sweep(&transfer, &[Frequency::radians(&omega)], &[n - 1], &[n - 1], tolerance)[0];
+                    let error = (disc.value - truth.mid()).to_f64().abs();
+                    assert!(error <= disc.radius + truth.radius(), "{n} {step}: {error:e} {:e}", disc.radius);
+                    // Without its radius the value would be refuted.
+                    errors += usize::from(error > 2.0 * truth.radius());
+                }
+            }
+        }
+        assert!(errors > 50, "{errors}");
+    }
+
     /// Whatever the width of the vectors: one frequency alone and among others gives the same numbers.
     #[test]
     fn a_lane_does_not_depend_on_its_neighbours() {

@@ -1,0 +1,176 @@
+//! Extrema of systems too large for their zeros: between the frequencies of a grid. In: a system made ready, its poles, values on
+//! a grid. Out: the grid's maxima and minima, each enclosed by itself; that there are no others is not proved.
+//! Clause: spec.md 11a.6b.
+
+use super::jet::Jet;
+use super::{Extrema, Extremum, FeatureKind};
+use crate::analysis::answer::Poles;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::{Disc, Gain, Transfer};
+use crate::base::{Ball, Dd};
+
+/// Steps towards one extremum, and doublings of its enclosure.
+const MOST_STEPS: usize = 100;
+const DOUBLINGS: usize = 40;
+/// How far from a pole without damping |H| is looked at, relative to its frequency, and the circle about it on which |H| is
+/// compared with that; the arcs that the circle is covered with.
+const BESIDE_POLE: f64 = 1e-9;
+const CIRCLE: f64 = 1e-6;
+const ARCS: usize = 32;
+
+/// One pair.
+struct Pair<'a> {
+    transfer: &'a Transfer<'a>,
+    input: usize,
+    output: usize,
+}
+
+/// An interval of omega, rad/s.
+type Interval = (f64, f64);
+
+/// `gains` are the values on the grid, ascending, Hz.
+pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles, gains: &[(f64, Gain)]) -> Extrema {
+    let pair = Pair { transfer, input, output };
+    let two_pi = 2.0 * std::f64::consts::PI;
+    let (Some(first), Some(last)) = (gains.first(), gains.last()) else {
+        return Extrema { list: Vec::new(), complete: None, open: Vec::new() };
+    };
+    // A little more than the range, whose ends are rounded here.
+    let range = (first.0 * two_pi * (1.0 - 1e-15), last.0 * two_pi * (1.0 + 1e-15));
+    let infinite = axis_poles(poles, range);
+    let holds_pole = |(low, high): Interval| infinite.iter().any(|pole| (low..=high).contains(&pole.to_f64()));
+    let mut list: Vec<Extremum> = (told_brackets(gains).into_iter())
+        .filter(|(bracket, _)| !holds_pole(*bracket))
+        .filter_map(|(bracket, kind)| Some(pair.extremum(pair.root(bracket, kind)?, kind)))
+        .collect();
+    for pole in infinite.into_iter().filter(|pole| pair.sees(*pole, poles)) {
+        let frequency = pole / (Ball::from(2.0) * Ball::PI);
+        list.push(Extremum { kind: FeatureKind::Peak, frequency, gain: Gain::Infinite, width: None });
+    }
+    list.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+    list.dedup_by(|b, a| (a.frequency - b.frequency).contains_zero());
+    Extrema { list, complete: None, open: vec![(first.0, last.0)] }
+}
+
+/// Poles exactly on the imaginary axis.
+fn axis_poles(poles: &Poles, (low, high): Interval) -> Vec<Ball> {
+    let on_axis = poles.list.iter().filter(|pole| pole.re.is_zero() && pole.im.is_positive()).map(|pole| pole.im);
+    on_axis.filter(|omega| (low..=high).contains(&omega.to_f64())).collect()
+}
+
+/// The maxima and minima of the grid between two values with a digit: between others there is nothing but rounding.
+fn told_brackets(gains: &[(f64, Gain)]) -> Vec<(Interval, FeatureKind)> {
+    let two_pi = 2.0 * std::f64::consts::PI;
+    let is_told = |gain: Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= 0.1);
+    let size = |gain: Gain| gain.disc().map_or(f64::INFINITY, |disc| disc.value.to_f64().abs());
+    let of_three = |three: &[(f64, Gain)]| {
+        let [(low, left), (_, here), (high, right)] = three else { return None };
+        if !is_told(*left) || !is_told(*right) {
+            return None;
+        }
+        let [left, here, right] = [*left, *here, *right].map(size);
+        let kind = if here > left && here >= right {
+            FeatureKind::Peak
+        } else if here < left && here <= right {
+            FeatureKind::Antiresonance
+        } else {
+            return None;
+        };
+        Some(((low * two_pi, high * two_pi), kind))
+    };
+    gains.windows(3).filter_map(of_three).collect()
+}
+
+impl Pair<'_> {
+    fn jet(&self, omega: Ball) -> Option<Jet> {
+        Jet::of(self.transfer, omega, self.input, self.output)
+    }
+
+    /// The sign of d|H|^2 / d omega, 0 where it is not certain.
+    fn sign(&self, omega: Dd) -> i8 {
+        self.jet(Ball::exact(omega)).map_or(0, |jet| sign_of(jet.slope()))
+    }
+
+    /// A root of the slope where it changes its sign, alone in the ball.
+    fn root(&self, (low, high): Interval, kind: FeatureKind) -> Option<Ball> {
+        let before = if kind == FeatureKind::Peak { 1 } else { -1 };
+        let (mut low, mut high) = (Dd::from(low), Dd::from(high));
+        let mut omega = (low + high) * 0.5;
+        let mut blur = 0.0;
+        for _ in 0..MOST_STEPS {
+            let jet = self.jet(Ball::exact(omega))?;
+            let (slope, curvature) = (jet.slope(), jet.curvature());
+            match sign_of(slope) {
+                0 => {}
+                sign if sign == before => low = omega,
+                _ => high = omega,
+            }
+            blur = slope.rad / curvature.mid.hi.abs();
+            let mut next = omega - slope.mid / curvature.mid;
+            let newton = next > low && next < high && next.is_finite();
+            if !newton {
+                next = (low + high) * 0.5;
+            }
+            let step = (next - omega).abs().to_f64();
+            omega = next;
+            if step <= 1e-29 * omega.to_f64() || (newton && step <= blur) {
+                break;
+            }
+        }
+        let mut reach = (2.0 * blur).max(omega.to_f64() * 1e-30);
+        for _ in 0..DOUBLINGS {
+            let ends = [omega - Dd::from(reach), omega + Dd::from(reach)];
+            if self.sign(ends[0]) == before && self.sign(ends[1]) == -before {
+                let ball = Ball::new(omega, reach * (1.0 + 1e-12));
+                let alone = self.jet(ball).is_some_and(|jet| sign_of(jet.curvature()) == -before);
+                return alone.then_some(ball);
+            }
+            reach *= 4.0;
+        }
+        None
+    }
+
+    fn extremum(&self, omega: Ball, kind: FeatureKind) -> Extremum {
+        let gain = match self.jet(omega).map(|jet| Disc::of(jet.value())) {
+            Some(disc) if disc.radius.is_finite() => Gain::Finite(disc),
+            _ => Gain::Unknown,
+        };
+        let hertz = |omega: Ball| omega / (Ball::from(2.0) * Ball::PI);
+        Extremum { kind, frequency: hertz(omega), gain, width: None }
+    }
+
+    /// Whether H has a pole at a pole of the system on the axis: without it |H| within a circle were at most what it is on the
+    /// circle (the maximum principle), and no other pole is near.
+    fn sees(&self, pole: Ball, poles: &Poles) -> bool {
+        let radius = pole.to_f64() * CIRCLE;
+        let centre = Complex::new(Ball::ZERO, pole);
+        let far = |other: &crate::analysis::answer::Pole| {
+            let distance = Complex::new(other.re, other.im - pole);
+            distance.re.mignitude().max(distance.im.mignitude()) > 2.0 * radius
+        };
+        let near = poles.list.iter().filter(|other| !far(other)).count();
+        if near != 1 || poles.left_out > 0 {
+            return false;
+        }
+        let mut most = 0.0f64;
+        let mut direction = Complex::new(1.0f64, 0.0);
+        // A turn by a little less than 2 pi / ARCS, of length one but for rounding.
+        let turn = Complex::new(0.980_785_280_403_230_4, 0.195_090_322_016_128_27);
+        for _ in 0..ARCS {
+            let offset = direction.scale(radius);
+            let arc = |x: f64| Ball::new(Dd::from(x), 0.1 * radius);
+            let s = Complex::new(centre.re + arc(offset.re), centre.im + arc(offset.im));
+            match Jet::at(self.transfer, s, self.input, self.output) {
+                Some(jet) => most = most.max(jet.value().magnitude()),
+                None => return false,
+            }
+            direction = direction * turn;
+        }
+        let inside = self.jet(Ball::from(pole.to_f64() * (1.0 - BESIDE_POLE))).map(|jet| jet.value());
+        inside.is_some_and(|h| h.re.mignitude().max(h.im.mignitude()) > most)
+    }
+}
+
+fn sign_of(x: Ball) -> i8 {
+    i8::from(x.is_positive()) - i8::from(x.is_negative())
+}

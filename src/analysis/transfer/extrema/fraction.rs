@@ -1,0 +1,215 @@
+//! H of an input and an output as a quotient of two polynomials in s: det [Q, b; -p^T, d] / det Q. In: a small system. Out: its
+//! zeros and poles, and the factor before them. Rational numbers give exact polynomials, and what cancels is taken out; of others
+//! the middles are taken, and each coefficient gets a bound of what it is off by. Clause: spec.md 11a.6a.
+
+use super::expansion::{Sized, spread};
+use super::roots::{Coefficients, Root, roots};
+use crate::analysis::modes::parts::Part;
+use crate::analysis::numeric::polynomial::{Polynomial, determinant};
+use crate::base::{Ball, Dd, Number, Rational};
+use crate::system::{CoordinateId, Form, LinearSystem};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+
+/// Exact arithmetic beyond this many coordinates takes longer than the tables.
+const MOST_COORDINATES: usize = 12;
+
+/// The same for numbers that are enclosed.
+const MOST_ENCLOSED: usize = 9;
+
+/// det Q of a system, ready for its inputs and outputs.
+#[derive(Clone, Debug)]
+pub struct Denominator {
+    /// The coordinates that it is about, ascending.
+    coordinates: Vec<u32>,
+    q: Vec<Vec<Entry>>,
+    determinant: Determinant,
+    roots: Vec<Root>,
+}
+
+/// The coordinates of the independent parts that the input acts on and the output sees: no others have a part in H.
+pub fn coordinates_between(system: &LinearSystem, parts: &[Part], input: usize, output: usize) -> Vec<u32> {
+    let among = |powers: &[Vec<(CoordinateId, Number)>; 3], part: &Part| {
+        powers.iter().flatten().any(|(i, _)| part.coordinates.binary_search(&i.0).is_ok())
+    };
+    let seen = |part: &&Part| among(&system.inputs[input].b, part) && among(&system.outputs[output].p, part);
+    let mut list: Vec<u32> = parts.iter().filter(seen).flat_map(|part| part.coordinates.iter().copied()).collect();
+    list.sort_unstable();
+    list
+}
+
+/// H(s) = lead prod (s - z) / prod (s - p)
+#[derive(Clone, Debug)]
+pub struct Factored {
+    pub lead: Ball,
+    pub zeros: Vec<Root>,
+    pub poles: Vec<Root>,
+}
+
+/// a0 + a1 s + a2 s^2
+type Entry = [Known; 3];
+
+/// The middle of an enclosure, and its radius.
+#[derive(Clone, Debug)]
+struct Known {
+    middle: Rational,
+    radius: f64,
+}
+
+/// A determinant: `factor` times a polynomial.
+#[derive(Clone, Debug)]
+struct Determinant {
+    factor: BigRational,
+    polynomial: Coefficients,
+}
+
+impl Denominator {
+    /// `None` where the system is too large, det Q vanishes at every s, or its roots are not told apart.
+    pub fn of(system: &LinearSystem, coordinates: &[u32]) -> Option<Denominator> {
+        let n = coordinates.len();
+        if n > MOST_COORDINATES {
+            return None;
+        }
+        let mut q: Vec<Vec<[Number; 3]>> = vec![vec![[Number::ZERO, Number::ZERO, Number::ZERO]; n]; n];
+        for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
+            add(form, power, coordinates, &mut q);
+        }
+        let known = |row: Vec<[Number; 3]>| row.into_iter().map(entry).collect();
+        let q: Vec<Vec<Entry>> = q.into_iter().map(known).collect::<Option<_>>()?;
+        let determinant = Determinant::of(&q, 2 * n)?;
+        if determinant.polynomial.middle.is_zero() {
+            return None;
+        }
+        let roots = roots(&determinant.polynomial)?;
+        Some(Denominator { coordinates: coordinates.to_vec(), q, determinant, roots })
+    }
+
+    /// `None` where roots are not told apart, or nothing is known of a number of the input or the output.
+    pub fn pair(&self, system: &LinearSystem, input: usize, output: usize) -> Option<Factored> {
+        let n = self.coordinates.len();
+        let column = |powers| column(powers, &self.coordinates);
+        let (b, p) = (column(&system.inputs[input].b)?, column(&system.outputs[output].p)?);
+        // det [Q, b; -p^T, d] = det Q (d + p^T Q^-1 b)
+        let mut rows = self.q.clone();
+        rows.iter_mut().zip(b).for_each(|(row, b)| row.push(b));
+        let negated = |entry: Entry| entry.map(|x| Known { middle: -&x.middle, ..x });
+        rows.push(p.into_iter().map(negated).chain([through(system, input, output)?]).collect());
+        let numerator = Determinant::of(&rows, 2 * n + 2)?;
+        if numerator.polynomial.middle.is_zero() {
+            // Nothing of the input reaches the output.
+            let nothing = Factored { lead: Ball::ZERO, zeros: Vec::new(), poles: Vec::new() };
+            return numerator.polynomial.is_exact().then_some(nothing);
+        }
+        let (above, below) = (&numerator.polynomial, &self.determinant.polynomial);
+        let factor = Rational::from(&numerator.factor / &self.determinant.factor).to_ball();
+        let lead = factor * (above.lead() / below.lead());
+        let common = match above.is_exact() && below.is_exact() {
+            true => above.middle.gcd(&below.middle)?,
+            false => Polynomial::new(vec![BigInt::one()]),
+        };
+        let rest = |f: &Coefficients| Some(Coefficients::exact(f.middle.divided_by(&common)?));
+        let (zeros, poles) = match common.degree() {
+            0 => (roots(above)?, self.roots.clone()),
+            _ => (roots(&rest(above)?)?, roots(&rest(below)?)?),
+        };
+        Some(Factored { lead, zeros, poles })
+    }
+}
+
+impl Determinant {
+    /// Of a degree that is not above `most`; `None` where that is beyond the arithmetic here.
+    fn of(rows: &[Vec<Entry>], most: usize) -> Option<Determinant> {
+        let is_exact = rows.iter().flatten().flatten().all(|x| x.radius == 0.0);
+        if !is_exact && rows.len() > MOST_ENCLOSED + 1 {
+            return None;
+        }
+        let numbers = || rows.iter().flatten().flatten().map(|x| x.middle.to_big());
+        let common = numbers().fold(BigInt::one(), |lcm, x| lcm.lcm(x.denom()));
+        let mut cleared = numbers().map(|x| x.numer() * (&common / x.denom()));
+        let cleared: Vec<Vec<[BigInt; 3]>> = rows
+            .iter()
+            .map(|row| row.iter().map(|_| [(); 3].map(|_| cleared.next().unwrap_or_default())).collect())
+            .collect();
+        let at = |s: i64| {
+            let value = |[a, b, c]: &[BigInt; 3]| (c * s + b) * s + a;
+            determinant(cleared.iter().map(|row| row.iter().map(value).collect()).collect())
+        };
+        let values: Vec<BigInt> = (0..=most as i64).map(at).collect();
+        let middle = Polynomial::through(&values);
+        if middle.is_zero() {
+            let radii = if is_exact { Vec::new() } else { vec![f64::INFINITY] };
+            return Some(Determinant { factor: BigRational::one(), polynomial: Coefficients { middle, radii } });
+        }
+        // The polynomial is primitive: one value tells by which factor it differs.
+        let (s, found) = values.iter().enumerate().find(|(_, value)| !value.is_zero())?;
+        let all = (0..rows.len()).fold(BigInt::one(), |power, _| power * &common);
+        let factor = BigRational::new(found.clone(), all * value(&middle, s as i64));
+        let sized = |x: &Known| Sized { size: x.middle.to_f64().abs() * (1.0 + 1e-15), radius: x.radius };
+        let radii = if is_exact {
+            Vec::new()
+        } else {
+            let sized: Vec<Vec<[Sized; 3]>> =
+                rows.iter().map(|row| row.iter().map(|entry| entry.each_ref().map(sized)).collect()).collect();
+            let scale = Rational::from(factor.clone()).to_f64().abs() * (1.0 - 1e-15);
+            spread(&sized).into_iter().map(|radius| radius / scale * (1.0 + 1e-14)).collect()
+        };
+        Some(Determinant { factor, polynomial: Coefficients { middle, radii } })
+    }
+}
+
+fn value(f: &Polynomial, s: i64) -> BigInt {
+    f.coefficients().iter().rev().fold(BigInt::zero(), |sum, a| sum * s + a)
+}
+
+impl Known {
+    /// `None` where nothing is known.
+    fn of(number: &Number) -> Option<Known> {
+        if let Some(exact) = number.exact() {
+            return Some(Known { middle: exact.clone(), radius: 0.0 });
+        }
+        let Ball { mid: Dd { hi, lo }, rad } = number.to_ball();
+        let middle = &Rational::from_f64(hi)? + &Rational::from_f64(lo)?;
+        rad.is_finite().then_some(Known { middle, radius: rad })
+    }
+}
+
+fn entry(numbers: [Number; 3]) -> Option<Entry> {
+    let [a, b, c] = numbers.each_ref().map(Known::of);
+    Some([a?, b?, c?])
+}
+
+/// sum w a a^T, times s^power
+fn add(form: &Form, power: usize, coordinates: &[u32], q: &mut [Vec<[Number; 3]>]) {
+    for term in form.terms() {
+        let row = || form.row(term).iter().filter_map(|(i, a)| Some((coordinates.binary_search(&i.0).ok()?, a)));
+        for (i, a) in row() {
+            let weighted = &term.weight * a;
+            for (j, b) in row() {
+                let entry = &mut q[i][j][power];
+                *entry = &*entry + &(&weighted * b);
+            }
+        }
+    }
+}
+
+/// Entries of other coordinates have no part in H.
+fn column(powers: &[Vec<(CoordinateId, Number)>; 3], coordinates: &[u32]) -> Option<Vec<Entry>> {
+    let mut dense: Vec<[Number; 3]> = vec![[Number::ZERO, Number::ZERO, Number::ZERO]; coordinates.len()];
+    for (power, list) in powers.iter().enumerate() {
+        for (i, x) in list {
+            let Ok(place) = coordinates.binary_search(&i.0) else { continue };
+            dense[place][power] = &dense[place][power] + x;
+        }
+    }
+    dense.into_iter().map(entry).collect()
+}
+
+fn through(system: &LinearSystem, input: usize, output: usize) -> Option<Entry> {
+    let of = |power: usize| {
+        let list = system.outputs[output].d[power].iter().filter(|(u, _)| *u as usize == input);
+        list.fold(Number::ZERO, |sum, (_, x)| &sum + x)
+    };
+    entry([of(0), of(1), of(2)])
+}

@@ -1,0 +1,109 @@
+//! H and its first two derivatives over s, at a frequency or over an interval of frequencies, by sparse elimination in discs:
+//! Q x0 = b, Q x1 = b' - Q' x0, Q x2 = b'' - 2 Q' x1 - Q'' x0. In: a system made ready, a frequency as a ball. Out: enclosures
+//! for every frequency of the ball. Clause: spec.md 11a.6b.
+
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::inverse::Entry;
+use crate::analysis::transfer::{Disc, MatrixEntry, Transfer, feed_through};
+use crate::base::{Ball, Number};
+use crate::system::CoordinateId;
+
+/// H, dH/ds, d2H/ds2
+#[derive(Clone, Copy, Debug)]
+pub struct Jet([Complex<Ball>; 3]);
+
+type Powers = [Vec<(CoordinateId, Number)>; 3];
+
+impl Jet {
+    /// `None` where Q may be singular.
+    pub fn of(transfer: &Transfer, omega: Ball, input: usize, output: usize) -> Option<Jet> {
+        Jet::at(transfer, Complex::new(Ball::ZERO, omega), input, output)
+    }
+
+    /// The same anywhere in the complex plane.
+    pub fn at(transfer: &Transfer, s: Complex<Ball>, input: usize, output: usize) -> Option<Jet> {
+        let square = s * s;
+        let entry = |e: &MatrixEntry| {
+            let value = Complex::real(e.k) + s.scale(e.c) + square.scale(e.m);
+            Entry { i: e.i, j: e.j, value }
+        };
+        let entries: Vec<Entry> = transfer.entries.iter().map(entry).collect();
+        let factors = transfer.pattern.as_ref()?.factor(&entries)?;
+        let (input_row, output_row) = (&transfer.system.inputs[input], &transfer.system.outputs[output]);
+        let mut x: [Vec<Complex<Ball>>; 3] = [Vec::new(), Vec::new(), Vec::new()];
+        for order in 0..3 {
+            let mut load = dense(&input_row.b, s, order, transfer.system.n());
+            for e in &transfer.entries {
+                let (i, j) = (e.i as usize, e.j as usize);
+                let slope = || Complex::real(e.c) + s.scale(Ball::from(2.0) * e.m);
+                match order {
+                    0 => {}
+                    1 => load[i] = load[i] - slope() * x[0][j],
+                    _ => load[i] = load[i] - (slope() * x[1][j] + x[0][j].scale(e.m)).scale(Ball::from(2.0)),
+                }
+            }
+            x[order] = factors.solve(&load).into_iter().map(rectangle).collect();
+        }
+        let d = feed_through(output_row, input);
+        let read = |order: usize| {
+            // Leibniz: sum over k of (order over k) P^(k) x^(order - k)
+            let binomial = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]][order];
+            let mut sum = derivative(d, s, order);
+            for k in 0..=order {
+                for (i, p) in sparse(&output_row.p, s, k) {
+                    sum = sum + (p * x[order - k][i]).scale(Ball::from(binomial[k]));
+                }
+            }
+            sum
+        };
+        Some(Jet([read(0), read(1), read(2)]))
+    }
+
+    pub fn value(&self) -> Complex<Ball> {
+        self.0[0]
+    }
+
+    /// Half of d|H|^2 / d omega = Re (conj H i H'), with H' over s.
+    pub fn slope(&self) -> Ball {
+        let [h, first, _] = self.0;
+        h.im * first.re - h.re * first.im
+    }
+
+    /// Its derivative over omega: |H'|^2 - Re (conj H H'').
+    pub fn curvature(&self) -> Ball {
+        let [h, first, second] = self.0;
+        first.re.square() + first.im.square() - (h.re * second.re + h.im * second.im)
+    }
+}
+
+fn rectangle(disc: Disc) -> Complex<Ball> {
+    Complex::new(Ball::new(disc.value.re, disc.radius), Ball::new(disc.value.im, disc.radius))
+}
+
+/// The derivative of a0 + a1 s + a2 s^2.
+fn derivative(a: [Ball; 3], s: Complex<Ball>, order: usize) -> Complex<Ball> {
+    let two = Ball::from(2.0);
+    match order {
+        0 => Complex::real(a[0]) + s.scale(a[1]) + (s * s).scale(a[2]),
+        1 => Complex::real(a[1]) + s.scale(two * a[2]),
+        _ => Complex::real(two * a[2]),
+    }
+}
+
+fn sparse<'a>(powers: &'a Powers, s: Complex<Ball>, order: usize) -> impl Iterator<Item = (usize, Complex<Ball>)> + 'a {
+    let unit = |power: usize, value: Ball| {
+        let mut a = [Ball::ZERO; 3];
+        a[power] = value;
+        a
+    };
+    let entries = powers.iter().enumerate().flat_map(|(power, list)| list.iter().map(move |entry| (power, entry)));
+    entries.map(move |(power, (i, value))| (i.index(), derivative(unit(power, value.to_ball()), s, order)))
+}
+
+fn dense(powers: &Powers, s: Complex<Ball>, order: usize, n: usize) -> Vec<Complex<Ball>> {
+    let mut list = vec![Complex::ZERO; n];
+    for (i, value) in sparse(powers, s, order) {
+        list[i] = list[i] + value;
+    }
+    list
+}

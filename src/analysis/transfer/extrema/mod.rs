@@ -1,0 +1,66 @@
+//! Peaks and antiresonances of |H|, all of them. In: a system, an input, an output and a range. Out: each extremum with its
+//! frequency, its value and its half-power width as enclosures, and whether it is proved that there are no others.
+//! Clause: spec.md 11a.6a.
+
+mod bracketed;
+mod expansion;
+mod fraction;
+mod jet;
+mod point;
+mod roots;
+mod search;
+mod slope;
+
+pub use bracketed::bracketed;
+pub(in crate::analysis) use fraction::coordinates_between;
+pub use fraction::{Denominator, Factored};
+pub use point::Exactly;
+
+use crate::analysis::transfer::Gain;
+use crate::base::Ball;
+
+/// A peak or an antiresonance.
+#[derive(Clone, Debug)]
+pub struct Extremum {
+    pub kind: FeatureKind,
+    /// Hz
+    pub frequency: Ball,
+    pub gain: Gain,
+    /// The distance of the two frequencies where |H| is its peak over the root of 2, Hz; `None` where |H| rises again before.
+    pub width: Option<Ball>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeatureKind {
+    Peak,
+    Antiresonance,
+}
+
+/// No extremum in the range is missing. The search makes it, where every interval of the range is settled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Complete(());
+
+/// What is known of the extrema of one pair.
+#[derive(Clone, Debug)]
+pub struct Extrema {
+    pub list: Vec<Extremum>,
+    pub complete: Option<Complete>,
+    /// Where it is open whether there are others, Hz, from and to.
+    pub open: Vec<(f64, f64)>,
+}
+
+impl Extrema {
+    /// With what another road has enclosed besides.
+    pub(in crate::analysis) fn with(mut self, others: Vec<Extremum>) -> Extrema {
+        let known = |list: &[Extremum], other: &Extremum| {
+            list.iter().any(|extremum| (extremum.frequency - other.frequency).contains_zero())
+        };
+        for other in others {
+            if !known(&self.list, &other) {
+                self.list.push(other);
+            }
+        }
+        self.list.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+        self
+    }
+}

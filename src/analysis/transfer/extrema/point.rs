@@ -1,0 +1,466 @@
+//! From brackets to extrema: each root of g is enclosed between two points where g has different signs, and there |H| and its
+//! half-power width are read off. In: zeros and poles. Out: values of H, and all extrema in a range. Clause: spec.md 11a.6a.
+
+use super::search::{Found, Interval, Search, search};
+use super::slope::{Anchor, anchors};
+use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
+use crate::analysis::numeric::big_float::Float;
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::transfer::{Disc, Frequency, Gain};
+use crate::base::{Ball, Dd, Number};
+use num_bigint::BigInt;
+
+/// H of one pair by its zeros and poles.
+#[derive(Clone, Debug)]
+pub struct Exactly {
+    lead: Ball,
+    anchors: Vec<Anchor>,
+    /// The largest zero or pole, rad/s.
+    largest: f64,
+}
+
+/// A frequency: its distance from an anchor, rad/s.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    anchor: usize,
+    t: Ball,
+}
+
+/// An extremum's place, and what it is.
+#[derive(Clone, Copy, Debug)]
+struct Located {
+    at: Point,
+    kind: FeatureKind,
+    /// A zero or a pole on the axis itself.
+    singular: bool,
+}
+
+/// Steps of bisection in binary64, of Newton in double-double, doublings of an enclosure.
+const MOST_STEPS: usize = 2200;
+const NEWTON_STEPS: usize = 4;
+const DOUBLINGS: usize = 60;
+
+impl Exactly {
+    pub fn of(factored: &Factored) -> Exactly {
+        let roots = factored.zeros.iter().chain(&factored.poles);
+        let size = |x: f64| x.abs();
+        let largest =
+            roots.map(|root| size(root.centre.re.to_f64()).max(size(root.centre.im.to_f64()))).fold(0.0, f64::max);
+        Exactly { lead: factored.lead, anchors: anchors(factored), largest }
+    }
+
+    /// H at a frequency; unknown at a pole, or too near to one.
+    pub fn gain(&self, frequency: &Frequency) -> Gain {
+        if self.lead.is_zero() {
+            return Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 });
+        }
+        let omega = frequency.omega;
+        let after = self.anchors.partition_point(|anchor| anchor.near(0.0) < omega.to_f64());
+        let distance = |i: usize| (self.anchors[i].near(0.0) - omega.to_f64()).abs();
+        let nearest = if after == self.anchors.len() || (after > 0 && distance(after - 1) < distance(after)) {
+            after - 1
+        } else {
+            after
+        };
+        let anchor = &self.anchors[nearest];
+        let mut t = anchor.distance_of(omega);
+        // Next to a pole with hardly any damping its distance counts, of which double-double keeps too little.
+        if t.mignitude() < 1e-8 * omega.magnitude()
+            && let Some((omega, radius)) = wide_omega(frequency)
+        {
+            t = anchor.exact_distance_of(&omega, radius);
+        }
+        self.gain_at(Point { anchor: nearest, t })
+    }
+
+    fn gain_at(&self, point: Point) -> Gain {
+        let value = self.anchors[point.anchor].value(self.lead, point.t);
+        let disc = Disc::of(value);
+        let finite = disc.radius.is_finite() && disc.value.re.is_finite() && disc.value.im.is_finite();
+        if finite { Gain::Finite(disc) } else { Gain::Unknown }
+    }
+
+    /// Every extremum between two frequencies, rad/s.
+    pub fn extrema(&self, low: Ball, high: Ball) -> Extrema {
+        if self.lead.is_zero() || self.anchors[0].terms.is_empty() {
+            return Extrema { list: Vec::new(), complete: Some(Complete(())), open: Vec::new() };
+        }
+        // A half-power width may reach beyond the range.
+        let top = 2.0 * high.magnitude().max(2.0 * self.largest);
+        let mut search = search(&self.anchors, top, (low.to_f64() * (1.0 - 1e-15), high.to_f64() * (1.0 + 1e-15)));
+        let located = self.located(&mut search);
+        let inside = |omega: Ball| !(omega - low).is_negative() && !(high - omega).is_negative();
+        let list = (0..located.len())
+            .filter(|&i| inside(self.omega(located[i].at)))
+            .map(|i| self.extremum(&located, i, &search))
+            .collect();
+        let open = self.open(&search, low.to_f64(), high.to_f64());
+        Extrema { list, complete: open.is_empty().then_some(Complete(())), open }
+    }
+
+    fn omega(&self, point: Point) -> Ball {
+        self.anchors[point.anchor].omega(point.t)
+    }
+
+    /// What is open between two frequencies, Hz, neighbours joined.
+    fn open(&self, search: &Search, low: f64, high: f64) -> Vec<(f64, f64)> {
+        let mut list: Vec<(f64, f64)> = Vec::new();
+        for interval in &search.open {
+            let ends = [interval.low, interval.high].map(|t| self.anchors[interval.anchor].near(t));
+            let (from, to) = (ends[0].next_down().max(low), ends[1].next_up().min(high));
+            if from > to {
+                continue;
+            }
+            match list.last_mut().filter(|last| last.1 >= from * (1.0 - 1e-12)) {
+                Some(last) => last.1 = to,
+                None => list.push((from, to)),
+            }
+        }
+        let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
+        list.into_iter().map(|(from, to)| (hertz(from), hertz(to))).collect()
+    }
+
+    /// The places of what was found. A bracket whose root is not enclosed is open again.
+    fn located(&self, search: &mut Search) -> Vec<Located> {
+        let mut list: Vec<Located> = Vec::new();
+        for found in std::mem::take(&mut search.found) {
+            let (at, rising, singular) = match found {
+                Found::Singular { anchor, rising } => (Point { anchor, t: Ball::ZERO }, rising, true),
+                Found::Bracket { within, rising } => match self.root(within, rising) {
+                    Some(t) => (Point { anchor: within.anchor, t }, rising, false),
+                    None => {
+                        search.open.push(within);
+                        continue;
+                    }
+                },
+            };
+            let kind = if rising { FeatureKind::Antiresonance } else { FeatureKind::Peak };
+            // Maxima and minima alternate: two of a kind are one, found from both sides of a cut.
+            if list.last().is_none_or(|last| last.kind != kind) {
+                list.push(Located { at, kind, singular });
+            }
+        }
+        list
+    }
+
+    /// The only root of g within an interval in which it is monotone, between two points with different signs.
+    fn root(&self, within: Interval, rising: bool) -> Option<Ball> {
+        let anchor = &self.anchors[within.anchor];
+        let before = if rising { -1 } else { 1 };
+        let g = |t: f64| anchor.cell(t, 0.0, true).middle().0;
+        let start = bisect(within.low, within.high, |t| (g(t) > 0.0) == (before > 0));
+        let (mut t, mut last) = (Dd::from(start), f64::INFINITY);
+        let mut blur = 0.0;
+        for _ in 0..NEWTON_STEPS {
+            let (g, slope) = anchor.slope(Ball::exact(t));
+            let step = (g.mid / slope.mid).to_f64();
+            blur = g.rad / slope.mid.hi.abs();
+            if !step.is_finite() || step.abs() > last {
+                break;
+            }
+            let next = t - g.mid / slope.mid;
+            if !(next.hi >= within.low && next.hi <= within.high) {
+                break;
+            }
+            (t, last) = (next, step.abs() * 0.5);
+        }
+        let sign = |t: Dd| anchor.sign_at(t);
+        self.enclosed(t, blur, within, |t| sign(t) == before, |t| sign(t) == -before)
+    }
+
+    /// A ball about t, as small as may be, before which one thing holds and behind which the other does.
+    fn enclosed(
+        &self,
+        t: Dd,
+        blur: f64,
+        within: Interval,
+        before: impl Fn(Dd) -> bool,
+        behind: impl Fn(Dd) -> bool,
+    ) -> Option<Ball> {
+        let mut reach = (2.0 * blur).max(t.abs().to_f64() * 1e-31).max(f64::MIN_POSITIVE);
+        for _ in 0..DOUBLINGS {
+            let (low, high) = (t - Dd::from(reach), t + Dd::from(reach));
+            if low.hi < within.low || high.hi > within.high {
+                // At the very end of an interval whose ends have been decided.
+                let low_is_outside = low.hi < within.low;
+                if low_is_outside && high.hi > within.high {
+                    return None;
+                }
+                let held = if low_is_outside { behind(high) } else { before(low) };
+                return held.then(|| Ball::new(t, 2.0 * reach));
+            }
+            if before(low) && behind(high) {
+                return Some(Ball::new(t, reach * (1.0 + 1e-12)));
+            }
+            reach *= 2.0;
+        }
+        None
+    }
+
+    fn extremum(&self, located: &[Located], index: usize, search: &Search) -> Extremum {
+        let Located { at, kind, singular } = located[index];
+        let gain = match (singular, kind) {
+            (true, FeatureKind::Peak) => Gain::Infinite,
+            (true, FeatureKind::Antiresonance) => Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 }),
+            (false, _) => self.gain_at(at),
+        };
+        let width = (kind == FeatureKind::Peak && !singular).then(|| self.width(located, index, search)).flatten();
+        let hertz = |omega: Ball| omega / (Ball::from(2.0) * Ball::PI);
+        Extremum { kind, frequency: hertz(self.omega(at)), gain, width: width.map(hertz) }
+    }
+
+    /// rad/s
+    fn width(&self, located: &[Located], index: usize, search: &Search) -> Option<Ball> {
+        let at = located[index].at;
+        let peak = self.anchors[at.anchor].size(self.lead.abs(), at.t);
+        // sqrt(2) |H| / peak is one at the half-power points.
+        let factor = self.lead.abs() * Ball::from(2.0).sqrt() / peak;
+        if !factor.is_finite() {
+            return None;
+        }
+        let before = index.checked_sub(1).map(|i| located[i].at);
+        let left = self.crossing(factor, at, before, search, false)?;
+        let right = self.crossing(factor, at, located.get(index + 1).map(|next| next.at), search, true)?;
+        let between = self.anchors[left.anchor].to(&self.anchors[right.anchor]);
+        Some(if left.anchor == right.anchor { right.t - left.t } else { right.t - left.t + between })
+    }
+
+    /// Where |H| falls to half its power between a peak and the next extremum, over which it is monotone.
+    fn crossing(&self, factor: Ball, from: Point, to: Option<Point>, search: &Search, up: bool) -> Option<Point> {
+        let mut segment = from.anchor;
+        loop {
+            let whole = search.segments[segment];
+            let inner = if segment == from.anchor {
+                from.t.to_f64()
+            } else if up {
+                whole.low
+            } else {
+                whole.high
+            };
+            let end = to.filter(|to| to.anchor == segment).map(|to| to.t.to_f64());
+            let outer = end.unwrap_or(if up { whole.high } else { whole.low });
+            let path = Interval { anchor: segment, low: inner.min(outer), high: inner.max(outer) };
+            if search.open.iter().any(|open| open.anchor == segment && open.low <= path.high && open.high >= path.low) {
+                return None;
+            }
+            if self.anchors[segment].near_size(factor.to_f64(), outer) < 1.0 {
+                return Some(Point { anchor: segment, t: self.half_power(factor, path, up)? });
+            }
+            // At the next extremum, at rest or beyond all roots.
+            if end.is_some() {
+                return None;
+            }
+            segment = if up { segment + 1 } else { segment.checked_sub(1)? };
+            if segment >= search.segments.len() {
+                return None;
+            }
+        }
+    }
+
+    /// Where `factor` |H| is one, in an interval over which |H| is monotone: falling where `up`.
+    fn half_power(&self, factor: Ball, within: Interval, up: bool) -> Option<Ball> {
+        let anchor = &self.anchors[within.anchor];
+        let start = bisect(within.low, within.high, |t| (anchor.near_size(factor.to_f64(), t) > 1.0) == up);
+        let mut t = Dd::from(start);
+        let mut blur = 0.0;
+        for _ in 0..NEWTON_STEPS {
+            let size = anchor.size(factor, Ball::exact(t));
+            let slope = anchor.slope(Ball::exact(t)).0.mid * size.mid;
+            blur = size.rad / slope.hi.abs();
+            let next = t - (size.mid - Dd::ONE) / slope;
+            if !(next.hi > within.low && next.hi < within.high) {
+                break;
+            }
+            t = next;
+        }
+        let more = |t: Dd| (anchor.size(factor, Ball::exact(t)) - Ball::ONE).is_positive();
+        let less = |t: Dd| (anchor.size(factor, Ball::exact(t)) - Ball::ONE).is_negative();
+        let strictly = |t: Ball| (t.mid.hi - t.rad > within.low && t.mid.hi + t.rad < within.high).then_some(t);
+        if up { self.enclosed(t, blur, within, more, less) } else { self.enclosed(t, blur, within, less, more) }
+            .and_then(strictly)
+    }
+}
+
+/// omega to a hundred digits, and what that is off by, where the frequency is exact.
+fn wide_omega(frequency: &Frequency) -> Option<(Float, f64)> {
+    const BITS: u64 = 360;
+    let (fraction, of_pi) = match (frequency.exact().and_then(Number::exact), &frequency.hertz) {
+        (Some(omega), _) => (omega.to_big(), false),
+        (None, Number::Exact(hertz)) => (hertz.to_big() * BigInt::from(2), true),
+        _ => return None,
+    };
+    let part = |x: &BigInt| Float::from(x.clone());
+    let rational = part(fraction.numer()).divided_by(&part(fraction.denom()), BITS);
+    let omega = if of_pi { &rational * &wide_pi() } else { rational };
+    // Both factors are cut behind 360 bits.
+    let radius = omega.to_f64().abs() / (1u128 << 100) as f64 / (1u128 << 100) as f64 / (1u128 << 100) as f64;
+    Some((omega, radius + f64::MIN_POSITIVE))
+}
+
+/// 400 bits of pi by Machin's formula, 16 atan (1/5) - 4 atan (1/239).
+fn wide_pi() -> Float {
+    const BITS: usize = 420;
+    let atan_of_reciprocal = |x: u32| {
+        let (mut sum, mut power, mut k) = (BigInt::from(0), (BigInt::from(1) << BITS) / x, 1u32);
+        while power != BigInt::from(0) {
+            let term = &power / k;
+            sum = if k % 4 == 1 { sum + term } else { sum - term };
+            power /= x * x;
+            k += 2;
+        }
+        sum
+    };
+    let pi = atan_of_reciprocal(5) * 16 - atan_of_reciprocal(239) * 4;
+    Float::from(pi).times_power_of_two(-(BITS as i64))
+}
+
+/// The binary64 number behind which `holds` fails, which holds at the low end and not at the high one.
+fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..MOST_STEPS {
+        let middle = 0.5 * (low + high);
+        if !(low < middle && middle < high) || (high - low) <= 1e-15 * low.abs().min(high.abs()) {
+            break;
+        }
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, oscillator, push};
+    use crate::analysis::transfer::extrema::Denominator;
+    use crate::base::Number;
+    use crate::system::LinearSystem;
+
+    fn exactly(system: &LinearSystem, input: usize, output: usize) -> Exactly {
+        let coordinates: Vec<u32> = (0..system.n() as u32).collect();
+        let denominator = Denominator::of(system, &coordinates).expect("rational");
+        Exactly::of(&denominator.pair(system, input, output).expect("roots"))
+    }
+
+    fn all(system: &LinearSystem, input: usize, output: usize) -> Extrema {
+        exactly(system, input, output).extrema(Ball::from(1e-6), Ball::from(1e6))
+    }
+
+    /// m = 1, k = 1, c = 2 zeta: a peak at sqrt(1 - 2 zeta^2), 1 / (2 zeta sqrt(1 - zeta^2)) high; |H|^2 is half of it at
+    /// w^2 = 1 - 2 zeta^2 +- 2 zeta sqrt(1 - zeta^2).
+    #[test]
+    fn an_oscillator_of_any_damping_has_its_textbook_peak() {
+        for exponent in [0, 2, 7, 16, 17, 40, 60, 100] {
+            let zeta = Number::from(format!("2e-{exponent}").as_str());
+            let zeta = if exponent == 0 { Number::from("0.2") } else { zeta };
+            let system = oscillator("1", &format!("{}e-{exponent}", if exponent == 0 { "0.4" } else { "4" }), "1");
+            let found = all(&system, 0, 0);
+            assert!(found.complete.is_some(), "{exponent} {:?}", found.open);
+            let [peak] = &found.list[..] else { panic!("{exponent}: {:?}", found.list) };
+            assert_eq!(peak.kind, FeatureKind::Peak);
+            let one = Number::ONE;
+            let square = zeta.square();
+            let root = (&one - &square).sqrt().expect("positive");
+            let near = &one - &(&square * &Number::from(2));
+            let agree = |name: &str, told: Ball, truth: Ball, most: f64| {
+                assert!((told - truth).contains_zero(), "{exponent} {name}: {told:?} {truth:?}");
+                assert!(told.relative_error() < most, "{exponent} {name}: {:e}", told.relative_error());
+            };
+            let two_pi = Ball::from(2.0) * Ball::PI;
+            agree("frequency", peak.frequency * two_pi, near.sqrt().expect("positive").to_ball(), 1e-25);
+            let height = (&(&zeta * &Number::from(2)) * &root).recip().expect("not zero");
+            agree("gain", peak.gain.disc().expect("finite").gain(), height.to_ball(), 1e-24);
+            let apart = &(&zeta * &root) * &Number::from(2);
+            // sqrt(a + d) - sqrt(a - d) = 2 d / (sqrt(a + d) + sqrt(a - d))
+            let ends = [&near + &apart, &near - &apart].map(|x| x.sqrt().expect("positive"));
+            let width = &(&apart * &Number::from(2)) / &(&ends[0] + &ends[1]);
+            agree("width", peak.width.expect("a width") * two_pi, width.to_ball(), 1e-20);
+        }
+    }
+
+    /// 200 decimals of pi end in 196; the first 50 of them are enough here.
+    #[test]
+    fn pi_is_pi() {
+        let known: BigInt = "314159265358979323846264338327950288419716939937510".parse().expect("digits");
+        let scaled = &wide_pi() * &Float::from(BigInt::from(10).pow(50u32));
+        assert!((&scaled - &Float::from(known)).to_f64().abs() < 1.0);
+    }
+
+    /// At a frequency next to the peak of an oscillator with zeta = 1e-20: 1 / (k - omega^2 + i omega c).
+    #[test]
+    fn beside_a_pole_all_digits_are_there() {
+        let system = oscillator("1", "2e-20", "1");
+        let omega = Number::from("1.00000000000000000003");
+        let gain = exactly(&system, 0, 0).gain(&Frequency::radians(&omega));
+        let re = &Number::ONE - &omega.square();
+        let im = &omega * &Number::from("2e-20");
+        let norm = &re.square() + &im.square();
+        let truth = Complex::new((&re / &norm).to_ball(), (&-&im / &norm).to_ball());
+        let disc = gain.disc().expect("finite");
+        assert!(disc.relative_error() < 1e-25, "{:e}", disc.relative_error());
+        let error = (disc.value - truth.mid()).to_f64().abs();
+        assert!(error <= disc.radius + truth.radius(), "{error:e} {:e}", disc.radius);
+    }
+
+    #[test]
+    fn without_damping_a_peak_is_infinite_and_a_zero_is_zero() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, i.checked_sub(1));
+        }
+        let found = all(&system, 0, 0);
+        assert!(found.complete.is_some());
+        let told: Vec<(FeatureKind, bool, f64)> = (found.list.iter())
+            .map(|e| (e.kind, e.gain == Gain::Infinite, (e.frequency * Ball::from(2.0) * Ball::PI).to_f64()))
+            .collect();
+        // omega^2 = (3 -+ sqrt 5) / 2; the second mass alone stands at 1 rad/s.
+        let root = 5f64.sqrt();
+        let expected = [
+            (FeatureKind::Peak, true, ((3.0 - root) / 2.0).sqrt()),
+            (FeatureKind::Antiresonance, false, 1.0),
+            (FeatureKind::Peak, true, ((3.0 + root) / 2.0).sqrt()),
+        ];
+        assert_eq!(told.len(), 3, "{told:?}");
+        for (told, expected) in told.iter().zip(expected) {
+            assert!((told.0, told.1) == (expected.0, expected.1) && (told.2 - expected.2).abs() < 1e-15, "{told:?}");
+        }
+        assert_eq!(found.list[1].gain, Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 }));
+    }
+
+    /// Stronger than 1 / sqrt 2 there is no peak, and that is proved.
+    #[test]
+    fn heavy_damping_leaves_no_peak() {
+        let found = all(&oscillator("1", "1.5", "1"), 0, 0);
+        assert!(found.list.is_empty() && found.complete.is_some(), "{found:?}");
+    }
+
+    /// At 1 / sqrt 2 exactly, g has a triple root at rest: nothing above it.
+    #[test]
+    fn a_flat_top_at_rest_is_no_peak() {
+        let mut system = oscillator("1", "1", "1");
+        system.k = crate::system::Form::new();
+        push(&mut system.k, "0.5", 0, None);
+        let found = exactly(&system, 0, 0).extrema(Ball::from(1e-3), Ball::from(1e6));
+        assert!(found.list.is_empty() && found.complete.is_some(), "{found:?}");
+    }
+
+    /// Two pendulums, one below the other, whose numbers come from sines: off by 1e-31 of what they are.
+    #[test]
+    fn enclosed_numbers_tell_the_same() {
+        let mut system = blank(2);
+        let source = system.m.source(system.coordinates[0].name);
+        let at = |i: u32, x: &str| (crate::system::CoordinateId(i), Number::from(x));
+        let nature = crate::system::Nature::Property;
+        // M = [2 1; 1 1], K = [19.62 0; 0 9.81]
+        system.m.push(source, nature, Number::ONE, [at(0, "1")]);
+        system.m.push(source, nature, Number::ONE, [at(0, "1"), at(1, "1")]);
+        let source = system.k.source(system.coordinates[0].name);
+        let around = |x: f64| Number::Ball(Ball::new(Dd::from(x), 1e-31 * x));
+        system.k.push(source, nature, around(19.62), [at(0, "1")]);
+        system.k.push(source, nature, around(9.81), [at(1, "1")]);
+        let found = all(&system, 1, 1);
+        assert!(found.complete.is_some(), "{found:?}");
+        let told: Vec<(FeatureKind, bool)> = found.list.iter().map(|e| (e.kind, e.gain == Gain::Infinite)).collect();
+        use FeatureKind::{Antiresonance, Peak};
+        assert_eq!(told, [(Peak, true), (Antiresonance, false), (Peak, true)]);
+    }
+}

@@ -1,0 +1,366 @@
+//! The roots of a polynomial with integer coefficients, as many as its degree: each with its multiplicity, and whether it lies
+//! on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with so many digits that the distance of any
+//! two roots, and of a root from the imaginary axis, is known to more digits than double-double has. Clause: spec.md 11a.6a.
+
+use crate::analysis::numeric::big_float::{ComplexFloat, Float};
+use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::polynomial::Polynomial;
+use crate::analysis::poles::exact::{circles, iterate, value};
+use crate::base::Ball;
+use num_bigint::BigInt;
+use num_traits::Zero;
+use std::cmp::Ordering;
+
+/// A root, or a pair of conjugate ones, of which this is that with a positive imaginary part.
+#[derive(Clone, Debug)]
+pub struct Root {
+    /// The root lies within the radius of this centre, rad/s; a part that is exactly zero is so here.
+    pub centre: ComplexFloat,
+    pub radius: Float,
+    pub multiplicity: usize,
+    pub place: Place,
+}
+
+/// What is exactly known of a root's place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Real, a root by itself.
+    Real,
+    /// With its conjugate on the imaginary axis, not at zero.
+    Axis,
+    /// With its conjugate off both axes.
+    Pair,
+}
+
+/// Bits that roots are sought with at first, and at last.
+const FIRST_BITS: u64 = 160;
+const MOST_BITS: u64 = 2560;
+/// Radii are below 2^-SHARP of the root, and of its distance from the imaginary axis.
+const SHARP: i64 = 110;
+
+/// The coefficients of a polynomial: integers, or within radii of integers.
+#[derive(Clone, Debug)]
+pub struct Coefficients {
+    pub middle: Polynomial,
+    /// By power; empty where they are exact.
+    pub radii: Vec<f64>,
+}
+
+impl Coefficients {
+    pub fn exact(middle: Polynomial) -> Coefficients {
+        Coefficients { middle, radii: Vec::new() }
+    }
+
+    pub fn is_exact(&self) -> bool {
+        self.radii.is_empty()
+    }
+
+    /// The coefficient of the highest power.
+    pub fn lead(&self) -> Ball {
+        let lead = self.middle.coefficients().last().cloned().unwrap_or_default();
+        Float::from(lead).to_ball(self.radius(self.middle.degree()))
+    }
+
+    fn radius(&self, power: usize) -> f64 {
+        self.radii.get(power).copied().unwrap_or(0.0)
+    }
+
+    /// The size of the radii's sum at |s| = size.
+    fn blur(&self, size: &Float) -> Float {
+        self.radii.iter().rev().fold(Float::zero(), |sum, &radius| (&(&sum * size) + &Float::from(radius)).cut(64))
+    }
+
+    fn derivative(&self) -> Coefficients {
+        let radii = self.radii.iter().enumerate().skip(1).map(|(k, radius)| radius * k as f64 * (1.0 + f64::EPSILON));
+        Coefficients { middle: self.middle.derivative(), radii: radii.collect() }
+    }
+
+    /// How often s divides for certain, and what is left; `None` where the number of roots, or of those at zero, is not certain.
+    fn without_zero_roots(&self) -> Option<(usize, Coefficients)> {
+        let (zeros, middle) = self.middle.without_zero_roots();
+        let radii: Vec<f64> = self.radii.iter().skip(zeros).copied().collect();
+        let nothing = |radius: &f64| *radius == 0.0;
+        let certain = self.radii.iter().take(zeros).all(nothing) && radii.iter().skip(middle.degree() + 1).all(nothing);
+        let rest = Coefficients { middle, radii };
+        let ends = [0, rest.middle.degree()].map(|power| {
+            Float::from(rest.middle.coefficients()[power].clone()).to_f64().abs() > 2.0 * rest.radius(power)
+        });
+        (certain && ends == [true; 2]).then_some((zeros, rest))
+    }
+}
+
+/// All roots; `None` where they are not told apart.
+pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
+    let (zeros, rest) = f.without_zero_roots()?;
+    let mut list = Vec::new();
+    if zeros > 0 {
+        let (centre, radius) = (ComplexFloat::zero(), Float::zero());
+        list.push(Root { centre, radius, multiplicity: zeros, place: Place::Real });
+    }
+    if f.is_exact() {
+        for (index, factor) in rest.middle.by_multiplicity()?.iter().enumerate() {
+            let (even, other) = split(factor)?;
+            list.extend(simple(&Coefficients::exact(even), true, index + 1)?);
+            list.extend(simple(&Coefficients::exact(other), false, index + 1)?);
+        }
+    } else {
+        let odd = rest.middle.coefficients().iter().zip(&rest.radii).skip(1).step_by(2);
+        let even = odd.into_iter().all(|(a, radius)| a.is_zero() && *radius == 0.0);
+        list.extend(simple(&rest, even, 1)?);
+    }
+    let count: usize = list.iter().map(Root::count).sum();
+    (count == f.middle.degree()).then_some(list)
+}
+
+/// f = g(s^2) h(s) with the largest g: with f = E(s^2) + s O(s^2) it is the common divisor of E and O. A root on the imaginary
+/// axis is one of E and O, so h has none.
+fn split(f: &Polynomial) -> Option<(Polynomial, Polynomial)> {
+    let part = |from: usize| Polynomial::new(f.coefficients().iter().skip(from).step_by(2).cloned().collect());
+    let common = part(0).gcd(&part(1))?;
+    let spread = common.coefficients().iter().flat_map(|a| [a.clone(), BigInt::zero()]).collect();
+    let even = Polynomial::new(spread);
+    let other = f.primitive().divided_by(&even.primitive())?;
+    Some((even, other))
+}
+
+/// The roots of a polynomial whose roots are simple, and not zero. That of s^2 alone has them mirrored at both axes.
+fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>> {
+    if f.middle.degree() == 0 {
+        return Some(Vec::new());
+    }
+    let slope = f.derivative();
+    let mut values = in_binary64(&f.middle, circles(&f.middle));
+    let mut bits = FIRST_BITS;
+    // What is not exact is not told better with more digits.
+    let most = if f.is_exact() { MOST_BITS } else { FIRST_BITS };
+    while bits <= most {
+        iterate(&f.middle, &slope.middle, &mut values, bits);
+        if let Some(discs) = discs(f, &slope, &values, even) {
+            return Some(discs.into_iter().filter_map(|disc| disc.root(multiplicity)).collect());
+        }
+        bits *= 2;
+    }
+    None
+}
+
+/// Sweeps in binary64: a dozen are usual.
+const MOST_SWEEPS: usize = 80;
+
+/// Better first values, as good as binary64 tells: the iteration of Ehrlich and Aberth on f(2^e z), scaled so that the roots'
+/// geometric mean is near one. Nothing is proved here; where coefficients leave the range of binary64, `start` comes back.
+fn in_binary64(f: &Polynomial, start: Vec<ComplexFloat>) -> Vec<ComplexFloat> {
+    let a = f.coefficients();
+    let d = f.degree();
+    let bits = |k: usize| a[k].bits() as i64;
+    let e = (bits(0) - bits(d)).div_euclid(d as i64);
+    let raised = |k: usize| Float::from(a[k].clone()).times_power_of_two(e * k as i64);
+    let most = (0..=d).filter_map(|k| raised(k).ceiling_log2()).max().unwrap_or(0);
+    let scaled: Vec<f64> = (0..=d).map(|k| raised(k).times_power_of_two(-most).to_f64()).collect();
+    let mut z: Vec<Complex<f64>> = (start.iter())
+        .map(|z| {
+            Complex::new(z.re.clone().times_power_of_two(-e).to_f64(), z.im.clone().times_power_of_two(-e).to_f64())
+        })
+        .collect();
+    for _ in 0..MOST_SWEEPS {
+        let mut largest = 0.0f64;
+        for i in 0..z.len() {
+            let others = (z.iter().enumerate().filter(|(j, _)| *j != i))
+                .fold(Complex::ZERO, |sum, (_, &other)| sum + (z[i] - other).recip());
+            let step = (logarithmic_slope(&scaled, z[i]) - others).recip();
+            if step.is_finite() {
+                z[i] = z[i] - step;
+                largest = largest.max(step.one_norm() / z[i].one_norm());
+            }
+        }
+        if largest < 1e-14 {
+            break;
+        }
+    }
+    if !z.iter().all(|z| z.is_finite() && z.one_norm() > 0.0) {
+        return start;
+    }
+    let back = |x: f64| Float::from(x).times_power_of_two(e);
+    z.iter().map(|z| ComplexFloat::new(back(z.re), back(z.im))).collect()
+}
+
+/// f'/f in binary64, from the reversed polynomial outside the unit circle.
+fn logarithmic_slope(a: &[f64], z: Complex<f64>) -> Complex<f64> {
+    let horner = |mut coefficients: Box<dyn Iterator<Item = &f64> + '_>, z: Complex<f64>| {
+        let first = coefficients.next().copied().unwrap_or(0.0);
+        coefficients.fold((Complex::real(first), Complex::ZERO), |(value, slope), &a| {
+            (value * z + Complex::real(a), slope * z + value)
+        })
+    };
+    if z.abs() <= 1.0 {
+        let (value, slope) = horner(Box::new(a.iter().rev()), z);
+        slope * value.recip()
+    } else {
+        // With q(w) = w^d f(1/w): f'/f = w (d - w q'/q).
+        let w = z.recip();
+        let (value, slope) = horner(Box::new(a.iter()), w);
+        w * (Complex::real((a.len() - 1) as f64) - w * slope * value.recip())
+    }
+}
+
+/// A disc that holds a root.
+struct Disc {
+    centre: ComplexFloat,
+    radius: Float,
+}
+
+/// Discs |s - z| <= d |f / f'|: each holds a root (Laguerre; Henrici, Applied and Computational Complex Analysis I, 6.4), and d
+/// disjoint ones hold them all. `None` where they touch one another or the real axis, or are wider than they need be.
+fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<Disc>> {
+    let discs: Vec<Disc> = values.iter().map(|z| Disc::around(f, slope, z, even)).collect::<Option<_>>()?;
+    let apart = |(i, a): (usize, &Disc)| discs[..i].iter().all(|b| a.is_apart_from(b));
+    let sharp = |disc: &Disc| disc.is_certain() && (!f.is_exact() || disc.is_sharp());
+    let whole = discs.len() == f.middle.degree() && discs.iter().enumerate().all(apart) && discs.iter().all(sharp);
+    whole.then_some(discs)
+}
+
+impl Disc {
+    /// Around z; where that is no farther from an axis of symmetry than the disc is wide, around the point there: such a disc
+    /// holds the mirror image of its root too, so that the root, if it is the only one, is on the axis.
+    fn around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<Disc> {
+        let radius = radius(f, slope, z)?;
+        let centre = if !is_less(&radius, &z.im.abs()) {
+            ComplexFloat::new(z.re.clone(), Float::zero())
+        } else if even && !is_less(&radius, &z.re.abs()) {
+            ComplexFloat::new(Float::zero(), z.im.clone())
+        } else {
+            return Some(Disc { centre: z.clone(), radius });
+        };
+        let radius = self::radius(f, slope, &centre)?;
+        Some(Disc { centre, radius })
+    }
+
+    fn is_apart_from(&self, other: &Disc) -> bool {
+        let reach = &self.radius + &other.radius;
+        is_less(&(&reach * &reach), &(&self.centre - &other.centre).norm())
+    }
+
+    /// Its root is real, or one of a pair.
+    fn is_certain(&self) -> bool {
+        !self.centre.is_zero() && (self.centre.im.is_zero() || is_less(&self.radius, &self.centre.im.abs()))
+    }
+
+    /// Small against the root and its distance from the imaginary axis.
+    fn is_sharp(&self) -> bool {
+        let wide = self.radius.clone().times_power_of_two(SHARP);
+        let clear = self.centre.re.is_zero() || is_less(&wide, &self.centre.re.abs());
+        clear && is_less(&(&wide * &wide), &self.centre.norm())
+    }
+
+    /// `None` for the other one of a pair.
+    fn root(self, multiplicity: usize) -> Option<Root> {
+        let Disc { centre, radius } = self;
+        let place = match (centre.re.is_zero(), centre.im.is_zero()) {
+            (_, true) => Place::Real,
+            (true, false) => Place::Axis,
+            (false, false) => Place::Pair,
+        };
+        (!centre.im.is_negative()).then_some(Root { centre, radius, multiplicity, place })
+    }
+}
+
+impl Root {
+    /// Roots of the polynomial that this stands for.
+    fn count(&self) -> usize {
+        if self.place == Place::Real { self.multiplicity } else { 2 * self.multiplicity }
+    }
+}
+
+/// d |f(z) / f'(z)|, not less for any coefficients within their radii.
+fn radius(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat) -> Option<Float> {
+    let (p, q) = (value(&f.middle, z, None).norm(), value(&slope.middle, z, None).norm());
+    if q.is_zero() {
+        return None;
+    }
+    let degree = Float::from(BigInt::from(f.middle.degree()));
+    let exactly = &p.root_of_quotient_above(&q) * &degree;
+    if f.is_exact() {
+        return Some(exactly);
+    }
+    // (|f| + df) / (|f'| - df') <= (|f / f'| + df / |f'|) / (1 - df' / |f'|), and the divisor must be above a half.
+    let size = &z.re.abs() + &z.im.abs();
+    let over = |blur: Float| (&blur * &blur).root_of_quotient_above(&q);
+    let (above, below) = (over(f.blur(&size)), over(slope.blur(&size)));
+    let sum = &exactly + &(&above * &degree);
+    is_less(&below, &Float::from(0.5)).then(|| sum.times_power_of_two(1))
+}
+
+fn is_less(a: &Float, b: &Float) -> bool {
+    (b - a).sign() == Ordering::Greater
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_traits::One;
+
+    fn polynomial(coefficients: &[i64]) -> Polynomial {
+        Polynomial::new(coefficients.iter().map(|&a| a.into()).collect())
+    }
+
+    fn rounded(x: &Float) -> f64 {
+        x.to_ball(0.0).to_f64()
+    }
+
+    fn told(f: &Polynomial) -> Vec<(f64, f64, usize, Place)> {
+        let mut list: Vec<_> = (roots(&Coefficients::exact(f.clone())).expect("roots").iter())
+            .map(|root| (rounded(&root.centre.re), rounded(&root.centre.im), root.multiplicity, root.place))
+            .collect();
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        list
+    }
+
+    /// s^2 (s^2 + 4)(s^2 - 9)(s + 1)(s^2 + 2 s + 5), multiplied out by hand.
+    #[test]
+    fn roots_on_the_axes_and_off_them() {
+        // (s^2 + 4)(s^2 - 9) = s^4 - 5 s^2 - 36; (s + 1)(s^2 + 2 s + 5) = s^3 + 3 s^2 + 7 s + 5.
+        let f = polynomial(&[0, 0, -180, -252, -133, -71, -10, 2, 3, 1]);
+        let expected = [
+            (-3.0, 0.0, 1, Place::Real),
+            (-1.0, 0.0, 1, Place::Real),
+            (-1.0, 2.0, 1, Place::Pair),
+            (0.0, 0.0, 2, Place::Real),
+            (0.0, 2.0, 1, Place::Axis),
+            (3.0, 0.0, 1, Place::Real),
+        ];
+        assert_eq!(told(&f), expected);
+    }
+
+    /// 10^60 s^2 + 2 s + 10^60: a damping ratio of 1e-60 is not none.
+    #[test]
+    fn a_root_next_to_the_axis_is_not_on_it() {
+        let big = BigInt::from(10).pow(60u32);
+        let roots = roots(&Coefficients::exact(Polynomial::new(vec![big.clone(), 2.into(), big]))).expect("roots");
+        assert_eq!((roots.len(), roots[0].place), (1, Place::Pair));
+        assert!((roots[0].centre.re.to_f64() / -1e-60 - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn repeated_roots_are_counted() {
+        // (s^2 + 1)^2 (s + 2)^3
+        let f = polynomial(&[8, 12, 22, 25, 20, 14, 6, 1]);
+        assert_eq!(told(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
+    }
+
+    /// s^2 + 2 s + 5 with coefficients off by 1e-3: the roots of s^2 + 2.001 s + 5.001 are in the discs.
+    #[test]
+    fn uncertain_coefficients_widen_the_discs() {
+        let f = Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![1e-3, 1e-3, 0.0] };
+        let found = roots(&f).expect("apart");
+        let (re, im) = (-1.0005, (5.001f64 - 1.0005 * 1.0005).sqrt());
+        let distance = (rounded(&found[0].centre.re) - re).hypot(rounded(&found[0].centre.im) - im);
+        let radius = found[0].radius.to_f64();
+        assert!(distance <= radius && radius < 5e-3, "{distance} {radius}");
+        // What may be a root at zero is not told.
+        assert!(roots(&Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![6.0, 0.0, 0.0] }).is_none());
+    }
+
+    #[test]
+    fn a_constant_has_none() {
+        assert!(roots(&Coefficients::exact(Polynomial::new(vec![BigInt::one()]))).expect("no roots").is_empty());
+    }
+}

@@ -1,0 +1,298 @@
+//! The slope of ln |H| over omega. A zero a + i b adds (omega - b) / ((omega - b)^2 + a^2), a pole takes as much away:
+//!
+//! ```text
+//! g = d ln |H| / d omega = sum over zeros t / (t^2 + a^2) - sum over poles t / (t^2 + a^2),   t = omega - b
+//! ```
+//!
+//! so an extremum of |H| is a root of g. In: zeros and poles. Out: g and its derivative at a point and over an interval, with
+//! bounds. Frequencies are told by their distance from the imaginary part of a root near by (the anchor): so none of the digits
+//! that a light damping leaves is lost. Clause: spec.md 11a.6a.
+
+use super::fraction::Factored;
+use super::roots::{Place, Root};
+use crate::analysis::numeric::big_float::Float;
+use crate::analysis::numeric::complex::Complex;
+use crate::base::{Ball, Dd};
+
+/// A frequency from which others are counted: zero, or the imaginary part of a root.
+#[derive(Clone, Debug)]
+pub struct Anchor {
+    /// rad/s
+    place: Float,
+    radius: f64,
+    pub terms: Vec<Term>,
+}
+
+/// A zero or a pole, seen from an anchor.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// The multiplicity, negative for a pole.
+    pub weight: f64,
+    /// b less the anchor; exactly zero for the anchor's own root.
+    offset: Ball,
+    /// a
+    re: Ball,
+    /// a in binary64, and what both are uncertain by.
+    short_re: f64,
+    loose: f64,
+}
+
+/// g over an interval about its middle.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    half: f64,
+    /// g and g' in the middle, and bounds of their errors.
+    g: f64,
+    g_error: f64,
+    slope: f64,
+    slope_error: f64,
+    /// A bound of |g''| / 2.
+    curvature: f64,
+}
+
+/// Relative error of a term in binary64: a dozen roundings.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Every anchor, ascending; the first is zero.
+pub fn anchors(factored: &Factored) -> Vec<Anchor> {
+    let roots = factored.zeros.iter().chain(&factored.poles);
+    let mut list: Vec<&Root> = roots.filter(|root| root.place != Place::Real).collect();
+    // Of equal places the one on the axis is the anchor: what is not its own root is known up to the radii only.
+    list.sort_by(|a, b| {
+        (&a.centre.im - &b.centre.im).sign().then((a.place != Place::Axis).cmp(&(b.place != Place::Axis)))
+    });
+    list.dedup_by(|b, a| a.centre.im == b.centre.im);
+    std::iter::once(None).chain(list.into_iter().map(Some)).map(|own| Anchor::of(factored, own)).collect()
+}
+
+fn above(radius: &Float) -> f64 {
+    // Cut towards zero, and never to it.
+    radius.to_f64() * (1.0 + 4.0 * f64::EPSILON) + f64::MIN_POSITIVE
+}
+
+impl Anchor {
+    fn of(factored: &Factored, own: Option<&Root>) -> Anchor {
+        let place = own.map_or(Float::zero(), |root| root.centre.im.clone());
+        let mut anchor = Anchor { place, radius: own.map_or(0.0, |root| above(&root.radius)), terms: Vec::new() };
+        for (roots, sign) in [(&factored.zeros, 1.0), (&factored.poles, -1.0)] {
+            for root in roots {
+                anchor.add(root, sign * root.multiplicity as f64, own.is_some_and(|own| std::ptr::eq(own, root)));
+            }
+        }
+        anchor
+    }
+
+    fn add(&mut self, root: &Root, weight: f64, is_own: bool) {
+        let radius = if root.radius.is_zero() { 0.0 } else { above(&root.radius) };
+        let re = if root.centre.re.is_zero() { Ball::ZERO } else { root.centre.re.to_ball(radius) };
+        let mut push = |im: Float| {
+            let difference = &im - &self.place;
+            // The anchor is what its own root's imaginary part truly is.
+            let own = is_own && !im.is_negative();
+            let between = self.radius;
+            let known = if root.place == Place::Real { 0.0 } else { radius };
+            let offset = if own { Ball::ZERO } else { difference.to_ball(between + known) };
+            let short_re = re.to_f64();
+            let lost = (re.mid - Dd::from(short_re)).abs().to_f64();
+            self.terms.push(Term { weight, offset, re, short_re, loose: (offset.rad + re.rad + lost) * (1.0 + 1e-12) });
+        };
+        push(root.centre.im.clone());
+        if root.place != Place::Real {
+            push(-&root.centre.im);
+        }
+    }
+
+    /// omega of a point, rad/s.
+    pub fn omega(&self, t: Ball) -> Ball {
+        let place = if self.place.is_zero() { Ball::ZERO } else { self.place.to_ball(self.radius) };
+        place + t
+    }
+
+    /// omega in binary64.
+    pub fn near(&self, t: f64) -> f64 {
+        self.place.to_f64() + t
+    }
+
+    /// How far another anchor is, and what that is uncertain by.
+    pub fn to(&self, other: &Anchor) -> Ball {
+        let difference = &other.place - &self.place;
+        if difference.is_zero() { Ball::ZERO } else { difference.to_ball(self.radius + other.radius) }
+    }
+
+    /// Of omega, rad/s.
+    pub fn distance_of(&self, omega: Ball) -> Ball {
+        omega - self.omega(Ball::ZERO)
+    }
+
+    /// The same of a frequency with more digits, uncertain by a radius.
+    pub fn exact_distance_of(&self, omega: &Float, radius: f64) -> Ball {
+        (omega - &self.place).to_ball(self.radius + radius)
+    }
+
+    /// The weight of a root at the anchor itself, on the imaginary axis: there |H| is zero or infinite.
+    pub fn singular(&self) -> Option<f64> {
+        let own = self.terms.iter().filter(|term| term.is_singular());
+        own.map(|term| term.weight).reduce(|sum, weight| sum + weight)
+    }
+
+    /// g over [middle - half, middle + half], with the anchor's own singular root or without it.
+    pub fn cell(&self, middle: f64, half: f64, with_singular: bool) -> Cell {
+        let mut cell = Cell { half, g: 0.0, g_error: 0.0, slope: 0.0, slope_error: 0.0, curvature: 0.0 };
+        for term in self.terms.iter().filter(|term| with_singular || !term.is_singular()) {
+            term.add_to(&mut cell, middle);
+        }
+        // The sums' own roundings.
+        let lost = self.terms.len() as f64 * f64::EPSILON;
+        cell.g_error *= 1.0 + lost;
+        cell.slope_error *= 1.0 + lost;
+        cell
+    }
+
+    /// Cut so often that binary64 would not tell more.
+    pub fn is_too_fine(&self, middle: f64, half: f64) -> bool {
+        let distance = |term: &Term| {
+            let t = (Dd::from(middle) - term.offset.mid).to_f64();
+            (t * t + term.short_re * term.short_re).sqrt()
+        };
+        let nearest = self.terms.iter().map(distance).fold(f64::INFINITY, f64::min);
+        // Nothing is to be seen within what a root's place is uncertain by.
+        let blurred = self.terms.iter().any(|term| half < 0.25 * term.loose && distance(term) < 2.0 * term.loose);
+        half < 1e-14 * nearest || half == 0.0 || blurred
+    }
+
+    /// g and g' at a point.
+    pub fn slope(&self, t: Ball) -> (Ball, Ball) {
+        let (mut g, mut slope) = (Ball::ZERO, Ball::ZERO);
+        for term in &self.terms {
+            let t = t - term.offset;
+            let (tt, aa) = (t * t, term.re * term.re);
+            let norm = tt + aa;
+            let weight = Ball::from(term.weight);
+            g = g + weight * (t / norm);
+            slope = slope + weight * ((aa - tt) / norm / norm);
+        }
+        (g, slope)
+    }
+
+    /// The sign of g at a point, 0 where it cannot be told.
+    pub fn sign(&self, t: f64) -> i8 {
+        let cell = self.cell(t, 0.0, true);
+        if cell.g.abs() > cell.g_error * 1.001 {
+            return if cell.g > 0.0 { 1 } else { -1 };
+        }
+        self.sign_at(Dd::from(t))
+    }
+
+    /// The same in double-double.
+    pub fn sign_at(&self, t: Dd) -> i8 {
+        let (g, _) = self.slope(Ball::exact(t));
+        if !g.is_finite() {
+            return 0;
+        }
+        i8::from(g.is_positive()) - i8::from(g.is_negative())
+    }
+
+    /// H at a point.
+    pub fn value(&self, lead: Ball, t: Ball) -> Complex<Ball> {
+        let factor = |term: &Term| Complex::new(-term.re, t - term.offset);
+        let by = |product: Complex<Ball>, term: &Term, up: bool| {
+            if up { product * factor(term) } else { divided(product, factor(term)) }
+        };
+        self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by)
+    }
+
+    /// |H| times a factor at a point.
+    pub fn size(&self, factor: Ball, t: Ball) -> Ball {
+        let modulus = |term: &Term| {
+            let t = t - term.offset;
+            if term.re.is_zero() { t.abs() } else { (t * t + term.re * term.re).sqrt() }
+        };
+        let by = |x: Ball, term: &Term, up: bool| if up { x * modulus(term) } else { x / modulus(term) };
+        self.product(factor, |x| x.mid.hi.abs(), by)
+    }
+
+    /// The same in binary64, to steer by.
+    pub fn near_size(&self, factor: f64, t: f64) -> f64 {
+        let modulus = |term: &Term| {
+            let t = (Dd::from(t) - term.offset.mid).to_f64();
+            (t * t + term.short_re * term.short_re).sqrt()
+        };
+        self.product(factor, |x| x.abs(), |x, term, up| if up { x * modulus(term) } else { x / modulus(term) })
+    }
+
+    /// A product over zeros (up) and poles in an order that keeps it near one, within the range of binary64.
+    fn product<T>(&self, start: T, size: impl Fn(&T) -> f64, by: impl Fn(T, &Term, bool) -> T) -> T {
+        let side = |up: bool| {
+            let of_side = self.terms.iter().filter(move |term| (term.weight > 0.0) == up);
+            of_side.flat_map(|term| std::iter::repeat_n(term, term.weight.abs() as usize))
+        };
+        let (mut zeros, mut poles, mut product) = (side(true).peekable(), side(false).peekable(), start);
+        while zeros.peek().is_some() || poles.peek().is_some() {
+            let up = poles.peek().is_none() || (zeros.peek().is_some() && size(&product) < 1.0);
+            let Some(term) = (if up { zeros.next() } else { poles.next() }) else { break };
+            product = by(product, term, up);
+        }
+        product
+    }
+}
+
+fn divided(a: Complex<Ball>, b: Complex<Ball>) -> Complex<Ball> {
+    let norm = b.re * b.re + b.im * b.im;
+    let quotient = a * b.conj();
+    Complex::new(quotient.re / norm, quotient.im / norm)
+}
+
+impl Term {
+    fn is_singular(&self) -> bool {
+        self.offset.is_zero() && self.re.is_zero()
+    }
+
+    fn add_to(&self, cell: &mut Cell, middle: f64) {
+        let t = (Dd::from(middle) - self.offset.mid).to_f64();
+        let a = self.short_re;
+        let norm = t * t + a * a;
+        let inverse = 1.0 / norm;
+        let distance = norm.sqrt();
+        // Where the root may be within the interval nothing is known, and infinities say so.
+        let clear = (distance * (1.0 - ROUNDING) - self.loose).max(0.0);
+        let to_interval = (t.abs() - cell.half).max(0.0);
+        let least = ((to_interval * to_interval + a * a).sqrt() * (1.0 - ROUNDING) - self.loose).max(0.0);
+        let size = self.weight.abs();
+        let reach = 1.0 / clear;
+        cell.g += self.weight * t * inverse;
+        cell.slope += self.weight * (a * a - t * t) * inverse * inverse;
+        cell.g_error += size * (ROUNDING * reach + self.loose * reach * reach);
+        cell.slope_error += size * reach * reach * (2.0 * ROUNDING + 2.0 * self.loose * reach);
+        cell.curvature += size / (least * least * least);
+    }
+}
+
+impl Cell {
+    /// g has no root here. NaN and infinities say no.
+    pub fn has_no_root(&self) -> bool {
+        let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
+        self.g.abs() > (self.g_error + swing) * (1.0 + 1e-12)
+    }
+
+    /// g' has no root here.
+    pub fn is_monotone(&self) -> bool {
+        self.slope.abs() > (self.slope_error + 2.0 * self.half * self.curvature) * (1.0 + 1e-12)
+    }
+
+    /// A bound of |g| here.
+    pub fn most(&self) -> f64 {
+        let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
+        (self.g.abs() + self.g_error + swing) * (1.0 + 1e-12)
+    }
+
+    /// Cutting would not help: rounding is all that g and g' are.
+    pub fn is_noise(&self) -> bool {
+        let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
+        swing < self.g_error && self.half * self.curvature < self.slope_error
+    }
+
+    /// g and g' in the middle.
+    pub fn middle(&self) -> (f64, f64) {
+        (self.g, self.slope)
+    }
+}

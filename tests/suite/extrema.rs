@@ -1,0 +1,203 @@
+//! Peaks and antiresonances: all of them, each where it is, with bounds that hold, and what is said where that is not proved.
+//!
+//! Reference values: the numerator N and the denominator D of H by cofactors over the rationals, |H|^2 = A(x) / B(x) with
+//! x = omega^2, the real roots of A' B - A B' enclosed at 300 bits, H there by Horner's scheme (python-flint 0.8). No pivot, pole
+//! or mode takes part.
+
+use super::ask::ask;
+use super::systems::chain;
+use super::transfer::with_every_pair;
+use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
+use vibc::base::{Ball, Number, Rounded};
+use vibc::system::LinearSystem;
+
+fn table_of(system: &LinearSystem, range: Option<(&str, &str)>) -> Table {
+    let modes = analysis::modes(system).expect("a regular system");
+    let poles = analysis::poles(system, &modes).expect("poles");
+    let range = range.map(|(low, high)| (Number::from(low), Number::from(high)));
+    let last = system.outputs.len() - 1;
+    let sweep = Sweep { range, inputs: vec![0], outputs: vec![last], ..Sweep::default() };
+    analysis::table(&Roads::of(system, &modes), &poles, &sweep)
+}
+
+fn extrema_of(text: &str, range: Option<(&str, &str)>) -> Extrema {
+    let answer = ask(text);
+    let table = table_of(&answer.lowered.system, range);
+    table.extrema.expect("the default grid")[0][0].clone()
+}
+
+/// A number of which 20 digits are written down.
+fn near(what: &str, told: Ball, written: &str) {
+    let truth = Number::from(written.trim_start_matches('-')).to_ball();
+    let truth = if written.starts_with('-') { -truth } else { truth };
+    let unit = 1e-19 * truth.to_f64().abs();
+    assert!((told - truth).mid.abs().to_f64() <= told.rad + unit, "{what}: {told:?}, not {written}");
+    assert!(told.relative_error() < 1e-18, "{what}: {:e}", told.relative_error());
+    // What is printed keeps its own bound.
+    let printed = Rounded::of(told).expect("finite");
+    let error = (Ball::from(printed.value()) - truth).mid.abs().to_f64();
+    assert!(error <= printed.bound() + unit && printed.bound() < 1.2e-16 * truth.to_f64().abs(), "{what}");
+}
+
+fn check(text: &str, range: Option<(&str, &str)>, expected: &[(FeatureKind, &str, &str, &str)]) {
+    let found = extrema_of(text, range);
+    assert!(found.complete.is_some(), "open: {:?}", found.open);
+    let kinds: Vec<FeatureKind> = found.list.iter().map(|extremum| extremum.kind).collect();
+    assert_eq!(kinds, expected.iter().map(|expected| expected.0).collect::<Vec<_>>());
+    for (extremum, (_, frequency, gain, phase)) in found.list.iter().zip(expected) {
+        near("frequency", extremum.frequency, frequency);
+        match (*gain, extremum.gain) {
+            ("infinite", gain) => assert_eq!(gain, Gain::Infinite),
+            ("0", gain) => assert!(gain.disc().is_some_and(|disc| disc.gain().is_zero())),
+            (gain, told) => {
+                let disc = told.disc().expect("finite");
+                near("gain", disc.gain(), gain);
+                if !phase.is_empty() {
+                    near("phase", vibc::backend::transfer::phase(disc).expect("an angle"), phase);
+                }
+            }
+        }
+    }
+}
+
+use FeatureKind::{Antiresonance, Peak};
+
+#[test]
+fn broad_extrema_of_damped_pairs_are_at_their_places() {
+    let pair = |masses: [i32; 2], springs: [i32; 2], dampers: [&str; 2], rest: &str| {
+        let [[a, b], [k, l]] = [masses, springs];
+        let [c, d] = dampers;
+        format!(
+            "body b0 {{ mass = {a} kg, moves x }}
+            body b1 {{ mass = {b} kg, moves x }}
+            spring k0: ground -- b0 {{ k = {k} N/m }}
+            spring k1: b0 -- b1 {{ k = {l} N/m }}
+            damper c0: ground -- b0 {{ c = {c} N*s/m }}
+            damper c1: b0 -- b1 {{ c = {d} N*s/m }}
+            {rest}"
+        )
+    };
+    let first = pair([9, 6], [7, 3], ["2", "0.5"], "force F: b1 along x\noutput y = b0.x - 2*b1.x");
+    let expected = [
+        (Peak, "0.08615917525091295849309760", "5.828016560375096311961", "97.50151963511572006503"),
+        (Antiresonance, "0.1525572894891676120689058", "0.2646628129546630919365", "54.40775602141652037752"),
+        (Peak, "0.1859898551253773834412556", "0.4595758930851612842214", "50.87628093110422135804"),
+    ];
+    check(&first, None, &expected);
+    let second = pair([1, 8], [2, 3], ["5", "1"], "force F: b0 along x\noutput y = b1.x - 3*b0.x");
+    let expected = [
+        (Peak, "0.01481616964110704714139065", "1.000194641529376287558", "166.3955386030655330986"),
+        (Antiresonance, "0.08058461822241646358643673", "0.1651465088441373177976", "119.8273828141680381831"),
+        (Peak, "0.1397040403509600869610449", "0.3949545677649824227527", "137.2230584145757365887"),
+    ];
+    check(&second, Some(("0.01", "2")), &expected);
+}
+
+/// Four masses of 35 kg to 15 g; the second hangs on the first without a damper and stills it at its own frequency.
+#[test]
+fn a_zero_without_damping_is_exactly_zero() {
+    let scene = "base z0 { moves x }
+        body b0 { mass = 347e-1 kg, moves x }
+        body b1 { mass = 200e-2 kg, moves x }
+        body b2 { mass = 678e-3 kg, moves x }
+        body b3 { mass = 150e-4 kg, moves x }
+        spring k0: z0 -- b0 { k = 137e-3 N/m }
+        spring k1: b0 -- b1 { k = 107e-2 N/m }
+        spring k2: ground -- b2 { k = 594e-1 N/m }
+        spring k3: ground -- b3 { k = 292e-2 N/m }
+        spring k4: b0 -- b3 { k = 810e-4 N/m }
+        damper c0: ground -- b0 { c = 714e-3 N*s/m }
+        damper c1: b3 -- b2 { c = 936e-3 N*s/m }
+        output y = b3.vx";
+    let expected = [
+        (Peak, "0.01220091817327495059337129", "0.005172531639656401363306", "-1.36555029007975662729474"),
+        (Antiresonance, "0.1164118048660129525208648", "0", ""),
+        (Peak, "0.1197558588920260827385513", "0.005037577632067433609743", "-13.2037717821658473651981"),
+        (Antiresonance, "1.335945735149852874558388", "4.907491131616707570508e-6", "-133.845497837842415777105"),
+        (Peak, "1.509630712462498464667287", "0.0001134734933887917896099", "-159.880616147313357205832"),
+    ];
+    check(scene, Some(("0.01", "10")), &expected);
+}
+
+/// Two zeros that a grid takes for one, with a maximum between them.
+#[test]
+fn two_zeros_close_together_are_two() {
+    let scene = "base z { moves x }
+        body b0 { mass = 1 kg, moves x }
+        spring s0: z -- b0 { k = 1 N/m }
+        body b1 { mass = 1 kg, moves x }
+        spring s1: z -- b1 { k = 9 N/m }
+        body b2 { mass = 1 kg, moves x }
+        spring s2: z -- b2 { k = 100 N/m }
+        output y = (145/132)*b0.x - (11/156)*b1.x + (23/4290)*b2.x";
+    let expected = [
+        (Peak, "0.1591549430918953357688838", "infinite", ""),
+        (Antiresonance, "0.3748212690550214631787657", "0.4196950286124185710704", "180.000000000000000"),
+        (Peak, "0.4774648292756860073066513", "infinite", ""),
+        (Antiresonance, "0.8717275246988208332290454", "0", ""),
+        (Peak, "0.8788429594745308552834718", "5.673003841514970988653e-6", "180.000000000000000"),
+        (Antiresonance, "0.8861372203152950333079649", "0", ""),
+        (Peak, "1.591549430918953357688838", "infinite", ""),
+    ];
+    check(scene, None, &expected);
+}
+
+/// m = 1, k = 2, c = 2e-15: a peak of 1 / (c omega sqrt(1 - zeta^2)) at -90 degrees, c / m wide in rad/s.
+#[test]
+fn the_lightest_damping_has_its_peak() {
+    let scene = "body a { mass = 1 kg, moves x }
+        spring s: ground -- a { k = 2 N/m }
+        damper d: ground -- a { c = 2e-15 N*s/m }
+        force F: a along x
+        output y = a.x";
+    let found = extrema_of(scene, None);
+    assert!(found.complete.is_some());
+    let [peak] = &found.list[..] else { panic!("{found:?}") };
+    // To 30 digits zeta, 7e-16, changes nothing.
+    near("frequency", peak.frequency, "0.225079079039276517388799797752");
+    let disc = peak.gain.disc().expect("finite");
+    near("gain", disc.gain(), "353553390593273.76220042218105");
+    near("phase", vibc::backend::transfer::phase(disc).expect("an angle"), "-89.9999999999999594857657729302");
+    near("width", peak.width.expect("a width"), "3.18309886183790671537767526745e-16");
+}
+
+/// A chain from its first mass to itself has a peak for each mode and a zero between each two; to its last mass it has no zero at
+/// all, but a least value between each two.
+#[test]
+fn a_chain_has_as_many_peaks_as_masses() {
+    for (n, damping) in [(2, "0"), (6, "0"), (12, "0"), (5, "0.0001"), (9, "0.00001")] {
+        let mut system = with_every_pair(chain(n, "1", "1000", damping));
+        for last in [n, 1] {
+            system.outputs.truncate(last);
+            let table = table_of(&system, None);
+            let found = &table.extrema.as_ref().expect("the default grid")[0][0];
+            let count = |kind| found.list.iter().filter(|extremum| extremum.kind == kind).count();
+            assert!(found.complete.is_some(), "{n} {damping}: {:?}", found.open);
+            assert_eq!((count(Peak), count(Antiresonance)), (n, n - 1), "{n} {damping}");
+            let stilled =
+                |e: &&analysis::Extremum| e.kind == Antiresonance && e.gain.disc().is_some_and(|d| d.gain().is_zero());
+            let still = found.list.iter().filter(stilled).count();
+            assert_eq!(still, if damping == "0" && last == 1 { n - 1 } else { 0 }, "{n} {damping}");
+        }
+    }
+}
+
+/// Next to the pole of an oscillator with a damping ratio of 5e-21, where double-double eliminations tell nothing.
+#[test]
+fn values_beside_the_lightest_poles_are_told() {
+    let scene = "body a { mass = 1 kg, moves x }
+        spring s: ground -- a { k = 1 N/m }
+        damper d: ground -- a { c = 1e-20 N*s/m }
+        force F: a along x
+        output y = a.x";
+    let answer = ask(scene);
+    let at = |omega: &str| Transfer::of(&answer.lowered.system).at(&Frequency::radians(&Number::from(omega)))[0][0];
+    // At its own frequency H is 1 / (i c).
+    let disc = at("1").disc().expect("finite");
+    near("im", -Ball::exact(disc.value.im).widen(disc.radius), "1e20");
+    assert!(disc.relative_error() < 1e-18);
+    // Without a damper it is infinite.
+    let answer = ask(&scene.replace("damper d: ground -- a { c = 1e-20 N*s/m }", ""));
+    let gain = Transfer::of(&answer.lowered.system).at(&Frequency::radians(&Number::ONE))[0][0];
+    assert_eq!(gain, Gain::Infinite);
+}
