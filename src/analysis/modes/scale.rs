@@ -15,7 +15,7 @@ use crate::system::Form;
 /// Squares between 2^-PLAIN and 2^PLAIN are taken as they are.
 const PLAIN: i32 = 100;
 /// Bits of a power of two that is as far away as two numbers in the range of binary64 can be.
-const MOST_BITS: u64 = 5000;
+const MOST_BITS: u64 = 20_000;
 
 /// Exponents m and k of the module's text, both even.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,8 @@ pub fn by_power(x: f64, e: i32) -> f64 {
 /// What rounding below the normal range takes of three words and a radius: a few units of 2^-1074 each.
 const UNDERFLOW: f64 = 1e-322;
 
-/// A certified number times 2^e; `None` where it leaves the range of binary64.
+/// A certified number times 2^e; `None` where it is too large for binary64. Towards the other end of the range its bound grows
+/// beside it, until nothing but that is left.
 fn scaled(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
     let (result, bound) = (value.by_power(e), by_power(radius, e));
     if !radius.is_finite() {
@@ -126,9 +127,7 @@ fn scaled(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
     let lost =
         if e != 0 && result.hi().abs() < f64::MIN_POSITIVE / f64::EPSILON / f64::EPSILON { UNDERFLOW } else { 0.0 };
     let bound = bound.next_up() + lost;
-    let in_range = result.is_finite() && bound.is_finite();
-    let normal = result.hi().abs() >= f64::MIN_POSITIVE || value.hi().abs() <= radius;
-    (in_range && normal).then_some((result, bound))
+    (result.is_finite() && bound.is_finite()).then_some((result, bound))
 }
 
 /// 2^e times a form, exactly where its weights are.
@@ -186,7 +185,11 @@ mod tests {
         // 1e-30 2^-1000 is below all numbers: gone, and told.
         let lost = by_power(1e-30, -1000);
         assert!(bound >= lost && bound >= by_power(1e-31, -1000), "{bound:e} {lost:e}");
-        assert!(scaled(value, 1e-31, -1070).is_none() && scaled(value, 1e-31, 2000).is_none());
+        assert!(scaled(value, 1e-31, 2000).is_none());
+        let (few, bound) = scaled(value, 1e-31, -1070).expect("four bits are left");
+        assert!(few.hi() == by_power(1.0, -1070) && bound >= UNDERFLOW);
+        let (none, bound) = scaled(value, 1e-31, -1100).expect("a bound is left");
+        assert!(none.is_zero() && bound > 0.0);
         assert_eq!(scaled(value, f64::INFINITY, -10).map(|(_, bound)| bound), Some(f64::INFINITY));
         // What may be zero stays so wherever it is.
         let (zero, bound) = scaled(Triple::from(1e-20), 1e-19, -1060).expect("may be zero");

@@ -22,31 +22,43 @@ pub const LANES: usize = 16;
 /// A part of a number that its last bit does not see.
 const TINY: f64 = Dd::EPSILON * Dd::EPSILON;
 
-/// v / d below this may have been rounded by more than a part of itself, or its product with a spring may.
+/// A quotient of pivots below this may have been rounded by more than a part of itself, or its product with a spring may.
 pub const LEAST_RATIO: f64 = 1e-250;
+/// Nodes of several branches whose own part vanishes at a shift; see [`counts`].
+const MOST_VANISHED: u32 = 3;
 
 /// How many eigenvalues are below each of the shifts; `None` where numbers leave the range of binary64 at either end.
+///
+/// No product is below the normal range: a node's spring is at least 2^-100 and a shift at least 1e-150 of the largest
+/// spring over mass, so s r >= 2^-599, g - s r is zero or at least a last bit of that, 2^-652, and so is v zero or at least
+/// 2^-705, whatever a branch adds; d is at most 2^125 at shifts below 1, and grows with them beyond. Where g - s r is
+/// zero exactly v is what the branches hand on: one hands on its own number, of several that cancel a last bit may be left.
+/// That may happen three times on a way before v / d is below 2^-989.
 pub fn counts(nodes: &[Node<f64>], shifts: [f64; LANES]) -> Option<[i64; LANES]> {
     let mut negative = [0i64; LANES];
     let mut handed = Handed::new();
     let mut v = [0.0; LANES];
-    let mut lost = [0u64; LANES];
+    let mut vanished = [0u32; LANES];
     for node in nodes {
         let load = handed.take(node.children);
+        if node.children > 1 && node.ground != 0.0 {
+            for (vanished, shift) in vanished.iter_mut().zip(shifts) {
+                *vanished += u32::from(node.ground == shift * node.mass);
+            }
+        }
         let mut next = [0.0; LANES];
         for lane in 0..LANES {
             v[lane] = node.ground - shifts[lane] * node.mass + load[lane];
             let e = node.stiffness + shifts[lane] * node.coupling;
             let d = away_from_zero(v[lane] + e, node.stiffness);
             negative[lane] += (d.to_bits() >> 63) as i64;
-            let ratio = v[lane] / d;
-            lost[lane] |= u64::from(ratio.abs() < LEAST_RATIO) & u64::from(v[lane] != 0.0);
-            next[lane] = e * ratio;
+            next[lane] = e * (v[lane] / d);
         }
         handed.give(next);
     }
     // Infinities met on the way would have become no numbers here.
-    (v.iter().all(|v| !v.is_nan()) && lost == [0; LANES]).then_some(negative)
+    let sound = v.iter().all(|v| !v.is_nan()) && vanished.iter().all(|&count| count <= MOST_VANISHED);
+    sound.then_some(negative)
 }
 
 /// v of the root, which is zero at an eigenvalue, and its derivative, at eight shifts.
