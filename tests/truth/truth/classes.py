@@ -20,7 +20,7 @@ ALL = {
     "modes": Class(modes.scene, modes.check, 30000, 150),
     "digits": Class(modes.scene, modes.check_digits, 30000, 100),
     "poles": Class(poles.scene, poles.check, 20000, 300),
-    "large": Class(large.scene, large.check, 2000, 10),
+    "large": Class(large.scene, large.check, 2000, 6),
     "extremes": Class(extremes.scene, extremes.check, 5000, 50),
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
@@ -28,6 +28,6 @@ ALL = {
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "solve": Class(solving.scene, solving.check, 5000, 60),
     "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
-    "emitted": Class(emitted.scene, emitted.check, 2000, 25),
+    "emitted": Class(emitted.scene, emitted.check, 2000, 15),
     "planar": Class(planar.scene, planar.check, 10000, 100),
 }

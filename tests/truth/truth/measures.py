@@ -65,7 +65,8 @@ def truths(net, until):
     found["amplitude"] = (amplitude(net, numerator, denominator), unit_of(net), "amplitude(y0)")
     lasting = sum((decimal(s.numbers[0]) for s in net.signals if isinstance(s, signals.Steps) and s.word == "step"), fmpq(0))
     zero = fmpq(0)
-    found["static"] = (arb(numerator(zero) / denominator(zero) * lasting), unit_of(net), "static(y0)")
+    if lasting != 0:
+        found["static"] = (arb(numerator(zero) / denominator(zero) * lasting), unit_of(net), "static(y0)")
     if until is not None:
         motion = Track(net)
         found["peak"] = (motion.peak(until), unit_of(net), "peak(y0)")

@@ -5,7 +5,7 @@ import os
 import subprocess
 import tempfile
 
-TIME_LIMIT = 20.0
+TIME_LIMIT = 10.0
 
 
 class Answer:
