@@ -411,10 +411,15 @@ fn a_transfer_table_is_told_in_three_forms() {
     assert_eq!(lines.len(), 7);
     assert!(lines[1].starts_with("0.1,F,x,") && lines[6].starts_with("2.0,F,theta,"), "{}", csv.out);
     let json = run(&["transfer", CART, "--at", "1Hz", "--at", "2rad/s", "--format", "json"]);
-    let rows: Value = serde_json::from_str(&json.out).expect("an array");
-    assert_eq!(rows.as_array().expect("an array").len(), 4);
-    assert!((rows[2]["frequency_hz"].as_f64().expect("a number") - 1.0 / std::f64::consts::PI).abs() < 1e-15);
-    assert!(rows[0]["error_bound"].as_f64().expect("a number") < 2.3e-16);
+    let table: Value = serde_json::from_str(&json.out).expect("an object");
+    assert_eq!((&table["schema"], &table["model"]), (&1.into(), &"cart".into()));
+    let pairs = table["pairs"].as_array().expect("an array");
+    assert_eq!(pairs.len(), 2);
+    let values = pairs[0]["values"].as_array().expect("an array");
+    // The two frequencies in the order in which they were asked for.
+    assert_eq!(values.len(), 2);
+    assert!((values[1]["frequency_hz"].as_f64().expect("a number") - 1.0 / std::f64::consts::PI).abs() < 1e-15);
+    assert!(values[0]["error_bound"].as_f64().expect("a number") < 2.3e-16);
 }
 
 /// The mortar after its shot: x0 = -25 * 9.81 / 15791 m and -0.375 m/s, damped by 1 %.

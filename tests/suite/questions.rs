@@ -307,7 +307,7 @@ const FAMILIES: [(&str, f64, f64, &str, &str); 7] = [
         "Hz",
     ),
     (
-        "param p = 0.7 m\nbody b { mass = 2 kg, at = (0, 0), moves x, moves y }\nspring s: ground@(-1 m, p) -- b { k = 100 N/m }\n\
+        "param p = 0.7 m\nbody b { mass = 2 kg, at = (0, 0), moves x y }\nspring s: ground@(-1 m, p) -- b { k = 100 N/m }\n\
          spring t: ground@(1 m, p) -- b { k = 150 N/m }\nspring u: ground@(0, -1 m) -- b { k = 30 N/m }\n",
         0.2,
         3.0,
@@ -348,10 +348,11 @@ fn no_root_is_excluded() {
             let truth = low + (high - low) * random();
             let at = text.replacen(declared, &format!("param p = {truth} {dimension}"), 1);
             let read = run(&format!("{at}require {measure} > -1000 {unit}\n"));
-            let value = match &read.answer.expect("a report").requirements[0].value {
-                vibc::questions::answer::Value::Number(ball) => ball.to_f64(),
-                other => panic!("{measure}: {other:?}"),
-            };
+            let value =
+                match &read.answer.unwrap_or_else(|| panic!("{at}: {:?}", read.diagnostics)).requirements[0].value {
+                    vibc::questions::answer::Value::Number(ball) => ball.to_f64(),
+                    other => panic!("{measure}: {other:?}"),
+                };
             let asked =
                 format!("{text}solve p in {low} {dimension} .. {high} {dimension}: {measure} = {value:e} {unit}\n");
             let outcome = run(&asked);
