@@ -8,7 +8,7 @@ use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{
     Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
-use crate::base::{Ball, Dd, Number, Rounded, Unproven};
+use crate::base::{Ball, Number, Rounded, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{Derivative, Others, Requirement, Sensitivity, Slope, Solved, Value};
 use crate::system::{CoordinateKind, LinearSystem};
@@ -638,17 +638,13 @@ pub(super) fn error_bound(value: &Ball) -> f64 {
     Rounded::of(*value).map_or(f64::INFINITY, Rounded::relative_bound)
 }
 
-/// The same for a pole: in the complex plane, and for its modulus and frequency too.
+/// The same for a pole: a bound for the point in the complex plane, for its modulus and for its frequency, each as printed.
 pub(super) fn pole_error_bound(pole: &Pole) -> f64 {
     let omega = pole.modulus();
     if omega.is_zero() {
         return pole.relative_error;
     }
-    let rounding = |part: Ball| (part.mid - Dd::from(part.to_f64())).abs().to_f64();
-    let in_plane = (rounding(pole.re) + rounding(pole.im)) / omega.mignitude();
-    let of_modulus = rounding(omega) / omega.mignitude();
-    let of_frequency = rounding(per_turn(omega)) / per_turn(omega).mignitude();
-    // The modulus is computed in double-double from the midpoints: a few roundings of 2^-102.
-    let rounding = in_plane.max(of_modulus + 8.0 * Dd::EPSILON).max(of_frequency + 8.0 * Dd::EPSILON);
-    (pole.relative_error + rounding) * UP
+    let absolute = |part: Ball| Rounded::of(part).map_or(f64::INFINITY, Rounded::bound);
+    let in_plane = (absolute(pole.re) + absolute(pole.im)) / omega.mignitude() * UP;
+    in_plane.max(error_bound(&omega)).max(error_bound(&per_turn(omega)))
 }

@@ -227,7 +227,7 @@ impl<'a> Check<'a> {
             if let ExprKind::Name { .. } = node.kind
                 && self.sources.slice(node.span) != "stable"
             {
-                let suggestion = nearest(self.sources.slice(node.span), ["stable"].into_iter());
+                let suggestion = nearest(self.sources.slice(node.span), ["stable"]);
                 return self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion });
             }
             let measured = self.measure(condition, environment)?;

@@ -92,7 +92,7 @@ impl Advice<'_> {
         let (mut fails, mut holds) = (1.0, factor);
         let mut best = decimal(parameter, start * factor)?;
         for _ in 0..HALVINGS {
-            let middle: f64 = (fails * holds as f64).sqrt();
+            let middle: f64 = (fails * holds).sqrt();
             let Some(value) = decimal(parameter, start * middle) else { break };
             if self.holds_at(parameter, &value) {
                 (holds, best) = (middle, value);

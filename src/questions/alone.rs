@@ -27,7 +27,7 @@ impl Unknowns<'_> {
     pub fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
         let mut search = Search { unknowns: self, equation, unknown, seen: Seen::default(), rest: Rest::Unknown };
         search.run();
-        let (seen, others) = search.judged().map_err(|error| vec![error])?;
+        let (seen, others) = search.judged().map_err(|error| vec![*error])?;
         self.take(equation, unknown, &seen.roots[0], seen.count, others);
         Ok(())
     }
@@ -155,11 +155,11 @@ impl Search<'_, '_> {
     }
 
     /// The value, or what is wrong.
-    fn judged(self) -> Result<(Seen, Others), AskedError> {
+    fn judged(self) -> Result<(Seen, Others), Box<AskedError>> {
         let Search { unknowns, equation, unknown, seen, rest } = self;
         let proven = matches!(rest, Rest::Empty(_));
         if constant(&seen.looks) {
-            return Err(unknowns.no_root(equation, unknown, &seen, proven));
+            return Err(Box::new(unknowns.no_root(equation, unknown, &seen, proven)));
         }
         let touch = seen.roots.iter().find(|root| root.proof.is_none());
         let solve = &unknowns.solves[unknown];
@@ -184,19 +184,19 @@ impl Search<'_, '_> {
         };
         let certain = seen.roots.iter().filter(|root| root.proof.is_some()).count();
         if certain > 1 {
-            return Err(several());
+            return Err(Box::new(several()));
         }
         if let Some(touch) = touch {
-            return Err(AskedError::Touches {
+            return Err(Box::new(AskedError::Touches {
                 span: solve.span,
                 measure: unknowns.measure(&unknowns.solves[equation].question),
                 target: unknowns.target(equation),
                 name: solve.parameter.name.clone(),
                 at: unknowns.told(unknown, &exactly(touch.near)),
-            });
+            }));
         }
         if certain == 0 {
-            return Err(match &rest {
+            return Err(Box::new(match &rest {
                 Rest::Open(parts) if seen.jumps.is_empty() => AskedError::NothingSettled {
                     span: solve.span,
                     measure: unknowns.measure(&unknowns.solves[equation].question),
@@ -205,7 +205,7 @@ impl Search<'_, '_> {
                     parts: told_parts(parts),
                 },
                 _ => unknowns.no_root(equation, unknown, &seen, proven),
-            });
+            }));
         }
         let others = match rest {
             Rest::Empty(proof) => Others::None(proof),

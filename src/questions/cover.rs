@@ -130,7 +130,7 @@ impl Part {
         let width = (self.high - self.low).to_f64();
         let size = self.low.hi.abs().max(self.high.hi.abs());
         let between = middle > self.low && middle < self.high && width > size * 2f64.powi(-96);
-        between.then(|| [Part { low: self.low, high: middle }, Part { low: middle, high: self.high }])
+        between.then_some([Part { low: self.low, high: middle }, Part { low: middle, high: self.high }])
     }
 }
 

@@ -472,7 +472,7 @@ fn samples_are_printed_with_their_bounds() {
     let folder = folder();
     let swing = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ninitial a { vx = 1 m/s }\n";
     let simulate = |text: &str, more: &[&str]| {
-        let path = file(&folder, "swing.vib", text.to_string());
+        let path = file(&folder, "swing.vib", text);
         run(&[&["simulate", &path, "--until", "1s", "--step", "62.5ms"], more].concat())
     };
     let told = simulate(&format!("{swing}output x = a.x\n"), &["--bounds"]);

@@ -251,7 +251,8 @@ fn fault(output: &process::Output, status: i32) -> Option<String> {
     }
     let is_one = told.starts_with("error: ") != told.starts_with("vibc: ");
     let is_finding = told.starts_with("vib::") || told.is_empty();
-    (status == 2 && !is_one || status != 2 && !is_one && !is_finding).then(|| format!("no clean message: {told}"))
+    let is_clean = is_one || status != 2 && is_finding;
+    (!is_clean).then(|| format!("no clean message: {told}"))
 }
 
 fn option_as_written(arg: &Arg, value: &str) -> Vec<String> {

@@ -345,3 +345,23 @@ fn a_chain_of_two_thousand_answers_both_ways_alike() {
     let expected = 500.0 * 1501.0 / 2001.0 / 1000.0;
     assert!((rest.value.re.to_f64() / expected - 1.0).abs() < 1e-15);
 }
+
+/// What is too small for binary64 is not told as zero, nor is the size of a value whose square is.
+#[test]
+fn a_value_below_the_range_is_no_zero() {
+    let table = |text: &str, hertz: &str| {
+        let mut sources = vibc::base::Sources::new();
+        let model = sources.add(vibc::base::SourceFile::model("tiny.vib", text));
+        let dynamics = vibc::dynamics(&sources, model, &Default::default()).answer.expect("a system");
+        let gain = analysis::Transfer::of(&dynamics.system).at(&Frequency::hertz(&number(hertz)))[0][0];
+        gain.disc().map(|disc| (disc.gain(), disc.relative_error()))
+    };
+    // Two masses on a soft spring, far above resonance: k / (m1 m2 omega^4) * omega^2 is 3e-884 m/s^2 for 1 N.
+    let soft = "body a { mass = 2e292 kg, moves x }\nbody b { mass = 4e291 kg, moves x }\nspring k: a -- b { k = 6e-295 N/m }\n\
+                force F: a along x\noutput y = b.ax\n";
+    assert!(table(soft, "75.6").is_none_or(|(_, error)| error > 0.0));
+    // k alone: 1 / 3e290 m/N, exact at 0 Hz.
+    let stiff = "body a { mass = 1 kg, moves x }\nspring k: ground -- a { k = 3e290 N/m }\nforce F: a along x\noutput y = a.x\n";
+    let (gain, error) = table(stiff, "1e-3").expect("a value");
+    assert!(error < 1e-20 && (gain.to_f64() * 3e290 - 1.0).abs() < 1e-15, "{gain:?}");
+}

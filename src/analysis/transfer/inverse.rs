@@ -87,6 +87,8 @@ pub struct Inverse<T> {
 const CONTRACTION_LIMIT: f64 = 0.25;
 /// Covers what underflow takes from sums of scaled products.
 const TINY: f64 = 1e-290;
+/// What is added to a component may have left the range of binary64, whatever the scale.
+const UNDERFLOW: f64 = 1e-317;
 /// Covers the roundings of a bound that is itself a sum of a few thousand numbers in binary64.
 const UP: f64 = 1.0 + 1e-12;
 
@@ -132,7 +134,7 @@ impl<T: Scalar> Inverse<T> {
         let t = multiply(self.n, &self.sizes, &sizes);
         let eta = t.iter().zip(&self.weights).map(|(t, w)| t / w).fold(0.0, f64::max) / (1.0 - self.contraction);
         let rest = multiply(self.n, &self.error, &self.weights);
-        (0..self.n).map(|i| (t[i] + eta * rest[i] + TINY) * self.scale[i] * UP).collect()
+        (0..self.n).map(|i| (t[i] + eta * rest[i] + TINY) * self.scale[i] * UP + UNDERFLOW).collect()
     }
 }
 

@@ -16,6 +16,7 @@ pub(in crate::analysis) mod sparse;
 pub mod table;
 pub(in crate::analysis) mod two_sided;
 
+use crate::analysis::answer::modulus;
 use crate::analysis::modes::parts::{self, independent};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
@@ -158,8 +159,7 @@ impl Disc {
 
     /// |value|, a ball: |true| lies within the disc's radius of it.
     pub fn gain(&self) -> Ball {
-        let (re, im) = (Ball::exact(self.value.re), Ball::exact(self.value.im));
-        (re * re + im * im).sqrt().widen(self.radius)
+        modulus(Ball::exact(self.value.re), Ball::exact(self.value.im)).widen(self.radius)
     }
 
     /// A bound of |true - value| / |true|; 0 for an exact zero, infinite where the disc contains zero.
@@ -203,7 +203,7 @@ impl<'a> Transfer<'a> {
                 own = Denominator::of(self.system, &coordinates)?;
                 &own
             };
-            denominator.pair(self.system, input, output).map(|factored| Exactly::of(&factored))
+            denominator.pair(self.system, input, output).and_then(|factored| Exactly::of(&factored))
         };
         self.exactly.get(input * self.system.outputs.len() + output)?.get_or_init(found).as_ref()
     }
@@ -395,7 +395,10 @@ impl<'a> Transfer<'a> {
                     let (i, p) = (i.index(), p.to_ball());
                     let product = Complex::new(Ball::exact(x.re[i]) * p, Ball::exact(x.im[i]) * p);
                     y = y + times_power(frequency, power, product);
-                    radius += p.magnitude() * frequency.omega.magnitude().powi(power as i32) * x.error[i];
+                    // In the order of the values, so that what underflows there does here, and is then more than nothing.
+                    let least = if x.error[i] > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
+                    let times_omega = |error: f64, _| error * frequency.omega.magnitude() + least;
+                    radius += (0..power).fold(p.magnitude() * x.error[i] + least, times_omega);
                 }
             }
             let radius = (y.radius() + radius) * (1.0 + 1e-12);

@@ -198,6 +198,8 @@ const UNIT: f64 = 4.0 * Dd::EPSILON;
 /// Covers the roundings of a radius, and underflow.
 const UP: f64 = 1.0 + 1e-14;
 const TINY: f64 = 1e-300;
+/// What the four products and two sums of a complex product lose by underflow.
+const UNDERFLOW: f64 = 1e-317;
 
 impl Disc {
     const ZERO: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: 0.0 };
@@ -209,7 +211,9 @@ impl Disc {
     /// An upper bound of the midpoint's modulus.
     fn size(&self) -> f64 {
         let (re, im) = (self.value.re.hi, self.value.im.hi);
-        (re * re + im * im).sqrt() * UP + TINY
+        let root = (re * re + im * im).sqrt();
+        // Squares of smaller numbers are not what they should be.
+        if root > 1e-150 { root * UP + TINY } else { re.abs() + im.abs() + TINY }
     }
 
     fn times(self, b: Disc) -> Disc {
@@ -217,7 +221,7 @@ impl Disc {
             return Disc::ZERO;
         }
         let (size, other) = (self.size(), b.size());
-        let radius = size * b.radius + other * self.radius + self.radius * b.radius + UNIT * size * other;
+        let radius = size * b.radius + other * self.radius + self.radius * b.radius + UNIT * size * other + UNDERFLOW;
         Disc { value: self.value * b.value, radius: radius * UP }
     }
 
@@ -342,5 +346,16 @@ mod tests {
         let entries = entries(2, |i, j| Some((if i == j { 0.0 } else { 1.0 }, 0.0)));
         let pattern = Pattern::of(2, &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()).expect("small");
         assert!(pattern.factor(&entries).is_none());
+    }
+
+    /// A product that leaves the range of binary64 is not known to be zero, and small factors have their size.
+    #[test]
+    fn what_underflows_keeps_a_radius() {
+        let real = |x: f64, radius: f64| Disc { value: Complex { re: Dd::from(x), im: Dd::ZERO }, radius };
+        let product = real(1e-200, 0.0).times(real(1e-150, 0.0));
+        assert!(product.radius > 0.0 && !product.is_zero());
+        // 1e-170 (3 +- 2): within 2e-170 of its middle, no less.
+        let scaled = real(1e-170, 0.0).times(real(3.0, 2.0));
+        assert!(scaled.radius >= 2e-170, "{:e}", scaled.radius);
     }
 }

@@ -104,7 +104,7 @@ impl Written<'_> {
         let n = e.coordinates.len();
         let mut list = Vec::new();
         let mut forces: Vec<Option<Expression>> = vec![None; n];
-        let mut terms = vec![0; n];
+        let mut terms = vec![0usize; n];
         let add = |force: &mut Option<Expression>, factor: f64, of: Expression| {
             *force = Some(plus(force.take(), Factor::Number(factor), of));
         };
@@ -137,7 +137,7 @@ impl Written<'_> {
                 for (i, a) in &stretch.row {
                     add(&mut forces[*i], -a, Expression::local(format!("tension{t}")));
                     terms[*i] += 1;
-                    if terms[*i] % LONGEST == 0 {
+                    if terms[*i].is_multiple_of(LONGEST) {
                         // The sum so far has a name, so that no expression is without end.
                         let name = format!("force{i}_{}", terms[*i] / LONGEST);
                         let so_far = forces[*i].replace(Expression::local(name.clone()));

@@ -36,7 +36,7 @@ pub fn solved(list: &[Solved]) -> String {
             solved.relative_slope().map_or(String::new(), |slope| derivative(&slope, FEW)),
         ]);
     }
-    let others: String = list.iter().filter_map(others).map(|text| line(text)).collect();
+    let others: String = list.iter().filter_map(others).map(line).collect();
     line("solved") + &table.text(INDENT) + &others + &followed(list.iter().find_map(|solved| solved.until.as_ref()))
 }
 

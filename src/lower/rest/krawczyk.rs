@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_simple_root_is_in_its_box() {
-        for (c, start) in [("2", 1.41421356), ("0.3", 0.547722557), ("1e-10", 1.0000001e-5)] {
+        for (c, start) in [("3", 1.7320508), ("0.3", 0.547722557), ("1e-10", 1.0000001e-5)] {
             let (proven, z) = told(c, start);
             assert!(proven && z.rad < 1e-25 * z.mid.hi && z.rad > 0.0, "{c}: {z:?}");
             // The squares of the ends are on both sides of c.

@@ -169,8 +169,10 @@ def one(pole, other, around, tally):
         ratio = min((-s.real / abs(s) for s in around), key=lambda z: float(abs(z - pole["damping_ratio"]).mid()))
         size = arb(1) if pole["damping_ratio"] == 0 else None
         tally.relative("damping ratio", pole["damping_ratio"], pole.get("damping_ratio_error_bound"), ratio, size)
-        tally.relative("modulus of a pole", pole["omega"], pole["error_bound"], abs(other))
-        tally.relative("frequency of a pole", pole["frequency_hz"], pole["error_bound"], abs(other) / (2 * pi()))
+        size = min((abs(s) for s in around), key=lambda z: float(abs(z - pole["omega"]).mid()))
+        tally.relative("modulus of a pole", pole["omega"], pole["error_bound"], size)
+        turns = min((abs(s) / (2 * pi()) for s in around), key=lambda z: float(abs(z - pole["frequency_hz"]).mid()))
+        tally.relative("frequency of a pole", pole["frequency_hz"], pole["error_bound"], turns)
     if pole["kind"] == "undetermined":
         tally.refuse("kind of pole")
         return

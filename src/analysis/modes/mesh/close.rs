@@ -44,7 +44,7 @@ pub fn separated(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec
     let common = k[(0, 0)] / m[(0, 0)];
     for j in 0..x.len() {
         for i in 0..x.len() {
-            k[(i, j)] = k[(i, j)] - common * m[(i, j)];
+            k[(i, j)] -= common * m[(i, j)];
         }
     }
     let basis = mass::inverse_transpose(&mass::factor(m).ok()?);

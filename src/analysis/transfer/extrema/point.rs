@@ -9,6 +9,7 @@ use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number};
 use num_bigint::BigInt;
+use std::ops::RangeInclusive;
 
 /// H of one pair by its zeros and poles.
 #[derive(Clone, Debug)]
@@ -35,18 +36,25 @@ struct Located {
     singular: bool,
 }
 
+/// 1/s: of zeros, poles and frequencies; and of the factor before their products.
+const RANGE: RangeInclusive<f64> = 1e-100..=1e100;
 /// Steps of bisection in binary64, of Newton in double-double, doublings of an enclosure.
 const MOST_STEPS: usize = 2200;
 const NEWTON_STEPS: usize = 4;
 const DOUBLINGS: usize = 60;
 
 impl Exactly {
-    pub fn of(factored: &Factored) -> Exactly {
+    /// `None` where numbers lie so far from one that products of them may leave the range of binary64.
+    pub fn of(factored: &Factored) -> Option<Exactly> {
         let roots = factored.zeros.iter().chain(&factored.poles);
         let size = |x: f64| x.abs();
         let largest =
             roots.map(|root| size(root.centre.re.to_f64()).max(size(root.centre.im.to_f64()))).fold(0.0, f64::max);
-        Exactly { lead: factored.lead, anchors: anchors(factored), largest }
+        let roots = factored.zeros.iter().chain(&factored.poles);
+        let sizes = roots.flat_map(|root| [root.centre.re.to_f64().abs(), root.centre.im.to_f64().abs()]);
+        let lead = factored.lead.mid.to_f64().abs();
+        let in_range = sizes.chain([lead]).all(|size| size == 0.0 || RANGE.contains(&size));
+        in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest })
     }
 
     /// H at a frequency; unknown at a pole, or too near to one.
@@ -55,6 +63,9 @@ impl Exactly {
             return Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 });
         }
         let omega = frequency.omega;
+        if !omega.is_zero() && !RANGE.contains(&omega.mid.to_f64()) {
+            return Gain::Unknown;
+        }
         let after = self.anchors.partition_point(|anchor| anchor.near(0.0) < omega.to_f64());
         let distance = |i: usize| (self.anchors[i].near(0.0) - omega.to_f64()).abs();
         let nearest = if after == self.anchors.len() || (after > 0 && distance(after - 1) < distance(after)) {
@@ -337,7 +348,7 @@ mod tests {
     fn exactly(system: &LinearSystem, input: usize, output: usize) -> Exactly {
         let coordinates: Vec<u32> = (0..system.n() as u32).collect();
         let denominator = Denominator::of(system, &coordinates).expect("rational");
-        Exactly::of(&denominator.pair(system, input, output).expect("roots"))
+        Exactly::of(&denominator.pair(system, input, output).expect("roots")).expect("in range")
     }
 
     fn all(system: &LinearSystem, input: usize, output: usize) -> Extrema {

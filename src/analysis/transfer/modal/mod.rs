@@ -17,6 +17,7 @@ use crate::analysis::numeric::fused::fused;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, LinearSystem};
+use std::ops::RangeInclusive;
 
 /// The modes of a system, diagonalised to double-double.
 #[derive(Clone, Debug)]
@@ -59,6 +60,11 @@ const STEPS: usize = 2;
 /// No number here is known better: rounding of W, of sqrt k_i, of X^T M X against I.
 const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
 const UP: f64 = 1.0 + 1e-12;
+/// The errors above are relative: they hold where no product underflows. With frequencies, 1/s or rad/s, in this range, D_i (their
+/// squares, down to a resonance hit to 1e-32) and its square are far inside binary64 ...
+const FREQUENCIES: RangeInclusive<f64> = 1e-25..=1e25;
+/// ... and what underflow takes from a quotient, 1e-318 at most, is below this after a product with D_i and a sum over the modes.
+const UNDERFLOW: f64 = 1e-260;
 
 impl ModalSum {
     /// `None` where the modes do not diagonalise the damping, or not all of them are there.
@@ -88,6 +94,13 @@ impl ModalSum {
             .fold(LEAST_EPSILON, f64::max);
         // Modes that do not diagonalise the damping leave an epsilon near one.
         if epsilon.is_nan() || epsilon > 1e-8 {
+            return None;
+        }
+        let most_stiff = k.iter().map(|k| k.hi.abs()).fold(0.0, f64::max);
+        let squares = |x: f64| FREQUENCIES.contains(&x.sqrt());
+        let in_range =
+            (least.is_infinite() || squares(least)) && (most_stiff == 0.0 || most_stiff.sqrt() <= *FREQUENCIES.end());
+        if !in_range || most > *FREQUENCIES.end() {
             return None;
         }
         let omega = k.iter().map(|k| if k.hi > 0.0 { k.sqrt() } else { Dd::ZERO }).collect();
@@ -180,6 +193,9 @@ impl ModalSum {
     }
 
     fn finish(&self, pair: &ModalPair, frequency: &Frequency, total: Complex<Ball>, radius: f64) -> Gain {
+        if !FREQUENCIES.contains(&frequency.omega.mid.hi) {
+            return Gain::Unknown;
+        }
         let d = &pair.feed_through;
         let value = if d.iter().all(Ball::is_zero) { total } else { total + frequency.polynomial(*d) };
         let radius = (value.radius() + radius) * UP;
@@ -220,7 +236,7 @@ impl ModalSum {
         let contraction = self.epsilon * v * UP;
         // NaN (a pole hit exactly) fails the comparison too.
         if contraction < 0.5 {
-            (rounding + contraction * (p * b).sqrt() / (1.0 - contraction)) * UP
+            (rounding + contraction * (p * b).sqrt() / (1.0 - contraction) + UNDERFLOW) * UP
         } else {
             f64::INFINITY
         }

@@ -239,7 +239,7 @@ mod tests {
         for i in 0..n {
             push(&mut system.m, "1.3", i, None);
             push(&mut system.k, "1000.1", i, i.checked_sub(1));
-            push(&mut system.c, if i % 3 == 0 { "0.3" } else { "0.7" }, i, i.checked_sub(1));
+            push(&mut system.c, if i.is_multiple_of(3) { "0.3" } else { "0.7" }, i, i.checked_sub(1));
         }
         system
     }
@@ -301,7 +301,7 @@ mod tests {
             for step in 1..20 {
                 let omega = &Number::from(step) / &Number::from(7);
                 let spring = |i: usize| -> Pair {
-                    (Number::from("1000.1"), &omega * &Number::from(if i % 3 == 0 { "0.3" } else { "0.7" }))
+                    (Number::from("1000.1"), &omega * &Number::from(if i.is_multiple_of(3) { "0.3" } else { "0.7" }))
                 };
                 let inertia = -&(&omega.square() * &Number::from("1.3"));
                 // From the ground: pivot_i = spring_i + spring_(i+1) + inertia - spring_i^2 / pivot_(i-1).
