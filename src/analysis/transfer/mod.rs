@@ -104,6 +104,8 @@ const TO_THE_LAST_DIGIT: f64 = 1e-17;
 const FAST_ABOVE: f64 = 1e-14;
 /// Inverses of more coordinates take too long at every frequency.
 const MOST_DENSE: usize = 300;
+/// What a few products lose by underflow.
+const UNDERFLOW: f64 = 1e-317;
 /// From a certified inverse each step wins at least half a digit; this is for the worst.
 const MOST_STEPS: usize = 40;
 
@@ -396,7 +398,7 @@ impl<'a> Transfer<'a> {
                     let product = Complex::new(Ball::exact(x.re[i]) * p, Ball::exact(x.im[i]) * p);
                     y = y + times_power(frequency, power, product);
                     // In the order of the values, so that what underflows there does here, and is then more than nothing.
-                    let least = if x.error[i] > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
+                    let least = if x.error[i] > 0.0 { UNDERFLOW } else { 0.0 };
                     let times_omega = |error: f64, _| error * frequency.omega.magnitude() + least;
                     radius += (0..power).fold(p.magnitude() * x.error[i] + least, times_omega);
                 }

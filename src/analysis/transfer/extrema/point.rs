@@ -51,7 +51,7 @@ impl Exactly {
         let largest =
             roots.map(|root| size(root.centre.re.to_f64()).max(size(root.centre.im.to_f64()))).fold(0.0, f64::max);
         let roots = factored.zeros.iter().chain(&factored.poles);
-        let sizes = roots.flat_map(|root| [root.centre.re.to_f64().abs(), root.centre.im.to_f64().abs()]);
+        let sizes = roots.map(|root| root.centre.re.to_f64().abs().max(root.centre.im.to_f64().abs()));
         let lead = factored.lead.mid.to_f64().abs();
         let in_range = sizes.chain([lead]).all(|size| size == 0.0 || RANGE.contains(&size));
         in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest })
