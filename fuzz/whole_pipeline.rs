@@ -82,8 +82,9 @@ fn assert_modes(modes: &Modes, n: usize) {
         for shares in
             [mode.kinetic.iter().map(|s| s.part).collect::<Vec<_>>(), mode.strain.iter().map(|s| s.part).collect()]
         {
-            // Shares of coordinates that are coupled through M may be large and of both signs.
-            let (sum, size) = shares.iter().fold((0.0, 1.0), |(sum, size), share| (sum + share, size + share.abs()));
+            // Shares of strain energy may be large and of both signs.
+            let (sum, size) =
+                shares.iter().fold((0.0, 1.0), |(sum, size), share| (sum + share.0, size + share.0.abs()));
             assert!(shares.is_empty() || (sum - 1.0).abs() < 1e-12 * size + 1e-6, "{mode:?}");
         }
         last = square;

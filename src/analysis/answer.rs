@@ -1,7 +1,7 @@
 //! What analyses return.
 
 use crate::analysis::poles::count::PoleCount;
-use crate::base::Ball;
+use crate::base::{Ball, Unproven};
 use crate::system::{CoordinateId, Label};
 
 /// The road that found a number.
@@ -142,7 +142,8 @@ pub enum ModeKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share<T> {
     pub of: T,
-    pub part: f64,
+    /// From a shape, which has no bound.
+    pub part: Unproven,
 }
 
 /// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.

@@ -597,10 +597,7 @@ fn json_buckling<'a>(found: &Buckling, options: &ReportOptions, names: &'a [Stri
 }
 
 fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonShare> {
-    shares
-        .iter()
-        .map(|share| JsonShare { of: name(share.of), share: JsonNumber::unproven(Unproven(share.part)) })
-        .collect()
+    shares.iter().map(|share| JsonShare { of: name(share.of), share: JsonNumber::unproven(share.part) }).collect()
 }
 
 fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {

@@ -4,7 +4,7 @@ use super::ModalAnswer;
 use crate::analysis::{
     Mode, ModeKind, Modes, Pole, PoleCount, PoleKind, Poles, Reason, Route, Share, Stability, Verdict,
 };
-use crate::base::{Ball, Dd, FileId, Name, Number, Rational, Span, Words};
+use crate::base::{Ball, Dd, FileId, Name, Number, Rational, Span, Unproven, Words};
 use crate::lower::Rest;
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
 
@@ -181,8 +181,8 @@ fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(L
         shape: shape.to_vec(),
         input_condition: Some(2.0),
         leading: Some(CoordinateId(0)),
-        kinetic: kinetic.iter().map(|(of, part)| Share { of: *of, part: *part }).collect(),
-        strain: strain.iter().map(|(of, part)| Share { of: *of, part: *part }).collect(),
+        kinetic: kinetic.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),
+        strain: strain.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),
         route: Route::FactoredDoubleDouble,
     }
 }

@@ -148,7 +148,7 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     };
     if let Some(motions) = motions {
         text += &shares(motions, "kinetic energy", |mode| {
-            mode.kinetic.iter().filter(|share| share.of.name == body.name).map(|share| share.part).sum()
+            mode.kinetic.iter().filter(|share| share.of.name == body.name).map(|share| share.part.0).sum()
         });
     }
     text
@@ -210,7 +210,7 @@ fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String 
         if let (Some(motions), Law::Spring { .. }) = (&known.motions, &element.law) {
             let own = Label { name: element.name, motion: "" };
             text += &shares(motions, "strain energy", |mode| {
-                mode.strain.iter().filter(|share| share.of == own).map(|share| share.part).sum()
+                mode.strain.iter().filter(|share| share.of == own).map(|share| share.part.0).sum()
             });
         }
     }

@@ -39,20 +39,21 @@ fn shares_name_what_moves_and_what_holds() {
     let system = cart();
     let modes = analysis::modes(&system).expect("a regular system");
     for mode in &modes.list {
-        let kinetic: f64 = mode.kinetic.iter().map(|share| share.part).sum();
-        let strain: f64 = mode.strain.iter().map(|share| share.part).sum();
+        let kinetic: f64 = mode.kinetic.iter().map(|share| share.part.0).sum();
+        let strain: f64 = mode.strain.iter().map(|share| share.part.0).sum();
         assert!((kinetic - 1.0).abs() < 1e-14 && (strain - 1.0).abs() < 1e-14);
     }
     // The cart's body has 1 kg x^2 of x^T M x, the rod the rest; the shape is (1, 1.2939).
     let (x, theta) = (1.0, 1.29393000254f64);
     let block = 1.0 / (1.5 * x * x + 2.0 * 0.5 * x * theta + 2.0 / 3.0 * theta * theta);
-    let of = |name| modes.list[0].kinetic.iter().find(|share| system.display(share.of) == name).map(|share| share.part);
+    let of =
+        |name| modes.list[0].kinetic.iter().find(|share| system.display(share.of) == name).map(|share| share.part.0);
     assert!(of("rod").is_some_and(|rod| (rod + block - 1.0).abs() < 1e-10), "{:?}", modes.list[0].kinetic);
     // In phase, the rod's weight and the spring both hold; the strain energies are 10 x^2 and 4.905 theta^2.
     let low = &modes.list[0];
     let spring = 10.0 * x * x / (10.0 * x * x + 4.905 * theta * theta);
     let share = low.strain.iter().find(|share| system.display(share.of) == "k1").expect("the spring has a share");
-    assert!((share.part - spring).abs() < 1e-10);
+    assert!((share.part.0 - spring).abs() < 1e-10);
 }
 
 #[test]
@@ -140,7 +141,7 @@ fn a_massless_node_passes_its_springs_in_series() {
     let mode = &modes.list[0];
     assert_eq!(mode.omega.to_f64(), 1.0);
     assert!((mode.shape[1] / mode.shape[0] - 2.0 / 3.0).abs() < 1e-15);
-    let strain: f64 = mode.strain.iter().map(|share| share.part).sum();
+    let strain: f64 = mode.strain.iter().map(|share| share.part.0).sum();
     assert!((strain - 1.0).abs() < 1e-14);
 }
 

@@ -3,6 +3,7 @@
 use crate::analysis::answer::{Mode, Share};
 use crate::analysis::modes::eigen::Displacements;
 use crate::analysis::modes::terms::Terms;
+use crate::base::Unproven;
 use crate::system::{CoordinateId, CoordinateKind, Form, Label, LinearSystem};
 
 /// What is made 1 in a shape.
@@ -202,7 +203,7 @@ fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usi
     // What a symmetry makes equal leads in its order, not in that of last bits.
     let tied = list.iter().take_while(|&&i| share(i) >= share(list[0]) * (1.0 - TIE)).count();
     list[..tied].sort_unstable();
-    list.into_iter().map(|i| Share { of: of(i as usize), part: share(i) }).collect()
+    list.into_iter().map(|i| Share { of: of(i as usize), part: Unproven(share(i)) }).collect()
 }
 
 /// The sum of the parts and of their sizes; of many, side by side in an order that no machine changes.
@@ -262,8 +263,8 @@ mod tests {
         let tied = largest_first(&[1.0, 4.0, 4.0 + 1e-12, 2.0], |_| true, |i| i);
         assert_eq!(tied.iter().map(|share| share.of).collect::<Vec<_>>(), [1, 2, 3, 0]);
         let shares = largest_first(&[3.0, 5.0], |_| true, |i| i);
-        assert_eq!((shares[0].of, shares[0].part, shares[1].part), (1, 0.625, 0.375));
+        assert_eq!((shares[0].of, shares[0].part.0, shares[1].part.0), (1, 0.625, 0.375));
         let negative = largest_first(&[1.0, -5.0], |_| true, |i| i);
-        assert_eq!((negative[0].of, negative[0].part, negative[1].part), (1, 1.25, -0.25));
+        assert_eq!((negative[0].of, negative[0].part.0, negative[1].part.0), (1, 1.25, -0.25));
     }
 }

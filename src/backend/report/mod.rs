@@ -100,8 +100,8 @@ fn largest_shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> S
     const ROOM: usize = 32;
     /// Where no share reaches this much, naming a few of them says nothing.
     const WORTH_NAMING: f64 = 0.05;
-    let told = |share: &Share<T>| format!("{} {}", name(share.of), percent(share.part));
-    if let Some(largest) = shares.first().filter(|share| share.part.abs() < WORTH_NAMING) {
+    let told = |share: &Share<T>| format!("{} {}", name(share.of), percent(share.part.0));
+    if let Some(largest) = shares.first().filter(|share| share.part.0.abs() < WORTH_NAMING) {
         return format!("spread over {}, most on {}", shares.len(), told(largest));
     }
     let mut text = String::new();
@@ -112,7 +112,7 @@ fn largest_shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> S
         && (text.is_empty() || table::characters(&text) + table::characters(&told(share)) <= ROOM)
     {
         text += &format!("{}{}", if text.is_empty() { "" } else { ", " }, told(share));
-        covered += share.part;
+        covered += share.part.0;
         rest = others;
     }
     match rest.len() {
