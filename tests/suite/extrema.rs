@@ -201,3 +201,129 @@ fn values_beside_the_lightest_poles_are_told() {
     let gain = Transfer::of(&answer.lowered.system).at(&Frequency::radians(&Number::ONE))[0][0];
     assert_eq!(gain, Gain::Infinite);
 }
+
+/// n masses of 1 kg between springs of 1000 N/m, the first of them to ground, each with a damper of `c` to ground.
+fn long_chain(n: usize, damper: &str, rest: &str) -> String {
+    format!(
+        "repeat i in 1..{n} {{
+            body m[i] {{ mass = 1 kg, moves x }}
+            {}
+        }}
+        spring k[1]: ground -- m[1] {{ k = 1000 N/m }}
+        repeat i in 2..{n} {{
+            spring k[i]: m[i-1] -- m[i] {{ k = 1000 N/m }}
+        }}
+        force F: m[1] along x
+        {rest}",
+        if damper.is_empty() { String::new() } else { format!("damper c[i]: ground -- m[i] {{ c = {damper} N*s/m }}") }
+    )
+}
+
+/// |H| of that chain by a continued fraction: from the free end g = mu + k, then g = mu + 2 k - k^2 / g, H = 1 / g at the first
+/// mass, times k / g of each further one at the last; mu = -omega^2 + i omega c.
+fn of_long_chain(n: usize, c: f64, to_last: bool, hertz: f64) -> f64 {
+    let omega = 2.0 * std::f64::consts::PI * hertz;
+    let (re, im, k) = (-omega * omega, omega * c, 1000.0);
+    let mut g = (re + k, im);
+    let mut along = 1.0;
+    for _ in 1..n {
+        let norm = g.0 * g.0 + g.1 * g.1;
+        along *= k / norm.sqrt();
+        g = (re + 2.0 * k - k * k * g.0 / norm, im + k * k * g.1 / norm);
+    }
+    (if to_last { along } else { 1.0 }) / g.0.hypot(g.1)
+}
+
+/// Every maximum and minimum that 50,000 values show is told, no other, and its value and width are right.
+#[test]
+fn long_damped_chains_have_all_extrema_with_widths() {
+    let (n, c, step) = (40, 0.1, 2.4e-4);
+    for (to_last, output) in [(false, "output y = m[1].x"), (true, "output y = m[40].x")] {
+        let found = extrema_of(&long_chain(n, "0.1", output), Some(("0.05", "12")));
+        assert!(found.complete.is_some(), "{:?}", found.open);
+        let size = |f: f64| of_long_chain(n, c, to_last, f);
+        let values: Vec<f64> = (0..=49_791).map(|i| size(0.05 + step * i as f64)).collect();
+        let turns = |w: &[f64]| (w[1] > w[0]) != (w[2] > w[1]);
+        let expected: Vec<(f64, FeatureKind)> = (values.windows(3).enumerate())
+            .filter(|(_, w)| turns(w))
+            .map(|(i, w)| (0.05 + step * (i + 1) as f64, if w[1] > w[0] { Peak } else { Antiresonance }))
+            .collect();
+        assert_eq!(found.list.len(), expected.len(), "{output}");
+        for (told, (f, kind)) in found.list.iter().zip(expected) {
+            let at = told.frequency.to_f64();
+            assert!(told.kind == kind && (at - f).abs() < step, "{told:?}, not {f}");
+            let gain = told.gain.disc().expect("finite").gain().to_f64();
+            assert!((size(at) / gain - 1.0).abs() < 1e-10, "{told:?}: {}", size(at));
+            assert!(told.frequency.relative_error() < 1e-20, "{told:?}");
+            let half = |sign: f64| {
+                let above = |f: &f64| size(*f) > gain * 0.5f64.sqrt();
+                let far = (1..2000).map(|i| at + sign * step * i as f64).find(|f| !above(f)).unwrap_or(f64::NAN);
+                let (mut near, mut far) = (far - sign * step, far);
+                for _ in 0..60 {
+                    let middle = 0.5 * (near + far);
+                    if above(&middle) { near = middle } else { far = middle }
+                }
+                near
+            };
+            if let Some(width) = told.width {
+                assert!((width.to_f64() / (half(1.0) - half(-1.0)) - 1.0).abs() < 1e-9, "{told:?}");
+            }
+        }
+        // Peaks of the first mass at low frequencies do not rise to the root of 2 above the lowest value beside them.
+        let wide = found.list.iter().filter(|told| told.width.is_some()).count();
+        assert!(wide >= 20, "{wide} of {}", found.list.len());
+    }
+}
+
+/// Peaks at 2 sqrt(k/m) sin((2 j - 1) pi / (4 n + 2)), zeros of the first mass where that of n - 1 masses has its peaks.
+#[test]
+fn a_long_undamped_chain_has_its_textbook_poles_and_zeros() {
+    let n = 64;
+    let found = extrema_of(&long_chain(n, "", "output y = m[1].x"), None);
+    assert!(found.complete.is_some(), "{:?}", found.open);
+    let textbook = |n: usize, j: usize| {
+        let angle = (2 * j + 1) as f64 * std::f64::consts::PI / (4 * n + 2) as f64;
+        1000f64.sqrt() * angle.sin() / std::f64::consts::PI
+    };
+    assert_eq!(found.list.len(), 2 * n - 1);
+    for (i, told) in found.list.iter().enumerate() {
+        let expected = textbook(n - i % 2, i / 2);
+        assert!((told.frequency.to_f64() / expected - 1.0).abs() < 1e-14, "{i}: {told:?}, not {expected}");
+        let exactly = if i % 2 == 0 {
+            told.kind == Peak && told.gain == Gain::Infinite
+        } else {
+            told.kind == Antiresonance && told.gain.disc().is_some_and(|disc| disc.gain().is_zero())
+        };
+        assert!(exactly, "{i}: {told:?}");
+    }
+}
+
+/// A ring of unequal masses is no tree. Between two poles of the undamped system a driven mass has one zero;
+/// nothing cancels, for no two masses are equal.
+#[test]
+fn what_is_driven_is_seen_in_any_net() {
+    let n = 20;
+    let ring = |rest: &str| {
+        format!(
+            "repeat i in 1..{n} {{
+                body m[i] {{ mass = (1 + i*i/50) * 1 kg, moves x }}
+                spring g[i]: ground -- m[i] {{ k = 100 N/m }}
+            }}
+            spring k[1]: m[{n}] -- m[1] {{ k = 700 N/m }}
+            repeat i in 2..{n} {{
+                spring k[i]: m[i-1] -- m[i] {{ k = 1000 N/m }}
+            }}
+            {rest}"
+        )
+    };
+    for rest in ["force F: m[3] along x\noutput y = m[3].vx", "force F: m[3] along x\noutput y = m[3].x"] {
+        let found = extrema_of(&ring(rest), None);
+        assert!(found.complete.is_some(), "{rest}: {:?}", found.open);
+        assert_eq!(found.list.len(), 2 * n - 1, "{rest}");
+        let alternate =
+            |(i, told): (usize, &analysis::Extremum)| told.kind == if i % 2 == 0 { Peak } else { Antiresonance };
+        assert!(found.list.iter().enumerate().all(alternate), "{rest}");
+    }
+    // Seen elsewhere in a ring, two paths lead there: what is told is told without a proof that it is all.
+    assert!(extrema_of(&ring("force F: m[3] along x\noutput y = m[8].x"), None).complete.is_none());
+}

@@ -6,7 +6,7 @@
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::numeric::complex::Complex;
-use crate::analysis::transfer::extrema::{Exactly, Extrema, bracketed};
+use crate::analysis::transfer::extrema::{Exactly, Extrema, bracketed, factored, sharpened};
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
 use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, TO_THE_LAST_DIGIT, Transfer};
 use crate::base::{Number, Rational};
@@ -171,6 +171,14 @@ fn extrema(roads: &Roads, poles: &Poles, sweep: &Sweep, pairs: &Pairs, rows: &[R
         let found = pairs[i][o].exactly.map(|road| road.extrema(low, high));
         if let Some(found) = found.as_ref().filter(|found| found.complete.is_some()) {
             return found.clone();
+        }
+        let along_path = || {
+            let factored = factored(&roads.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
+            let found = Exactly::of(&factored)?.extrema(low, high);
+            found.complete.is_some().then_some(found)
+        };
+        if let Some(found) = along_path() {
+            return sharpened(&roads.transfer, sweep.inputs[i], sweep.outputs[o], found);
         }
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
         let others = bracketed(&roads.transfer, sweep.inputs[i], sweep.outputs[o], poles, &gains);

@@ -52,6 +52,32 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
     Extrema { list, complete: None, open: vec![(first.0, last.0)] }
 }
 
+/// The extrema of a complete list with the frequencies and values that H itself tells: from zeros and poles they are known up to
+/// these only.
+pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Extrema) -> Extrema {
+    let pair = Pair { transfer, input, output };
+    for index in 0..found.list.len() {
+        let Extremum { kind, frequency, gain, .. } = found.list[index];
+        let singular = gain == Gain::Infinite || gain.disc().is_some_and(|disc| disc.radius == 0.0);
+        let beside = [index.checked_sub(1), Some(index + 1)].map(|i| Some(found.list.get(i?)?.frequency));
+        let omega = (frequency * Ball::from(2.0) * Ball::PI).widen(f64::MIN_POSITIVE);
+        let reach = omega.rad.max(omega.to_f64() * 1e-13);
+        let better = match singular {
+            true => None,
+            false => pair.root((omega.to_f64() - reach, omega.to_f64() + reach), kind),
+        };
+        let Some(better) = better.map(|omega| pair.extremum(omega, kind)) else { continue };
+        // A root of the slope within the ball of one extremum and of no other is that one.
+        let apart = |other: &Ball| !(*other - better.frequency).contains_zero();
+        let same = (better.frequency.mid - frequency.mid).abs().to_f64() + better.frequency.rad <= frequency.rad;
+        if same && beside.iter().flatten().all(apart) {
+            found.list[index].frequency = better.frequency;
+            found.list[index].gain = better.gain;
+        }
+    }
+    found
+}
+
 /// Poles exactly on the imaginary axis.
 fn axis_poles(poles: &Poles, (low, high): Interval) -> Vec<Ball> {
     let on_axis = poles.list.iter().filter(|pole| pole.re.is_zero() && pole.im.is_positive()).map(|pole| pole.im);

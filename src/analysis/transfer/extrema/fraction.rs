@@ -40,10 +40,12 @@ pub fn coordinates_between(system: &LinearSystem, parts: &[Part], input: usize, 
     list
 }
 
-/// H(s) = lead prod (s - z) / prod (s - p)
+/// H(s) = lead prod ((s - z) / unit) / prod ((s - p) / unit)
 #[derive(Clone, Debug)]
 pub struct Factored {
     pub lead: Ball,
+    /// A power of two, rad/s.
+    pub unit: f64,
     pub zeros: Vec<Root>,
     pub poles: Vec<Root>,
 }
@@ -99,7 +101,7 @@ impl Denominator {
         let numerator = Determinant::of(&rows, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
             // Nothing of the input reaches the output.
-            let nothing = Factored { lead: Ball::ZERO, zeros: Vec::new(), poles: Vec::new() };
+            let nothing = Factored { lead: Ball::ZERO, unit: 1.0, zeros: Vec::new(), poles: Vec::new() };
             return numerator.polynomial.is_exact().then_some(nothing);
         }
         let (above, below) = (&numerator.polynomial, &self.determinant.polynomial);
@@ -114,7 +116,7 @@ impl Denominator {
             0 => (roots(above)?, self.roots.clone()),
             _ => (roots(&rest(above)?)?, roots(&rest(below)?)?),
         };
-        Some(Factored { lead, zeros, poles })
+        Some(Factored { lead, unit: 1.0, zeros, poles })
     }
 }
 

@@ -6,14 +6,16 @@ mod bracketed;
 mod expansion;
 mod fraction;
 mod jet;
+mod path;
 mod point;
 mod roots;
 mod search;
 mod slope;
 
-pub use bracketed::bracketed;
+pub use bracketed::{bracketed, sharpened};
 pub(in crate::analysis) use fraction::coordinates_between;
 pub use fraction::{Denominator, Factored};
+pub(in crate::analysis) use path::factored;
 pub use point::Exactly;
 
 use crate::analysis::transfer::Gain;

@@ -20,6 +20,8 @@ pub struct Anchor {
     /// rad/s
     place: Float,
     radius: f64,
+    /// 1 / unit of the products, a power of two.
+    per_unit: f64,
     pub terms: Vec<Term>,
 }
 
@@ -71,9 +73,15 @@ fn above(radius: &Float) -> f64 {
 }
 
 impl Anchor {
+    /// The first of [`anchors`]: frequencies as they are.
+    pub fn zero(factored: &Factored) -> Anchor {
+        Anchor::of(factored, None)
+    }
+
     fn of(factored: &Factored, own: Option<&Root>) -> Anchor {
         let place = own.map_or(Float::zero(), |root| root.centre.im.clone());
-        let mut anchor = Anchor { place, radius: own.map_or(0.0, |root| above(&root.radius)), terms: Vec::new() };
+        let radius = own.map_or(0.0, |root| above(&root.radius));
+        let mut anchor = Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new() };
         for (roots, sign) in [(&factored.zeros, 1.0), (&factored.poles, -1.0)] {
             for root in roots {
                 anchor.add(root, sign * root.multiplicity as f64, own.is_some_and(|own| std::ptr::eq(own, root)));
@@ -194,7 +202,7 @@ impl Anchor {
 
     /// H at a point.
     pub fn value(&self, lead: Ball, t: Ball) -> Complex<Ball> {
-        let factor = |term: &Term| Complex::new(-term.re, t - term.offset);
+        let factor = |term: &Term| Complex::new(self.in_units(-term.re), self.in_units(t - term.offset));
         let by = |product: Complex<Ball>, term: &Term, up: bool| {
             if up { product * factor(term) } else { divided(product, factor(term)) }
         };
@@ -204,8 +212,9 @@ impl Anchor {
     /// |H| times a factor at a point.
     pub fn size(&self, factor: Ball, t: Ball) -> Ball {
         let modulus = |term: &Term| {
-            let t = t - term.offset;
-            if term.re.is_zero() { t.abs() } else { (t * t + term.re * term.re).sqrt() }
+            let t = self.in_units(t - term.offset);
+            let re = self.in_units(term.re);
+            if re.is_zero() { t.abs() } else { (t * t + re * re).sqrt() }
         };
         let by = |x: Ball, term: &Term, up: bool| if up { x * modulus(term) } else { x / modulus(term) };
         self.product(factor, |x| x.mid.hi.abs(), by)
@@ -215,9 +224,13 @@ impl Anchor {
     pub fn near_size(&self, factor: f64, t: f64) -> f64 {
         let modulus = |term: &Term| {
             let t = (Dd::from(t) - term.offset.mid).to_f64();
-            (t * t + term.short_re * term.short_re).sqrt()
+            (t * t + term.short_re * term.short_re).sqrt() * self.per_unit
         };
         self.product(factor, |x| x.abs(), |x, term, up| if up { x * modulus(term) } else { x / modulus(term) })
+    }
+
+    fn in_units(&self, x: Ball) -> Ball {
+        if self.per_unit == 1.0 { x } else { x * Ball::from(self.per_unit) }
     }
 
     /// A product over zeros (up) and poles in an order that keeps it near one, within the range of binary64.
