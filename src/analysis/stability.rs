@@ -168,6 +168,8 @@ mod tests {
     use crate::analysis::poles::count::PoleCount;
     use crate::analysis::poles::poles;
     use crate::analysis::test_systems::{blank, oscillator, push};
+    use crate::base::Number;
+    use crate::system::CoordinateId;
 
     /// An oscillator that a damper feeds: two growing poles.
     fn fed() -> LinearSystem {
@@ -213,5 +215,72 @@ mod tests {
         system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).iter().cloned());
         let verdict = stability(&system, &modes(&system).expect("modes"), &Poles::default());
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
+    }
+
+    /// Routh's count against lists of poles of other systems: each of its three questions is enough to contradict.
+    #[test]
+    fn a_count_contradicts_what_it_does_not_know() {
+        let list = |c: &str| {
+            let system = oscillator("1", c, "4");
+            poles(&system, &modes(&system).expect("modes")).expect("poles")
+        };
+        let damped = oscillator("1", "0.1", "4");
+        assert!(agrees_with_count(&damped, &list("0.1")));
+        // On the axis there are two, and the list has none there.
+        let mut undamped = oscillator("1", "0.1", "4");
+        undamped.c = Form::new();
+        assert!(!agrees_with_count(&undamped, &list("0.1")));
+        // Two more than there are.
+        let mut twice = list("0.1");
+        twice.list.extend(twice.list.clone());
+        assert!(!agrees_with_count(&damped, &twice));
+        // Growing ones beside a part whose numbers are not rational, which Routh's count leaves out.
+        let mut system = blank(2);
+        push(&mut system.m, "1", 0, None);
+        push(&mut system.m, "1", 1, None);
+        push(&mut system.k, "4", 0, None);
+        let fed = fed();
+        for (form, source, weight) in [(&mut system.c, &fed.c, None), (&mut system.k, &fed.k, Number::from(2).sqrt())] {
+            let term = &source.terms()[0];
+            let to = form.source(source.source_name(term.source));
+            let at = CoordinateId(u32::from(weight.is_some()));
+            form.push(to, term.nature, weight.unwrap_or(term.weight.clone()), [(at, Number::ONE)]);
+        }
+        assert!(!agrees_with_count(&system, &twice));
+    }
+
+    /// What the energy needs: a positive M, a K that holds where inertia is missing, and C = alpha M + beta K with neither negative.
+    #[test]
+    fn energy_proves_nothing_without_each_of_its_parts() {
+        let (mut light, mut falling) = (blank(1), blank(1));
+        for (system, m, k) in [(&mut light, -1, 4), (&mut falling, 1, -4)] {
+            let term = oscillator("1", "0.1", "1").m.terms()[0].clone();
+            let row = || [(CoordinateId(0), Number::ONE)];
+            for (form, weight) in [(&mut system.m, m), (&mut system.k, k)] {
+                let source = form.source(system.coordinates[0].name);
+                form.push(source, term.nature, Number::from(weight), row());
+            }
+            push(&mut system.c, "0.1", 0, None);
+        }
+        let none = |infinite: usize| Modes { infinite, ..Modes::default() };
+        assert_eq!(stability(&light, &none(0), &Poles::default()).reason(), Reason::NotCounted);
+        assert_eq!(stability(&falling, &none(1), &Poles::default()).reason(), Reason::NotCounted);
+        // A negative omega^2 is a growing pole, but not where motions without inertia may hide it behind a damper that feeds.
+        let mut diverging = modes(&falling).expect("modes");
+        assert_eq!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
+        diverging.infinite = 1;
+        assert_eq!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
+        falling.c = fed().c;
+        assert_ne!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
+        // C = M / 2 - K / 10
+        let mut rayleigh = blank(2);
+        for (i, (k, c)) in [("4", "0.1"), ("9", "-0.4")].into_iter().enumerate() {
+            push(&mut rayleigh.m, "1", i, None);
+            push(&mut rayleigh.k, k, i, None);
+            let source = rayleigh.c.source(rayleigh.coordinates[0].name);
+            let weight = if i == 0 { Number::from(c) } else { -&Number::from("0.4") };
+            rayleigh.c.push(source, crate::system::Nature::Property, weight, [(CoordinateId(i as u32), Number::ONE)]);
+        }
+        assert!(!is_classical(&rayleigh));
     }
 }

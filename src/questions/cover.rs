@@ -152,3 +152,85 @@ fn joined(mut parts: Vec<Part>) -> Vec<Part> {
     }
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What becomes of a range, for a measure with its derivative.
+    fn settled(low: f64, high: f64, most: usize, f: impl Fn(Ball) -> (Ball, Ball)) -> Covered {
+        let over = |x: Ball| {
+            let (value, slope) = f(x);
+            Over::sample(value, slope)
+        };
+        let side = |x: Dd| match f(Ball::exact(x)).0 {
+            value if value.is_positive() => Some(Ordering::Greater),
+            value if value.is_negative() => Some(Ordering::Less),
+            _ => Some(Ordering::Equal),
+        };
+        Cover { over: &over, side: &side, most }.settle(vec![Part { low: Dd::from(low), high: Dd::from(high) }])
+    }
+
+    /// Whether one of the parts holds a number.
+    fn hold(parts: &[Part], x: f64) -> bool {
+        parts.iter().any(|part| part.low.to_f64() <= x && x <= part.high.to_f64())
+    }
+
+    fn square_less(two: f64) -> impl Fn(Ball) -> (Ball, Ball) {
+        move |x| (x * x - Ball::from(two), x * Ball::from(2.0))
+    }
+
+    #[test]
+    fn a_range_without_a_root_is_proven_to_have_none() {
+        let covered = settled(1.5, 40.0, 1000, square_less(2.0));
+        assert!(matches!(covered.rest, Rest::Empty(_)) && covered.missed.is_empty());
+    }
+
+    /// The measure is far from what is asked, as an enclosure over half of a part would have it; not at its end.
+    #[test]
+    fn the_ends_of_a_part_belong_to_it() {
+        let part = Part { low: Dd::from(1.0), high: Dd::from(3.0) };
+        let ball = part.ball();
+        assert!(ball.mid.hi - ball.rad <= 1.0 && ball.mid.hi + ball.rad >= 3.0, "{ball:?}");
+    }
+
+    /// Both roots of x^2 = 2, in whatever halves they are.
+    #[test]
+    fn roots_that_were_not_known_are_missed() {
+        let covered = settled(-3.1, 4.3, 1000, square_less(2.0));
+        for root in [2f64.sqrt(), -2f64.sqrt()] {
+            assert!(hold(&covered.missed, root), "{:?}", covered.missed);
+        }
+    }
+
+    /// (x - 1)^2 touches zero: there its part stays open, however many are looked at.
+    #[test]
+    fn a_double_root_stays_open() {
+        let touches = |x: Ball| ((x - Ball::ONE).square(), (x - Ball::ONE) * Ball::from(2.0));
+        for most in [0, 1, 3, 20, 100_000] {
+            let covered = settled(-2.1, 3.3, most, touches);
+            let open = match covered.rest {
+                Rest::Open(parts) => hold(&parts, 1.0),
+                Rest::Unknown => most == 0,
+                Rest::Empty(_) => false,
+            };
+            assert!(open, "{most}");
+        }
+    }
+
+    /// A measure that rises, and on neither side for certain: nothing is excluded.
+    #[test]
+    fn sides_that_are_not_certain_settle_nothing() {
+        let blurred = |x: Ball| ((x - Ball::ONE).widen(10.0), Ball::ONE);
+        let covered = settled(0.0, 2.0, 1000, blurred);
+        assert!(matches!(&covered.rest, Rest::Open(parts) if hold(parts, 1.0)), "{:?}", covered.rest);
+    }
+
+    #[test]
+    fn what_may_be_zero_is_neither_excluded_nor_monotone() {
+        let near = Ball::from(0.15).widen(0.2);
+        assert!(!Over::sample(near, near).excludes() && !Over::sample(near, near).is_monotone());
+        let far = Ball::from(0.25).widen(0.2);
+        assert!(Over::sample(far, near).excludes() && Over::sample(near, far).is_monotone());
+    }
+}

@@ -39,6 +39,12 @@ impl Over {
         self.hopeless
     }
 
+    /// Of a measure that is known as a function.
+    #[cfg(test)]
+    pub fn sample(value: Ball, slope: Ball) -> Over {
+        Over { test: Some(Jet { value, slope }), ..Over::silent() }
+    }
+
     pub fn silent() -> Over {
         Over { test: None, course: None, apart: false, hopeless: false }
     }

@@ -380,4 +380,17 @@ mod tests {
     fn nothing_is_found_where_nothing_is() {
         assert!(found(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
     }
+
+    /// A measure that touches what is asked from one side is no crossing, and one that crosses is between the two numbers told.
+    #[test]
+    fn a_crossing_changes_sides() {
+        let touches = found(0, 3, |x| (x - Ball::from(1.5)) * (x - Ball::from(1.5)));
+        assert!(touches.roots.iter().all(|root| root.proof.is_none()), "{:?}", touches.roots);
+        // The root of x^3 = 2, no double-double.
+        let seen = found(0, 3, |x| x * x * x - Ball::from(2.0));
+        let [root] = seen.roots[..] else { panic!("{:?}", seen.roots) };
+        let cubic = |x: Dd| (x * x * x - Dd::from(2.0)).to_f64();
+        let ends = [root.near - Dd::from(root.within), root.near + Dd::from(root.within)];
+        assert!(root.proof.is_some() && cubic(ends[0]) < 0.0 && cubic(ends[1]) > 0.0, "{root:?}");
+    }
 }

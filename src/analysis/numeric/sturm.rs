@@ -233,6 +233,9 @@ mod tests {
         // 2 and -2, 3 and -3: mirror images of each other.
         check(&[&[-4, 0, 1], &[-9, 0, 1], pair], [4, 0, 2]);
         check(&[&[1, 0, 0, 0, 1], pair, left], [5, 0, 2]);
+        // Mirror images twice, and with a pair on the axis twice.
+        check(&[&[-4, 0, 1], &[-4, 0, 1], left], [3, 0, 2]);
+        check(&[&[-4, 0, 1], &[-4, 0, 1], axis, axis, pair], [4, 4, 2]);
     }
 
     /// (10^40 s - 1)(s + 1)(s² - 2 s/10^40 + 1): two roots hardly to the right of the axis, and one at it.

@@ -431,4 +431,37 @@ mod tests {
         assert_eq!(separated(&f, &f.derivative(), &[at(1), at(3)]).map(|list| list.len()), Some(2));
         assert!(separated(&f, &f.derivative(), &[at(1), at(1)]).is_none());
     }
+
+    /// Of (s + 1)^3 the nearest root is as far away as n |f / f'| says: nothing less will do.
+    #[test]
+    fn a_radius_reaches_the_nearest_root() {
+        let f = polynomial(&[1, 3, 3, 1]);
+        let radius = radius(&f, &f.derivative(), &value(-0.5, 0.0)).expect("a slope");
+        assert!(!is_less(&radius, &Float::from(0.5)), "{radius:?}");
+    }
+
+    /// Discs with radii 1 that are 1.5 apart meet, each outside the other's centre.
+    #[test]
+    fn discs_that_meet_are_not_apart() {
+        let disc = |at: f64, radius: f64| Rooted { z: value(at, 0.0), radius: Float::from(radius) };
+        assert!(!disc(0.0, 1.0).is_apart_from(&disc(1.5, 1.0)));
+        assert!(disc(0.0, 0.5).is_apart_from(&disc(1.5, 0.5)));
+    }
+
+    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new place to hold i or -i.
+    #[test]
+    fn a_disc_that_is_moved_to_the_axis_still_holds_a_root() {
+        let f = polynomial(&[1, 0, 1]);
+        let disc = Rooted::around(&f, &f.derivative(), &value(0.01, 0.7)).expect("a slope");
+        let to_a_root = &disc.z - &value(0.0, 1.0);
+        assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
+    }
+
+    #[test]
+    fn roots_that_are_not_as_many_as_the_degree_are_no_list() {
+        let root = ExactRoot { s: Complex::new(Ball::ZERO, Ball::ONE), multiplicity: 2, real: false, defective: false };
+        assert!(ExactPoles::counted(1, vec![root.clone()], 5).is_some());
+        assert!(ExactPoles::counted(1, vec![root.clone()], 6).is_none());
+        assert!(ExactPoles::counted(1, vec![root], 4).is_none());
+    }
 }

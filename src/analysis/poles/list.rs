@@ -401,4 +401,25 @@ mod tests {
         let clusters: Vec<Option<u32>> = found.sorted(3).list.iter().map(|pole| pole.cluster).collect();
         assert_eq!(clusters, [Some(0), Some(0), Some(0), None, None]);
     }
+
+    /// A real part in 1 +- 3 is told as zero and a radius that holds 4.
+    #[test]
+    fn a_real_part_about_zero_keeps_all_of_its_enclosure() {
+        let told = not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ONE);
+        assert!(told.mid.is_zero() && told.rad >= 4.0, "{told:?}");
+        assert_eq!(not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ZERO).mid, Dd::from(1.0));
+    }
+
+    /// What may lie on either side of the axis is one kind or the other only where nothing can grow.
+    #[test]
+    fn poles_about_the_axis_are_undetermined() {
+        let (about, feeding) = (Ball::new(Dd::from(-1e-20), 1e-19), Passive { damped: false, held: true });
+        assert_eq!(real_kind(about, feeding), PoleKind::Undetermined);
+        assert_eq!(real_kind(about, PASSIVE), PoleKind::Overdamped);
+        assert_eq!(complex_kind(Complex::new(about, Ball::ONE), feeding), PoleKind::Undetermined);
+        // Dampers that take energy leave a real pole of a falling part free to grow: one that may be real is not told.
+        let falling = Passive { damped: true, held: false };
+        assert_eq!(complex_kind(Complex::new(about, about), falling), PoleKind::Undetermined);
+        assert_eq!(complex_kind(Complex::new(about, Ball::ONE), falling), PoleKind::Oscillation);
+    }
 }

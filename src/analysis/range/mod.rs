@@ -352,3 +352,90 @@ fn each_eigenvalue(slope: &Matrix<Ball>, mass: &Matrix<Ball>) -> Option<Vec<f64>
     each.sort_by(f64::total_cmp);
     Some(each)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::Nature;
+
+    /// Weights over a range about a number: p, and numbers.
+    fn parameter(at: f64) -> Number {
+        Jet::of_parameter(Ball::from(at).widen(1e-9))
+    }
+
+    /// Oscillators side by side.
+    fn side_by_side(masses: &[Number], springs: &[Number]) -> LinearSystem {
+        let mut system = blank(masses.len());
+        let label = system.coordinates[0].name;
+        for (form, weights) in [(&mut system.m, masses), (&mut system.k, springs)] {
+            let source = form.source(label);
+            for (i, weight) in weights.iter().enumerate() {
+                form.push(source, Nature::Property, weight.clone(), [(CoordinateId(i as u32), Number::ONE)]);
+            }
+        }
+        system
+    }
+
+    #[test]
+    fn frequencies_rise_with_a_spring_and_fall_with_a_mass() {
+        let (one, p) = (Number::ONE, parameter(1.0));
+        let course = |m: &Number, k: &Number, lost: bool| {
+            Family::course(&side_by_side(std::slice::from_ref(m), std::slice::from_ref(k)), lost)
+        };
+        assert_eq!(course(&one, &p, false), Some(Course::Rises));
+        assert_eq!(course(&p, &one, false), Some(Course::Falls));
+        assert_eq!(course(&p, &p, false), None);
+        assert_eq!(course(&one, &p, true), None, "a derivative is lost");
+    }
+
+    /// omega^2 = 1/p at p = 2 has the slope -1/4; where a derivative was lost there is none.
+    #[test]
+    fn the_slope_of_a_frequency_is_that_of_its_mass() {
+        let system = side_by_side(&[parameter(2.0)], &[Number::ONE]);
+        let slope = |lost: bool| {
+            let family = Family::of(&system, lost).expect("small");
+            let square = Ball::from(0.5).widen(1e-9);
+            let x = family.modes_at(square, 1).expect("regular");
+            family.eigenvalue_slope(square, &x)
+        };
+        let found = slope(false).expect("a slope");
+        assert!((found.to_f64() + 0.25).abs() <= found.rad && found.rad < 1e-6, "{found:?}");
+        assert_eq!(slope(true), None);
+        let told = Family::of(&system, true).expect("small").told(&parameter(2.0));
+        assert!(told.slope.rad.is_infinite() && told.value.is_finite());
+    }
+
+    /// -c/2 +- i sqrt(4 - c^2) / 2 at c = 1.2: the real part has the slope -1/2.
+    #[test]
+    fn the_slope_of_a_pole_needs_every_derivative() {
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        push(&mut system.k, "1", 0, None);
+        let source = system.c.source(system.coordinates[0].name);
+        system.c.push(source, Nature::Property, parameter(1.2), [(CoordinateId(0), Number::ONE)]);
+        let slope = |lost: bool| {
+            let family = Family::of(&system, lost).expect("small");
+            let s = Complex::new(Ball::from(-0.6).widen(1e-9), Ball::from(0.8).widen(1e-9));
+            let x = family.motion_at(s).expect("regular");
+            family.pole_slope(s, &x)
+        };
+        let found = slope(false).expect("a slope").re;
+        assert!((found.to_f64() + 0.5).abs() <= found.rad && found.rad < 1e-6, "{found:?}");
+        assert!(slope(true).is_none());
+    }
+
+    /// Two equal frequencies of which one moves: the slopes 0 and 1 are both in what is told of the two.
+    #[test]
+    fn slopes_of_a_cluster_hold_each_of_them() {
+        let system = side_by_side(&[Number::ONE, Number::ONE], &[parameter(1.0), Number::ONE]);
+        let family = Family::of(&system, false).expect("small");
+        let square = Ball::ONE.widen(1e-9);
+        let x = family.modes_at(square, 2).expect("regular");
+        let (all, _) = family.cluster_slopes(square, &x).expect("slopes");
+        for slope in [0.0, 1.0] {
+            assert!((all.to_f64() - slope).abs() <= all.rad * (1.0 + 1e-12), "{all:?} {slope}");
+        }
+    }
+}

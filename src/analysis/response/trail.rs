@@ -78,4 +78,19 @@ mod tests {
         trail.step(1.0, 1e-3);
         assert!(trail.error >= 1e-3 && trail.error < 1.001e-3);
     }
+
+    /// Errors of a step that nothing takes away: sixteen of them are sixteen times as large, whatever became of the anchor.
+    #[test]
+    fn errors_since_the_anchor_are_all_there() {
+        let mut trail = Trail::default();
+        trail.add(100.0);
+        trail.turn();
+        (0..16).for_each(|_| trail.step(1.0, 1.0));
+        let mut other = trail.clone();
+        trail.decay(0, |_| 0.1);
+        assert!(trail.error >= 26.0 && trail.error < 26.001, "{}", trail.error);
+        other.add(5.0);
+        other.decay(0, |_| 0.1);
+        assert!(other.error >= 31.0 && other.error < 31.001, "{}", other.error);
+    }
 }

@@ -222,6 +222,10 @@ const LEAST_KNOWN: f64 = 1.0;
 fn exp(x: Ball) -> Ball {
     let k = (x.mid.hi / std::f64::consts::LN_2).round();
     let r = (x - Ball::LN_2 * Ball::from(k)) * Ball::from(1.0 / 64.0);
+    // Beyond it the terms that are left out are more than twice the first of them.
+    if r.magnitude() > 7.0 {
+        return Ball::new(Dd::ZERO, f64::INFINITY);
+    }
     let mut term = Ball::ONE;
     let mut sum = Ball::ONE;
     for i in 1..=13 {
@@ -565,5 +569,23 @@ mod tests {
         }
         let off = (c.mid - angle.sin_cos().expect("an angle").1.to_ball().mid).abs().to_f64();
         assert!(off > 0.9 * c.rad, "a tenth of the radius would do: {off:e} {:e}", c.rad);
+    }
+
+    /// Series that are cut off, over ranges as wide as the parameters of `solve` have: both ends are held.
+    #[test]
+    fn wide_ranges_are_held_to_their_ends() {
+        // exp(200), exp(600)
+        for (radius, end) in [(200.0, 7.225_973_768_125_749e86), (600.0, 3.773_020_300_925_86e260)] {
+            let found = exp(Ball::ZERO.widen(radius));
+            assert!(found.magnitude() >= end * (1.0 - 1e-13), "exp(0 +- {radius}): {:e}", found.magnitude());
+        }
+        // ln(1/2) = -ln 2
+        let found = ln(Ball::ONE.widen(0.5));
+        assert!(found.mid.to_f64() - found.rad <= -std::f64::consts::LN_2, "{found:?}");
+        // 1 of the sine, where the angle is anything.
+        let (sine, cosine) = Jet::of_parameter(Ball::ZERO.widen(2.0)).sin_cos().expect("a range");
+        assert!(sine.enclosure().magnitude() >= 1.0 && cosine.enclosure().magnitude() >= 1.0);
+        // Between pi and -pi there is a leap.
+        assert_eq!(Number::atan2(&Jet::of_parameter(Ball::ZERO.widen(0.1)), &Number::from(-1)), None);
     }
 }

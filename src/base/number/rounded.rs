@@ -107,4 +107,11 @@ mod tests {
         let told = Rounded::of(Ball::new(Dd::from(1e-310), 5e-324)).expect("finite");
         assert!(told.bound() >= 5e-324 && told.relative_bound() > 0.0);
     }
+
+    /// 1 + 2^-54 is no binary64: its nearest, 1, would be too small a bound.
+    #[test]
+    fn a_bound_is_rounded_upwards() {
+        let told = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 0.5f64.powi(54) }, 1.0)).expect("finite");
+        assert!(told.value() == 1.0 && told.bound() > 1.0, "{told:?}");
+    }
 }

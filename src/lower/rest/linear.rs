@@ -272,4 +272,17 @@ mod tests {
         let (solution, _) = told(2, &[both, (7, vec![(0, 1)])]);
         assert!(solution.proven.is_none());
     }
+
+    /// A force of 1 +- 0.1 on a spring of 1: a displacement of 1.1 is as true as any.
+    #[test]
+    fn what_is_not_known_of_a_force_is_not_known_of_the_rest() {
+        for row in [vec![(0, Ball::ONE)], vec![(0, Ball::ONE), (1, -Ball::ONE), (2, Ball::ONE)]] {
+            let mut squares = Squares::new(3);
+            (0..3).for_each(|i| squares.push(Ball::ONE, [(i, Ball::ONE)].into_iter()));
+            squares.push(Ball::ZERO, row.into_iter());
+            let forces = [Ball::ONE.widen(0.1), Ball::ZERO, Ball::ZERO];
+            let value = solved(&squares, &forces).unwrap_or_else(|row| panic!("row {row}")).values[0];
+            assert!((value.mid.hi - 1.1).abs() <= value.rad + 1e-15, "{value:?}");
+        }
+    }
 }

@@ -79,4 +79,11 @@ mod tests {
             assert_eq!(Proven::positivity(&w, &v), None);
         }
     }
+
+    #[test]
+    fn both_of_two_proofs_are_needed() {
+        let one = Proven::definiteness(1.0);
+        assert!(Proven::and(one, one).is_some());
+        assert_eq!([Proven::and(one, None), Proven::and(None, one)], [None, None]);
+    }
 }

@@ -215,3 +215,30 @@ fn through(system: &LinearSystem, input: usize, output: usize) -> Option<Entry> 
     };
     entry([of(0), of(1), of(2)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::analysis::test_systems::oscillator;
+    use crate::analysis::transfer::Frequency;
+    use crate::analysis::transfer::extrema::Exactly;
+
+    /// A stiffness known to 1e-3: the gain is that of 4.001 too.
+    #[test]
+    fn what_is_not_known_of_a_stiffness_is_not_known_of_the_gain() {
+        let gain = |stiffness: Number| {
+            let mut system = oscillator("1", "0.5", "4");
+            let term = system.k.terms()[0].clone();
+            let mut k = Form::new();
+            let source = k.source(system.k.source_name(term.source));
+            k.push(source, term.nature, stiffness, system.k.row(&term).iter().cloned());
+            system.k = k;
+            let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");
+            Exactly::of(&factored).gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
+        };
+        let (told, truth) = (gain(Number::Ball(Ball::from(4.0).widen(1e-3))), gain(Number::from("4.001")));
+        let error = (told.value - truth.value).to_f64().abs();
+        assert!(error > 1e-5 && error <= told.radius && told.radius < 0.01, "{error:e} {:e}", told.radius);
+    }
+}

@@ -66,3 +66,23 @@ impl Extrema {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::analysis::transfer::Gain;
+
+    #[test]
+    fn what_two_roads_find_is_there_once() {
+        let at = |hertz: f64| Extremum {
+            kind: FeatureKind::Peak,
+            frequency: Ball::from(hertz).widen(1e-12),
+            gain: Gain::Infinite,
+            width: None,
+        };
+        let list = Extrema { list: vec![at(2.0)], complete: None, open: Vec::new() };
+        let all = list.with(vec![at(2.0 + 1e-13), at(1.0)]).list;
+        assert_eq!(all.iter().map(|e| e.frequency.to_f64()).collect::<Vec<f64>>(), [1.0, 2.0]);
+    }
+}

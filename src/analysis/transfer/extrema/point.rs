@@ -474,4 +474,45 @@ mod tests {
         use FeatureKind::{Antiresonance, Peak};
         assert_eq!(told, [(Peak, true), (Antiresonance, false), (Peak, true)]);
     }
+
+    /// Poles at re +- i im, anywhere within a radius.
+    fn resonance(re: f64, im: f64, radius: f64) -> Exactly {
+        use crate::analysis::numeric::big_float::ComplexFloat;
+        use crate::analysis::transfer::extrema::roots::{Place, Root};
+        let centre = ComplexFloat::new(Float::from(re), Float::from(im));
+        let pole = Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair };
+        Exactly::of(&Factored { lead: Ball::ONE, zeros: Vec::new(), poles: vec![pole] })
+    }
+
+    /// However poor the first guess, what is told holds the change of sign, or nothing is told.
+    #[test]
+    fn an_enclosure_holds_the_change_of_sign() {
+        let exactly = resonance(-0.1, 1.0, 0.0);
+        let within = Interval { anchor: 0, low: 0.0, high: 3.0 };
+        for (at, change) in [(1.0, 1.2), (1.2, 1.2), (2.9, 2.0), (0.05, 1.0), (2.9, 2.95), (0.1, 0.05)] {
+            let found = exactly.enclosed(Dd::from(at), 0.0, within, |t| t.hi < change, |t| t.hi > change);
+            let holds = |t: Ball| (t.mid.hi - change).abs() <= t.rad;
+            assert!(found.is_none_or(holds), "{at} {change}: {found:?}");
+        }
+    }
+
+    /// Poles known to 0.05: the peak, its height and its width are those of poles there too, or it is not told that these are all.
+    #[test]
+    fn what_a_pole_may_be_is_in_what_is_told() {
+        for radius in [1e-9, 1e-4, 0.05] {
+            let (told, truth) = (resonance(-0.1, 1.0, radius), resonance(-0.1 - 0.7 * radius, 1.0 + 0.7 * radius, 0.0));
+            let [told, truth] = [told, truth].map(|exactly| exactly.extrema(Ball::from(1e-3), Ball::from(1e3)));
+            let [peak] = &truth.list[..] else { panic!("{truth:?}") };
+            assert!(truth.complete.is_some());
+            let Some(found) = told.list.first() else {
+                assert!(told.complete.is_none(), "{told:?}");
+                continue;
+            };
+            assert!((found.frequency - peak.frequency).contains_zero(), "{radius} {found:?} {peak:?}");
+            let gain = |e: &Extremum| e.gain.disc().map(|disc| disc.gain());
+            assert!(gain(found).is_none_or(|told| (told - gain(peak).expect("finite")).contains_zero()), "{radius}");
+            assert!(found.width.is_none_or(|told| (told - peak.width.expect("a width")).contains_zero()), "{radius}");
+            assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && told.complete.is_some()));
+        }
+    }
 }

@@ -363,4 +363,42 @@ mod tests {
     fn a_constant_has_none() {
         assert!(roots(&Coefficients::exact(Polynomial::new(vec![BigInt::one()]))).expect("no roots").is_empty());
     }
+
+    /// Of (s + 1)^3 the nearest root is as far away as n |f / f'| says: nothing less will do.
+    #[test]
+    fn a_radius_reaches_the_nearest_root() {
+        let f = Coefficients::exact(polynomial(&[1, 3, 3, 1]));
+        let at = ComplexFloat::new(Float::from(-0.5), Float::zero());
+        let radius = radius(&f, &f.derivative(), &at).expect("a slope");
+        assert!(!is_less(&radius, &Float::from(0.5)), "{radius:?}");
+    }
+
+    /// (s - 1)(s - 100), its middle coefficient known to 60: the slope at 1, -99, is known to 60, more than a half.
+    #[test]
+    fn a_slope_that_is_hardly_known_gives_no_radius() {
+        let at = ComplexFloat::new(Float::from(1.0), Float::zero());
+        let radius = |wide: f64| {
+            let f = Coefficients { middle: polynomial(&[100, -101, 1]), radii: vec![0.0, wide, 0.0] };
+            radius(&f, &f.derivative(), &at)
+        };
+        assert!(radius(60.0).is_none() && radius(1.0).is_some());
+    }
+
+    /// Discs with radii 1 that are 1.5 apart meet, each outside the other's centre.
+    #[test]
+    fn discs_that_meet_are_not_apart() {
+        let disc =
+            |at: f64| Disc { centre: ComplexFloat::new(Float::from(at), Float::zero()), radius: Float::from(1.0) };
+        assert!(!disc(0.0).is_apart_from(&disc(1.5)) && disc(0.0).is_apart_from(&disc(2.5)));
+    }
+
+    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new place to hold i or -i.
+    #[test]
+    fn a_disc_that_is_moved_to_an_axis_still_holds_a_root() {
+        let f = Coefficients::exact(polynomial(&[1, 0, 1]));
+        let at = ComplexFloat::new(Float::from(0.01), Float::from(0.7));
+        let disc = Disc::around(&f, &f.derivative(), &at, false).expect("a slope");
+        let to_a_root = &disc.centre - &ComplexFloat::new(Float::zero(), Float::from(1.0));
+        assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
+    }
 }

@@ -138,3 +138,76 @@ fn alone_within(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::analysis::numeric::big_float::{ComplexFloat, Float};
+    use crate::analysis::transfer::extrema::Factored;
+    use crate::analysis::transfer::extrema::roots::{Place, Root};
+    use crate::analysis::transfer::extrema::slope::anchors;
+    use crate::base::Ball;
+
+    fn root(re: f64, im: f64, radius: f64, multiplicity: usize, place: Place) -> Root {
+        let centre = ComplexFloat::new(Float::from(re), Float::from(im));
+        Root { centre, radius: Float::from(radius), multiplicity, place }
+    }
+
+    fn searched(zeros: Vec<Root>, poles: Vec<Root>) -> (Vec<Anchor>, Search) {
+        let anchors = anchors(&Factored { lead: Ball::ONE, zeros, poles });
+        let search = search(&anchors, 10.0, (0.0, 10.0));
+        (anchors, search)
+    }
+
+    /// Whether a frequency is in a bracket or in what is left open.
+    fn is_held(anchors: &[Anchor], search: &Search, omega: f64) -> bool {
+        let brackets = search.found.iter().filter_map(|found| match found {
+            Found::Bracket { within, .. } => Some(within),
+            Found::Singular { .. } => None,
+        });
+        brackets.chain(&search.open).any(|interval| {
+            let [low, high] = [interval.low, interval.high].map(|t| anchors[interval.anchor].near(t));
+            (low..=high).contains(&omega)
+        })
+    }
+
+    /// Poles at -1 +- 2i have their peak at sqrt 3. However little is known of them, it is found or left open.
+    #[test]
+    fn a_peak_is_found_or_left_open() {
+        for radius in [0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5] {
+            let (anchors, search) = searched(Vec::new(), vec![root(-1.0, 2.0, radius, 1, Place::Pair)]);
+            assert!(is_held(&anchors, &search, 3f64.sqrt()), "{radius} {search:?}");
+            assert!(radius > 0.0 || search.open.is_empty(), "{search:?}");
+        }
+    }
+
+    /// 1 / ((s^2 + 1)(s - p)^2 (s - p*)^2 ...) with p = -1e-4 + 1.1i: |H| is infinite at 1 and has a valley near 1.033, a third of the way.
+    #[test]
+    fn a_valley_beside_an_undamped_pole_is_not_passed_over() {
+        let poles = vec![root(0.0, 1.0, 0.0, 1, Place::Axis), root(-1e-4, 1.1, 0.0, 2, Place::Pair)];
+        let (anchors, search) = searched(Vec::new(), poles);
+        assert!(search.open.is_empty(), "{search:?}");
+        let (mut low, mut high) = (1.0, 1.1);
+        // The derivative of ln |H| over omega.
+        let slope = |w: f64| {
+            let of =
+                |re: f64, im: f64| -(w - im) / ((w - im).powi(2) + re * re) - (w + im) / ((w + im).powi(2) + re * re);
+            of(0.0, 1.0) + 2.0 * of(1e-4, 1.1)
+        };
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if slope(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        assert!((low - 1.033).abs() < 2e-3 && is_held(&anchors, &search, low), "{low} {search:?}");
+    }
+
+    /// A zero that may be where an undamped pole is leaves all about it open.
+    #[test]
+    fn a_pole_that_a_zero_may_cancel_is_left_open() {
+        let zero = root(-1e-3, 1.0, 1e-3, 1, Place::Pair);
+        let (_, search) = searched(vec![zero], vec![root(0.0, 1.0, 0.0, 1, Place::Axis)]);
+        let about_the_pole = |open: &Interval| open.anchor == 1 && open.low < 0.0 && open.high > 0.0;
+        assert!(search.found.is_empty() && search.open.iter().any(about_the_pole), "{search:?}");
+    }
+}
