@@ -12,36 +12,42 @@ const DIGITS: usize = 6;
 const DIGITS_OF_BINARY64: usize = 17;
 
 /// `time_s` and a column for each output, named as in the model; a row a sample. With `bounds` a column `NAME_bound` follows
-/// each, the bound of what stands before it. What is unknown is an empty field.
+/// each, the bound of what stands before it; without them only digits that are settled stand there. What is unknown is an empty
+/// field.
 pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
-    let mut text = String::from("time_s");
+    let mut text = b"time_s".to_vec();
     for output in &system.outputs {
         let name = system.display(output.name);
-        text.push(',');
-        text += &name;
+        text.push(b',');
+        text.extend_from_slice(name.as_bytes());
         if bounds {
-            text += &format!(",{name}_bound");
+            text.extend_from_slice(format!(",{name}_bound").as_bytes());
         }
     }
-    text.push('\n');
+    text.push(b'\n');
     for (time, values) in history.times.iter().zip(&history.values) {
-        text += &shortest(time.to_f64());
-        for value in values.iter().map(printed) {
-            text.push(',');
-            text += &value.map_or(String::new(), |value| shortest(value.value()));
+        shortest(&mut text, time.to_f64());
+        for value in values.iter().map(|sample| if bounds { Rounded::of(*sample) } else { settled(sample) }) {
+            text.push(b',');
+            if let Some(value) = value {
+                shortest(&mut text, value.value());
+            }
             if bounds {
-                text.push(',');
-                text += &value.map_or(String::new(), |value| shortest(value.bound()));
+                text.push(b',');
+                if let Some(value) = value {
+                    shortest(&mut text, value.bound());
+                }
             }
         }
-        text.push('\n');
+        text.push(b'\n');
     }
-    text
+    String::from_utf8(text).expect("names and numbers are text")
 }
 
-/// A sample as it is printed: to the last digit of binary64 where its bound settles that, else to the digits that it settles,
-/// and as zero where it settles none. `None` where nothing is known.
-fn printed(sample: &Ball) -> Option<Rounded> {
+/// A sample as it is printed without its bound: to the last digit of binary64 where the bound settles that, else to the digits
+/// that it settles, and as zero where it settles none. `None` where nothing is known. Beside its bound a sample is printed
+/// whole, since what this rounding takes away would widen that.
+fn settled(sample: &Ball) -> Option<Rounded> {
     let whole = Rounded::of(*sample)?;
     if whole.bound() <= whole.value().abs() * f64::EPSILON {
         return Some(whole);
@@ -60,7 +66,7 @@ fn printed(sample: &Ball) -> Option<Rounded> {
 pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| {
-            let samples: Vec<Option<Rounded>> = history.values.iter().map(|row| printed(&row[i])).collect();
+            let samples: Vec<Option<Rounded>> = history.values.iter().map(|row| Rounded::of(row[i])).collect();
             let bounds: Vec<Option<f64>> = samples.iter().map(|sample| sample.map(Rounded::bound)).collect();
             let largest = bounds.iter().try_fold(0.0, |largest: f64, bound| Some(largest.max((*bound)?)));
             JsonOutput {
@@ -206,6 +212,7 @@ fn finite(value: &Ball) -> Option<f64> {
     value.is_finite().then(|| value.to_f64() + 0.0)
 }
 
-fn shortest(x: f64) -> String {
-    serde_json::to_string(&x).expect("a finite number has a JSON form")
+/// Adds the shortest form that reads back the same.
+fn shortest(text: &mut Vec<u8>, x: f64) {
+    serde_json::to_writer(text, &x).expect("a finite number has a JSON form");
 }

@@ -120,8 +120,7 @@ pub fn check_as(
     let step = number(step);
     let printed = printed(name, &discrete, &Program { step: step.clone(), samples });
     let history = |times: &[Number]| respond(system, drives, times).expect("a motion");
-    // The exact motion's own bound is wide; its middle is far better.
-    let room = 10.0 * most;
+    let room = 1e-14;
     let wrong = printed.rows.iter().enumerate().find(|(k, row)| {
         let time = (&step * &Number::from(*k as i64)).to_f64();
         // A step that is no fraction of small numbers is rounded too.

@@ -129,8 +129,7 @@ fn differences(text: &str, step: &str, samples: u64, precision: Precision) -> Ve
         .map(|output| {
             let largest = exact.values.iter().map(|row| row[output].to_f64().abs()).fold(0.0, f64::max);
             let worst = picked.iter().zip(&exact.values).map(|(&k, row)| {
-                // The exact motion's own bound is wide after many pieces; the two roads meet at its middle.
-                assert!(row[output].rad < 1e-9 * largest, "the reference is good to {:e}", row[output].rad);
+                assert!(row[output].rad < 1e-11 * largest, "the reference is good to {:e}", row[output].rad);
                 (rows[k][output + 1] - row[output].to_f64()).abs()
             });
             worst.fold(0.0, f64::max) / largest

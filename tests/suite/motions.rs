@@ -1,7 +1,7 @@
 //! Motions beside closed forms, worked out to forty digits elsewhere: samples with bounds of their own, phases after 1e12 s,
 //! decays over fifty decades, peak and rms with the bounds that are told for them. Clause: spec.md, "Response", "Measures".
 
-use vibc::analysis::grid;
+use vibc::analysis::{Signal, grid, respond};
 use vibc::base::{Ball, Number, Rounded, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 use vibc::questions::answer::Value;
@@ -227,4 +227,43 @@ fn seventy_hanging_links_move() {
     assert!(codes.is_empty(), "{codes:?}");
     let [_, half, whole] = &values[..] else { panic!("{codes:?}") };
     assert!(half[0].relative_error() < 1e-16 && whole[0].relative_error() < 1e-16, "{half:?} {whole:?}");
+}
+
+/// 500 steps of a force and of a base, each a state of its own before, beside the sum of 500 closed forms; and what follows a
+/// chirp of short pieces: a force that stays is known as well in a long step as without the chirp.
+#[test]
+fn sums_of_signals_cost_no_digits() {
+    let jump = |i: i64| ((i * 7919) % 41 - 20, 31 * i);
+    let text = "base g { moves x }\nbody a { mass = 1 kg, moves x }\nspring s: g -- a { k = 100 N/m }\n\
+                damper d: ground -- a { c = 2 N*s/m }\nforce F: a along x\noutput x = a.x\n";
+    let (sources, file) = sources(text);
+    let system = vibc::linear(&sources, file, &Overrides::default()).answer.expect("a system").1;
+    let thousandth = number("0.001");
+    let step = |size: Number, at: i64| Signal::Step { value: size, at: &thousandth * &Number::from(at) };
+    let drives: Vec<Vec<Signal>> = (system.inputs.iter())
+        .map(|input| {
+            let unit = if system.display(input.name) == "g" { thousandth.clone() } else { Number::ONE };
+            (0..500).map(jump).map(|(size, at)| step(&unit * &Number::from(size), at)).collect()
+        })
+        .collect();
+    let times = grid(&number("16"), &number("0.8"));
+    let values = respond(&system, &drives, &times).expect("a motion").values;
+    // 100 N/m times a millimetre is a tenth of a newton.
+    let step = |t: f64| {
+        let w = 99f64.sqrt();
+        1.1 * (1.0 - (-t).exp() * ((w * t).cos() + (w * t).sin() / w)) / 100.0
+    };
+    for (row, time) in values.iter().zip(&times) {
+        let t = time.to_f64();
+        let before = (0..500).map(jump).filter(|(_, at)| *at as f64 / 1000.0 <= t);
+        let wanted: f64 = before.map(|(size, at)| size as f64 * step(t - at as f64 / 1000.0)).sum();
+        assert!((row[0].to_f64() - wanted).abs() < 1e-12, "{t}: {:?} {wanted}", row[0]);
+        assert!(row[0].rad < 1e-22, "{t}: {:e}", row[0].rad);
+    }
+    let text = format!("{HELD}force F: a along x = chirp(1 N, 60 Hz, 80 Hz, 1 s) + ramp(3 N, 0.5 s, 0.9 s)\n");
+    let (values, codes) = motion(&text, &grid(&number("40"), &number("4")));
+    assert!(codes.is_empty(), "{codes:?}");
+    for row in &values {
+        assert!(row[0].rad < 1e-19, "{:?}", row[0]);
+    }
 }

@@ -2,7 +2,8 @@
 //! equations of motion: states with a generator of their own, forces, and rows for the outputs that it enters.
 
 use super::propagator::Exogenous;
-use super::signal::Source;
+use super::signal::{Source, TooManyPieces};
+use super::sum::sum;
 use crate::analysis::error::AnalysisError;
 use crate::base::{Ball, Number};
 use crate::system::{LinearSystem, Signal};
@@ -35,7 +36,7 @@ impl Channel {
     pub fn approximation(&self, k: usize) -> f64 {
         match (&self.source, self.active) {
             // A constant is what it is.
-            (Source::Pieces { pieces, .. }, Some(piece)) if pieces[piece].derivatives.len() == 1 => 0.0,
+            (Source::Pieces { pieces, .. }, Some(piece)) if pieces[piece].derivatives.len() <= 1 => 0.0,
             (source, Some(_)) => source.approximation(k),
             (_, None) => 0.0,
         }
@@ -101,18 +102,29 @@ pub fn channels(
     let mut channels = Vec::new();
     let mut first = 0;
     for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
-        for signal in signals {
-            let source = Source::of(signal, step).map_err(|_| AnalysisError::signal_too_long(system, input))?;
+        for (source, omega) in sources(signals, step).map_err(|_| AnalysisError::signal_too_long(system, input))? {
             let states = source.order();
-            let omega = match signal {
-                Signal::Harmonic { frequency, .. } => &(&Number::pi() * &Number::from(2)) * frequency,
-                _ => Number::ZERO,
-            };
             channels.push(Channel { input, source, omega, first, active: None });
             first += states;
         }
     }
     Ok(channels)
+}
+
+/// The signals of an input as few sources, with the circular frequencies of those that are harmonics.
+fn sources(signals: &[Signal], step: Option<&Number>) -> Result<Vec<(Source, Number)>, TooManyPieces> {
+    let (mut list, mut jumps) = (Vec::new(), Vec::new());
+    for signal in signals {
+        let source = Source::of(signal, step)?;
+        let omega = match signal {
+            Signal::Harmonic { frequency, .. } => &(&Number::pi() * &Number::from(2)) * frequency,
+            _ => Number::ZERO,
+        };
+        if source.is_sum_of_jumps() { jumps.push(source) } else { list.push((source, omega)) }
+    }
+    let sum = if jumps.len() > 1 { Some(sum(&jumps)) } else { jumps.pop() };
+    list.extend(sum.map(|sum| (sum, Number::ZERO)));
+    Ok(list)
 }
 
 /// What the sources' own approximations do to an output that they enter at once, by these factors of their states.
@@ -127,24 +139,35 @@ pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -
     channels.iter().map(of).sum()
 }
 
-/// The longest way between stops while a channel has more than one state on (a single one stands still).
+/// For each state of each channel, the longest way between stops while it is on: a constant pushes the system however long
+/// it stands, and what comes after it may be far from constant and short.
 fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
     let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
     stops.extend(times.iter().map(Number::to_f64));
     stops.push(0.0);
     stops.sort_by(f64::total_cmp);
     let last = times.iter().map(Number::to_f64).fold(0.0, f64::max);
-    let of = |channel: &Channel| {
-        let end = match &channel.source {
-            Source::Pieces { pieces, order, .. } if *order > 1 => pieces
-                .last()
-                .filter(|piece| piece.derivatives.len() == 1)
-                .map_or(last, |piece| piece.at.to_f64().min(last)),
-            _ => last,
-        };
-        stops.windows(2).filter(|w| w[0] < end).map(|w| w[1].min(last) - w[0]).fold(0.0, f64::max)
+    // The longest step that begins in [from, to).
+    let longest = |from: f64, to: f64| {
+        let begin = stops.partition_point(|&at| at < from);
+        let steps = stops[begin..].windows(2).take_while(|w| w[0] < to);
+        steps.map(|w| w[1].min(last) - w[0]).fold(0.0, f64::max)
     };
-    channels.iter().map(of).map(|longest| if longest > 0.0 { longest } else { 1.0 }).collect()
+    let of = |channel: &Channel| {
+        let mut states = vec![0.0f64; channel.source.order()];
+        match &channel.source {
+            Source::Pieces { pieces, .. } => {
+                for (i, piece) in pieces.iter().enumerate() {
+                    let end = pieces.get(i + 1).map_or(f64::INFINITY, |next| next.at.to_f64());
+                    let step = longest(piece.at.to_f64(), end);
+                    states[..piece.derivatives.len()].iter_mut().for_each(|state| *state = state.max(step));
+                }
+            }
+            _ => states.fill(longest(0.0, f64::INFINITY)),
+        }
+        states
+    };
+    channels.iter().flat_map(of).map(|longest| if longest > 0.0 { longest } else { 1.0 }).collect()
 }
 
 /// u, u' and u'' of a source as rows over its states.
@@ -165,13 +188,12 @@ pub fn exogenous(system: &LinearSystem, channels: &[Channel], times: &[Number]) 
         count,
         generator: Vec::new(),
         force: Vec::new(),
-        longest: Vec::with_capacity(count),
+        longest: longest_steps(channels, times),
         chained: vec![false; count],
         paired: vec![false; count],
     };
-    for (channel, longest) in channels.iter().zip(longest_steps(channels, times)) {
+    for channel in channels {
         let first = channel.first;
-        sources.longest.extend(std::iter::repeat_n(longest, channel.source.order()));
         match &channel.source {
             Source::Harmonic { omega, .. } => {
                 sources.generator.extend([(first, first + 1, *omega), (first + 1, first, -*omega)]);

@@ -11,6 +11,7 @@ pub(in crate::analysis) mod exponential;
 pub(in crate::analysis) mod propagator;
 pub mod signal;
 pub(in crate::analysis) mod square;
+mod sum;
 mod told;
 mod trail;
 

@@ -25,7 +25,7 @@ pub struct Exogenous {
     pub generator: Vec<(usize, usize, Ball)>,
     /// Force on each coordinate: coordinate, state, factor.
     pub force: Vec<(usize, usize, Ball)>,
-    /// The longest time for which state i moves by itself, before it is set anew.
+    /// The longest time for which state i acts by itself, before it is set anew.
     pub longest: Vec<f64>,
     /// Whether state i is the derivative of state i - 1 (a chain), so that its scale follows.
     pub chained: Vec<bool>,
@@ -401,8 +401,7 @@ const MANY_TURNS: f64 = 1e6;
 const MOST_TO_RELAX: usize = 64;
 
 /// Powers of two W that bring what the sources do to the system near 1 / T, T the longest time they act by themselves, or
-/// that the system remembers, and
-/// the states of a chain to the same size.
+/// that the system remembers, and the states of a chain to the same size.
 pub fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
     let natural = |j: usize| {
         let size = coupling.column(j).iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt();

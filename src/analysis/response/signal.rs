@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 #[derive(Clone, Debug)]
 pub struct Piece {
     pub at: Number,
-    /// u, u', u'', ... at `at`
+    /// u, u', u'', ... at `at`, as far as they are not zero: none of a signal that is off.
     pub derivatives: Vec<Number>,
     /// Whether u and u' may jump here; where a smooth signal is cut into pieces, they do not.
     pub jump: bool,
@@ -82,6 +82,14 @@ impl Source {
 }
 
 impl Piece {
+    /// One that may jump.
+    pub fn jump(at: Number, mut derivatives: Vec<Number>) -> Piece {
+        while derivatives.last().is_some_and(Number::is_zero) {
+            derivatives.pop();
+        }
+        Piece { at, derivatives, jump: true }
+    }
+
     /// u and u' at a later time.
     pub fn after(&self, time: &Number) -> [Number; 2] {
         let t = time - &self.at;
@@ -98,7 +106,7 @@ impl Piece {
 }
 
 /// sum d_k t^k / k!
-fn taylor(derivatives: &[Number], t: &Number) -> Number {
+pub fn taylor(derivatives: &[Number], t: &Number) -> Number {
     let mut sum = Number::ZERO;
     for (k, d) in derivatives.iter().enumerate().rev() {
         let scaled = &(&sum * t) / &Number::from(k as i64 + 1);
@@ -108,7 +116,7 @@ fn taylor(derivatives: &[Number], t: &Number) -> Number {
 }
 
 fn jump(at: &Number, derivatives: &[&Number]) -> Piece {
-    Piece { at: at.clone(), derivatives: derivatives.iter().map(|&d| d.clone()).collect(), jump: true }
+    Piece::jump(at.clone(), derivatives.iter().map(|&d| d.clone()).collect())
 }
 
 /// Pieces that begin before t = 0 are moved to it.
@@ -124,7 +132,7 @@ fn polynomial(pieces: Vec<Piece>) -> Source {
         let shift = &at_zero - &piece.at;
         let derivatives = (0..piece.derivatives.len()).map(|k| taylor(&piece.derivatives[k..], &shift)).collect();
         kept.clear();
-        kept.push(Piece { at: at_zero, derivatives, jump: true });
+        kept.push(Piece::jump(at_zero, derivatives));
     }
     Source::Pieces { order, pieces: kept, error: 0.0, rise: 1.0 }
 }
@@ -178,7 +186,7 @@ fn chirp(
         let derivatives = chirp_derivatives(value.to_ball(), &phase, rate.to_ball(), sweep.to_ball());
         pieces.push(Piece { at, derivatives, jump: i == 0 });
     }
-    pieces.push(Piece { at: duration.clone(), derivatives: vec![Number::ZERO], jump: true });
+    pieces.push(Piece { at: duration.clone(), derivatives: Vec::new(), jump: true });
     let size = value.abs().to_f64();
     // The derivatives of the remainder lose a factor 16 / h each.
     let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;

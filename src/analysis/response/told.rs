@@ -3,7 +3,7 @@
 //! Clause: spec.md, "Response" 11b.8.
 
 use super::History;
-use crate::base::{Code, Diagnostic, Number, Span};
+use crate::base::{Ball, Code, Diagnostic, Number, Span};
 use crate::system::{Form, LinearSystem, Signal};
 
 /// For each output, whether a signal or an initial state reaches it: through masses, dampers and springs from coordinate to
@@ -85,35 +85,45 @@ pub struct Unsettled {
 /// Of a bound, relative to the output's largest value: the last three bits of binary64 are left to rounding.
 const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
 
+/// What is seen of an output's samples from the first to the last.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    unknown: usize,
+    first_unknown: Option<usize>,
+    largest: f64,
+    /// The widest bound and its sample.
+    widest: (f64, usize),
+}
+
+impl Seen {
+    fn look(&mut self, sample: usize, value: &Ball) {
+        if !value.is_finite() {
+            self.unknown += 1;
+            self.first_unknown.get_or_insert(sample);
+            return;
+        }
+        self.largest = self.largest.max(value.mid.hi.abs());
+        if value.rad > self.widest.0 {
+            self.widest = (value.rad, sample);
+        }
+    }
+}
+
 impl History {
     /// The outputs that are not known to the digits of binary64 at their own size.
     pub fn unsettled(&self) -> Vec<Unsettled> {
-        let outputs = self.values.first().map_or(0, Vec::len);
-        (0..outputs).filter_map(|output| self.unsettled_of(output)).collect()
-    }
-
-    fn unsettled_of(&self, output: usize) -> Option<Unsettled> {
-        let (mut unknown, mut largest, mut widest) = (0, 0.0f64, (0.0, 0));
-        let mut first_unknown = None;
+        let mut outputs = vec![Seen::default(); self.values.first().map_or(0, Vec::len)];
+        // Row by row, as they lie in memory.
         for (sample, row) in self.values.iter().enumerate() {
-            let value = row[output];
-            if !value.is_finite() {
-                unknown += 1;
-                first_unknown = first_unknown.or(Some(sample));
-                continue;
-            }
-            largest = largest.max(value.mid.hi.abs());
-            if value.rad > widest.0 {
-                widest = (value.rad, sample);
-            }
+            outputs.iter_mut().zip(row).for_each(|(seen, value)| seen.look(sample, value));
         }
-        (unknown > 0 || widest.0 > SETTLED * largest).then(|| Unsettled {
-            output,
-            unknown,
-            bound: widest.0,
-            at: self.times[first_unknown.unwrap_or(widest.1)].clone(),
-            largest,
-        })
+        let told = |(output, seen): (usize, Seen)| {
+            let (bound, sample) = seen.widest;
+            let at = self.times[seen.first_unknown.unwrap_or(sample)].clone();
+            let is_told = seen.unknown > 0 || bound > SETTLED * seen.largest;
+            is_told.then_some(Unsettled { output, unknown: seen.unknown, bound, at, largest: seen.largest })
+        };
+        outputs.into_iter().enumerate().filter_map(told).collect()
     }
 }
 
@@ -153,7 +163,7 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
         } else {
             format!("no digit of `{name}` is settled: all that is known is a bound of {:.1e}, at {at} s", found.bound)
         };
-        Diagnostic::warning(UNSETTLED, place, message).help("only settled digits are printed; `--bounds` adds the bound of each sample")
+        Diagnostic::warning(UNSETTLED, place, message).help("the CSV has settled digits only; `--bounds` adds the bound of each sample")
     });
     list.extend(told);
     list
@@ -166,7 +176,6 @@ mod tests {
     use super::*;
     use crate::analysis::response::respond;
     use crate::analysis::test_systems::{blank, push};
-    use crate::base::Ball;
 
     /// Two oscillators that nothing joins: a force on one moves that one alone, and a spring between them both.
     #[test]
