@@ -290,6 +290,9 @@ fn with_factor(
     }
     let product = Factored { lead: Ball::ONE, unit, zeros, poles };
     let of_roots = Anchor::zero(&product).value(Ball::ONE, frequency.omega);
+    if !(1e-100..=1e100).contains(&(of_roots.re.to_f64().abs() + of_roots.im.to_f64().abs())) {
+        return None;
+    }
     let ball = |x: Dd| Ball::new(x, value.radius);
     // Both are complex, their quotient is real.
     let norm = of_roots.re * of_roots.re + of_roots.im * of_roots.im;

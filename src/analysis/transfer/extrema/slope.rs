@@ -204,7 +204,12 @@ impl Anchor {
     pub fn value(&self, lead: Ball, t: Ball) -> Complex<Ball> {
         let factor = |term: &Term| Complex::new(self.in_units(-term.re), self.in_units(t - term.offset));
         let by = |product: Complex<Ball>, term: &Term, up: bool| {
-            if up { product * factor(term) } else { divided(product, factor(term)) }
+            let next = if up { product * factor(term) } else { divided(product, factor(term)) };
+            if in_range(next.re.mid.hi.abs() + next.im.mid.hi.abs()) {
+                next
+            } else {
+                Complex::new(unknown(), unknown())
+            }
         };
         self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by)
     }
@@ -216,7 +221,10 @@ impl Anchor {
             let re = self.in_units(term.re);
             if re.is_zero() { t.abs() } else { (t * t + re * re).sqrt() }
         };
-        let by = |x: Ball, term: &Term, up: bool| if up { x * modulus(term) } else { x / modulus(term) };
+        let by = |x: Ball, term: &Term, up: bool| {
+            let next = if up { x * modulus(term) } else { x / modulus(term) };
+            if in_range(next.mid.hi.abs()) { next } else { unknown() }
+        };
         self.product(factor, |x| x.mid.hi.abs(), by)
     }
 
@@ -247,6 +255,15 @@ impl Anchor {
         }
         product
     }
+}
+
+/// Products whose parts come near the ends of binary64's range lose digits that no radius would tell; zero is none of them.
+fn in_range(size: f64) -> bool {
+    size == 0.0 || (1e-250..=1e250).contains(&size)
+}
+
+fn unknown() -> Ball {
+    Ball::new(Dd::ONE, f64::INFINITY)
 }
 
 fn divided(a: Complex<Ball>, b: Complex<Ball>) -> Complex<Ball> {
