@@ -208,7 +208,7 @@ fn of_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Op
     roots_of(&poles(&part, &modes).ok()?)
 }
 
-/// `None` where a pole is missing or not enclosed, or may be real or may not be.
+/// `None` where a pole is missing or not enclosed, or may or may not be real or on the imaginary axis.
 fn roots_of(poles: &Poles) -> Option<Vec<Root>> {
     if !poles.is_complete() {
         return None;
@@ -222,7 +222,8 @@ fn roots_of(poles: &Poles) -> Option<Vec<Root>> {
 /// `Some(None)` for the lower one of a pair.
 fn root_of(pole: &Pole) -> Option<Option<Root>> {
     let known = |x: Ball| x.is_finite() && (x.is_zero() || !x.contains_zero());
-    if !known(pole.im) || !pole.re.is_finite() {
+    // A centre at zero would be taken for a pole on the axis itself.
+    if !known(pole.im) || !known(pole.re) {
         return None;
     }
     let place = match (pole.re.is_zero(), pole.im.is_zero()) {
