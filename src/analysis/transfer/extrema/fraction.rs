@@ -235,7 +235,7 @@ mod tests {
             k.push(source, term.nature, stiffness, system.k.row(&term).iter().cloned());
             system.k = k;
             let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");
-            Exactly::of(&factored).gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
+            Exactly::of(&factored).expect("in range").gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
         };
         let (told, truth) = (gain(Number::Ball(Ball::from(4.0).widen(1e-3))), gain(Number::from("4.001")));
         let error = (told.value - truth.value).to_f64().abs();

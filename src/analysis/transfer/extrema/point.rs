@@ -481,7 +481,7 @@ mod tests {
         use crate::analysis::transfer::extrema::roots::{Place, Root};
         let centre = ComplexFloat::new(Float::from(re), Float::from(im));
         let pole = Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair };
-        Exactly::of(&Factored { lead: Ball::ONE, zeros: Vec::new(), poles: vec![pole] })
+        Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole] }).expect("in range")
     }
 
     /// However poor the first guess, what is told holds the change of sign, or nothing is told.

@@ -155,7 +155,7 @@ mod tests {
     }
 
     fn searched(zeros: Vec<Root>, poles: Vec<Root>) -> (Vec<Anchor>, Search) {
-        let anchors = anchors(&Factored { lead: Ball::ONE, zeros, poles });
+        let anchors = anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros, poles });
         let search = search(&anchors, 10.0, (0.0, 10.0));
         (anchors, search)
     }

@@ -339,7 +339,7 @@ mod tests {
 
     /// The anchor at zero of poles alone.
     fn of_poles(poles: Vec<Root>) -> Anchor {
-        anchors(&Factored { lead: Ball::ONE, zeros: Vec::new(), poles }).remove(0)
+        anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles }).remove(0)
     }
 
     /// The derivative of -t / (t^2 + 1) is zero at t = 1.

@@ -132,6 +132,8 @@ impl ModalSum {
     fn residues(&self, power: usize, p: &[Ball], b: &[Ball]) -> Residues {
         let n = p.len() as f64;
         let products: Vec<Ball> = p.iter().zip(b).map(|(&p, &b)| p * b).collect();
+        // The square of what is not zero is not zero either.
+        let square = |x: &Ball| if x.is_zero() { 0.0 } else { x.magnitude().powi(2).max(f64::MIN_POSITIVE) };
         let slack = |unit: f64| -> Vec<f64> {
             // D_i and its reciprocal: a dozen roundings; the sum: one for each mode.
             products.iter().map(|c| ((n + 16.0) * unit * c.mid.hi.abs() + c.rad) * UP).collect()
@@ -139,8 +141,8 @@ impl ModalSum {
         Residues {
             power,
             rounded: products.iter().map(|c| c.mid.to_f64()).collect(),
-            p_square: p.iter().map(|p| p.magnitude().powi(2)).collect(),
-            b_square: b.iter().map(|b| b.magnitude().powi(2)).collect(),
+            p_square: p.iter().map(square).collect(),
+            b_square: b.iter().map(square).collect(),
             slack: slack(f64::EPSILON),
             exact_slack: slack(4.0 * Dd::EPSILON),
             products: products.iter().map(|c| c.mid).collect(),
@@ -236,7 +238,7 @@ impl ModalSum {
         let contraction = self.epsilon * v * UP;
         // NaN (a pole hit exactly) fails the comparison too.
         if contraction < 0.5 {
-            (rounding + contraction * (p * b).sqrt() / (1.0 - contraction) + UNDERFLOW) * UP
+            (rounding + contraction * p.sqrt() * b.sqrt() / (1.0 - contraction) + UNDERFLOW) * UP
         } else {
             f64::INFINITY
         }
