@@ -119,9 +119,13 @@ fn answered(read: &Read, request: &Request, diagnostics: &mut Diagnostics) -> Op
     let lowered = flattened(lowered, diagnostics)?;
     let found = match by_modes {
         None => analysis::modal(&lowered.system, request),
-        Some((ratio, too_many)) => {
-            let found = analysis::modal_by_ratio(&lowered.system, &ratio, request);
-            found.and_then(|modal| modal.ok_or(too_many))
+        Some(ByModes { ratio, without }) => {
+            let system = without.as_ref().unwrap_or(&lowered.system);
+            analysis::modal_by_ratio(system, &ratio, request).and_then(|found| match (found, without) {
+                (Some(modal), _) => Ok(modal),
+                (None, Ok(_)) => analysis::modal(&lowered.system, request),
+                (None, Err(too_many)) => Err(too_many),
+            })
         }
     };
     let modal = found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
@@ -464,18 +468,24 @@ fn flattened(lowered: Lowered, diagnostics: &mut Diagnostics) -> Option<Lowered>
     lower::flattened(lowered).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
-/// A lowered scene with its damping, or with the ratio that its modes have where they are too many for C to hold it, and what
-/// says so.
+/// A lowered scene with its damping, and the ratio that its modes have, which C does not hold where they are too many.
 struct Damped {
     lowered: Lowered,
-    by_modes: Option<(Number, AnalysisError)>,
+    by_modes: Option<ByModes>,
+}
+
+/// A damping ratio that every oscillation has.
+struct ByModes {
+    ratio: Number,
+    /// The system without it, beside the one whose C holds it; or why no C holds it.
+    without: Result<LinearSystem, AnalysisError>,
 }
 
 impl Damped {
     fn written_out(self, diagnostics: &mut Diagnostics) -> Option<Lowered> {
         match self.by_modes {
-            None => flattened(self.lowered, diagnostics),
-            Some((_, too_many)) => {
+            None | Some(ByModes { without: Ok(_), .. }) => flattened(self.lowered, diagnostics),
+            Some(ByModes { without: Err(too_many), .. }) => {
                 diagnostics.push(too_many.to_diagnostic());
                 None
             }
@@ -495,10 +505,15 @@ fn hanging(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped
         Some(Damping::Modal { ratio, .. }) => {
             // Damping that joins all coordinates has no short rows.
             lowered = flattened(lowered, diagnostics)?;
+            let ratio = ratio.clone();
             match analysis::modes(&lowered.system) {
-                Ok(modes) => analysis::damping::modal(&mut lowered.system, ratio, &modes),
+                Ok(modes) => {
+                    let without = Ok(lowered.system.clone());
+                    analysis::damping::modal(&mut lowered.system, &ratio, &modes);
+                    by_modes = Some(ByModes { ratio, without });
+                }
                 Err(too_many @ AnalysisError::TooManyCoordinates { .. }) => {
-                    by_modes = Some((ratio.clone(), too_many));
+                    by_modes = Some(ByModes { ratio, without: Err(too_many) });
                 }
                 Err(error) => {
                     diagnostics.push(error.to_diagnostic());

@@ -11,7 +11,7 @@ use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, which_of};
 use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
-use crate::analysis::stability::{Verdict, stability};
+use crate::analysis::stability::{Verdict, stability, stability_by_ratio};
 use crate::base::{Ball, Number};
 use crate::system::LinearSystem;
 
@@ -49,7 +49,14 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
     let modes = modes_as(system, &Request { which: Which::All, ..*request })?;
     let poles = poles(system, &modes)?;
     let stability = stability(system, &modes, &poles);
-    Ok(Modal { modes: modes.cut(request.which), poles: poles.cut(request.which), stability })
+    Ok(Modal { modes, poles, stability }.cut(request.which))
+}
+
+impl Modal {
+    /// What was asked for, the rest counted.
+    fn cut(self, which: Which) -> Modal {
+        Modal { modes: self.modes.cut(which), poles: self.poles.cut(which), ..self }
+    }
 }
 
 /// Poles are the same in all coordinates.
@@ -96,8 +103,8 @@ fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Opt
 /// So many modes beyond those asked for: somewhere among them is a gap.
 const FURTHER: usize = 5;
 
-/// The same where each oscillation has a damping ratio besides what dampers give it: `None` where these join the modes, so
-/// that the ratio has to be spread over all coordinates first ([`crate::analysis::damping::modal`]).
+/// The same where each oscillation has a damping ratio besides what dampers give it, in closed form: `None` where dampers join
+/// the modes, so that the ratio has to be spread over all coordinates first ([`crate::analysis::damping::modal`]).
 pub fn modal_by_ratio(
     system: &LinearSystem,
     ratio: &Number,
@@ -107,11 +114,15 @@ pub fn modal_by_ratio(
     if !are_of_modes(system, &whole) {
         return Ok(None);
     }
-    let modes = modes_as(system, request)?;
+    // An overdamped mode may have the slowest pole of all.
+    let all = system.n() <= MAX_ALL && largest(system) <= MAX_UNASKED;
+    let which = if all { Which::All } else { request.which };
+    let modes = modes_as(system, &Request { which, ..*request })?;
     let poles = poles_by_ratio(system, &whole, &modes, ratio);
     Ok(poles.map(|poles| {
-        let stability = stability(system, &modes, &poles);
-        Modal { modes, poles, stability }
+        let stability = stability_by_ratio(system, &modes, &poles, ratio);
+        let found = Modal { modes, poles, stability };
+        if all { found.cut(request.which) } else { found }
     }))
 }
 

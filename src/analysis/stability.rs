@@ -5,8 +5,9 @@
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::modes::parts::{Part, independent};
 use crate::analysis::poles::exact::half_planes_of;
-use crate::analysis::poles::passive::is_semidefinite;
+use crate::analysis::poles::passive::{is_semidefinite, takes_energy};
 use crate::analysis::poles::proportional::proportional;
+use crate::base::Number;
 use crate::system::{Form, LinearSystem};
 
 /// What becomes of a small disturbance of the rest.
@@ -70,6 +71,16 @@ impl PartialEq<Stability> for Verdict {
 
 /// The verdict. A kind is certain or it is `Undetermined`, so no verdict rests on the midpoint of an enclosure.
 pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict {
+    verdict(system, modes, poles, false)
+}
+
+/// The same where each oscillation has a damping ratio besides what C gives it: C does not show whether that feeds energy in.
+pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, ratio: &Number) -> Verdict {
+    verdict(system, modes, poles, !takes_energy(ratio))
+}
+
+/// `fed`: something besides the terms of C may feed energy in.
+fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.has(kind) || modes.list.iter().any(|mode| mode.kind == kind);
     let positive = |of: fn(&LinearSystem) -> &Form, terms: fn(&Part) -> &[u32]| {
@@ -77,7 +88,7 @@ pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict
         is_semidefinite(of(system), terms(&whole))
             || independent(system).iter().all(|part| is_semidefinite(of(system), terms(part)))
     };
-    let dissipative = positive(|system| &system.c, |part| &part.c);
+    let dissipative = !fed && positive(|system| &system.c, |part| &part.c);
     // Q(s) is K at s = 0 and positive for large s, whatever the dampers are, so an eigenvalue of it vanishes in between for each
     // negative omega^2: a growing pole. Motions without inertia may hide it behind a damper that feeds energy in.
     let diverges = mode(ModeKind::Divergence) && (modes.infinite == 0 || dissipative);
@@ -89,8 +100,8 @@ pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict
     }
     let held = !mode(ModeKind::Divergence) && (modes.infinite == 0 || positive(|system| &system.k, |part| &part.k));
     let inertial = positive(|system| &system.m, |part| &part.m);
-    let reason =
-        if held && inertial && (dissipative || is_classical(system)) { Reason::Energy } else { counted(system, poles) };
+    let passive = dissipative || (!fed && is_classical(system));
+    let reason = if held && inertial && passive { Reason::Energy } else { counted(system, poles, fed) };
     let rigid = mode(ModeKind::Rigid) || pole(|kind| kind == PoleKind::Rigid);
     let kind = match reason {
         Reason::Energy | Reason::Poles if rigid => Stability::Neutral,
@@ -100,15 +111,15 @@ pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict
     Verdict { kind, reason }
 }
 
-/// What all poles say, none of which grows: whether they are all, and whether Routh's count agrees.
-fn counted(system: &LinearSystem, poles: &Poles) -> Reason {
+/// What all poles say, none of which grows: whether they are all, and whether Routh's count agrees, which knows C alone.
+fn counted(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
     if poles.left_out > 0 {
         return Reason::NotComputed;
     }
     if !poles.is_complete() {
         return Reason::NotCounted;
     }
-    if agrees_with_count(system, poles) { Reason::Poles } else { Reason::Contradiction }
+    if fed || agrees_with_count(system, poles) { Reason::Poles } else { Reason::Contradiction }
 }
 
 /// In the small parts with exact numbers a count that knows no value of a pole finds none that grows, no more on the axis than
@@ -168,7 +179,7 @@ mod tests {
     use crate::analysis::poles::count::PoleCount;
     use crate::analysis::poles::poles;
     use crate::analysis::test_systems::{blank, oscillator, push};
-    use crate::base::Number;
+    use crate::base::{Ball, Dd, Number};
     use crate::system::CoordinateId;
 
     /// An oscillator that a damper feeds: two growing poles.
@@ -200,6 +211,18 @@ mod tests {
         let decaying = poles(&oscillator("1", "0.1", "4"), &modes).expect("poles");
         assert!(decaying.is_complete());
         assert_eq!(reason(decaying), Reason::Contradiction);
+    }
+
+    /// A ratio that C does not have: what it feeds in is in no term, so that only all poles could show that nothing grows.
+    #[test]
+    fn a_negative_ratio_is_no_energy_that_is_taken() {
+        let system = oscillator("1", "0.1", "4");
+        let modes = modes(&system).expect("modes");
+        let some = Poles { left_out: 2, ..Poles::default() };
+        let reason = |ratio: &Number| stability_by_ratio(&system, &modes, &some, ratio).reason();
+        assert_eq!(reason(&Number::from("0.1")), Reason::Energy);
+        assert_eq!(reason(&-&Number::from("0.1")), Reason::NotComputed);
+        assert_eq!(reason(&Number::Ball(Ball::new(Dd::ZERO, 1e-30))), Reason::NotComputed);
     }
 
     /// Two dampers in parallel whose sum takes energy: no pole need be known.

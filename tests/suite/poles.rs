@@ -271,3 +271,48 @@ fn poles_whose_squares_are_out_of_range_are_certified() {
         assert!(pole.relative_error > 0.0 && pole.relative_error < 1e-27, "{pole:?}");
     }
 }
+
+/// Masses of 1 kg in a row on springs of 100 N/m, each also dragged on the ground by `dragged` N*s/m, damped by modes.
+fn row_damped_by_modes(count: usize, ratio: &str, dragged: &str) -> vibc::backend::ModalAnswer {
+    let text = format!(
+        "damping modal {ratio}\nparam c = {dragged} N*s/m\n\
+         body mass[1] {{ mass = 1 kg, moves y }}\nspring link[1]: ground -- mass[1] {{ k = 100 N/m }}\n\
+         damper drag[1]: ground -- mass[1] {{ c = c }}\n\
+         repeat i in 2..{count} {{\n  body mass[i] {{ mass = 1 kg, moves y }}\n\
+         spring link[i]: mass[i-1] -- mass[i] {{ k = 100 N/m }}\n  damper drag[i]: ground -- mass[i] {{ c = c }}\n}}\n"
+    );
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::model("row.vib", &text));
+    vibc::analyze(&sources, model, &Overrides::default()).answer.expect("an answer")
+}
+
+/// omega_i = 20 sin((2i - 1) pi / 402), and the poles of a mode are omega (-zeta +- sqrt(zeta^2 - 1)): here they span eighteen
+/// decades, which took 17 s where the ratio was first spread over all coordinates.
+#[test]
+fn ratios_far_beyond_one_have_their_poles_in_closed_form() {
+    let answer = row_damped_by_modes(100, "1e9", "0");
+    let mut expected: Vec<f64> = (1..=100)
+        .map(|i| 20.0 * (f64::from(2 * i - 1) * std::f64::consts::PI / 402.0).sin())
+        .flat_map(|omega| [-omega / 2e9, -2e9 * omega])
+        .collect();
+    expected.sort_by(|a, b| b.total_cmp(a));
+    assert_eq!(answer.poles.list.len(), 200);
+    assert!(answer.poles.is_complete());
+    assert_eq!(answer.stability, Stability::Stable);
+    for (pole, expected) in answer.poles.list.iter().zip(expected) {
+        assert!((pole.re.to_f64() / expected - 1.0).abs() < 1e-13 && pole.im.is_zero(), "{pole:?} {expected}");
+        assert!(pole.relative_error < 1e-25, "{pole:?}");
+    }
+}
+
+/// The slow modes decay by 0.5 1/s from the ground, less 0.1 omega: those above 5 rad/s grow. Of 500 masses only the
+/// slowest modes are computed, and what is not computed is not called stable.
+#[test]
+fn a_negative_ratio_of_modes_that_are_not_computed_is_not_called_stable() {
+    assert_eq!(row_damped_by_modes(30, "-10 %", "1").stability, Stability::Unstable);
+    assert_eq!(row_damped_by_modes(30, "-1 %", "1").stability, Stability::Stable);
+    let many = row_damped_by_modes(500, "-10 %", "1");
+    assert!(many.poles.left_out > 0 && many.poles.list.iter().all(|pole| pole.re.is_negative()));
+    assert_eq!(many.stability, Stability::Undetermined);
+    assert_eq!(row_damped_by_modes(500, "10 %", "1").stability, Stability::Stable);
+}

@@ -35,7 +35,7 @@ use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
 use crate::analysis::poles::exact::{Exact, exact_poles};
 use crate::analysis::poles::list::PoleList;
-use crate::analysis::poles::passive::Passive;
+use crate::analysis::poles::passive::{Passive, takes_energy};
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
@@ -110,12 +110,14 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
 /// The poles of the modes listed where each oscillation has this damping ratio, besides what dampers give it: none where these
 /// join the modes.
 pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio: &Number) -> Option<Poles> {
-    let (base, twice) = (proportional(system, whole)?, ratio * &Number::from(2));
+    let undamped = || Proportional { alpha: Number::ZERO, beta: Number::ZERO };
+    let base = if system.c.is_empty() { undamped() } else { proportional(system, whole)? };
+    let twice = ratio * &Number::from(2);
     // s = omega z, z^2 + 2 zeta z + 1 = 0 exactly.
     let unit = roots(&Number::ONE, &twice, &Number::ONE);
     let mut found = PoleList::default();
     let passive = Passive::of(system, whole, modes);
-    let passive = Passive { damped: passive.damped && !ratio.is_negative(), ..passive };
+    let passive = Passive { damped: passive.damped && takes_energy(ratio), ..passive };
     for mode in &modes.list {
         let omega_squared = Number::Ball(mode.omega_squared);
         let own = base.of_mode(&omega_squared);

@@ -3,7 +3,7 @@
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::Part;
-use crate::base::Rational;
+use crate::base::{Number, Rational};
 use crate::system::{Form, LinearSystem};
 
 /// Larger sums with negative weights are not looked at: the elimination is exact.
@@ -40,6 +40,11 @@ impl Passive {
 
 fn is_damped(system: &LinearSystem, part: &Part) -> bool {
     is_semidefinite(&system.m, &part.m) && is_semidefinite(&system.c, &part.c)
+}
+
+/// Whether a damping ratio certainly feeds nothing in.
+pub fn takes_energy(ratio: &Number) -> bool {
+    ratio.is_zero() || ratio.is_positive()
 }
 
 /// x^T (sum w a a^T) x >= 0 for every x: all weights are positive, or exact elimination says so.
