@@ -7,7 +7,7 @@
 use super::Check;
 use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
-use super::scene::{Body, BodyId, Freedom, JointKind, Part};
+use super::scene::{Body, BodyId, Damping, Freedom, JointKind, Motion, Part};
 use super::scope::Environment;
 use crate::base::{Number, Span, Vec3};
 use crate::syntax::tree::{DeclKind, Field};
@@ -136,6 +136,29 @@ impl<'a> Check<'a> {
         }
         self.unused_definitions();
         self.idle_gravity();
+        self.damping_beside_a_base();
+    }
+
+    /// Says against what the damping of the whole system acts where a base moves what it holds: the coordinates are motions
+    /// against the ground.
+    fn damping_beside_a_base(&mut self) {
+        let span = match &self.scene.damping {
+            Some(Damping::Modal { ratio, span }) if !ratio.is_zero() => *span,
+            Some(Damping::Rayleigh { alpha, beta, span }) if !(alpha.is_zero() && beta.is_zero()) => *span,
+            _ => return,
+        };
+        let base_of = |part: Part| if let Part::Base(base) = part { Some(base) } else { None };
+        let ends = self.scene.elements.iter().flat_map(|element| &element.ends);
+        let ends = ends.chain(self.scene.joints.iter().flat_map(|joint| &joint.ends)).map(|end| end.part);
+        let coupled =
+            self.scene.couples.iter().flat_map(|couple| &couple.terms).filter_map(|term| match &term.motion {
+                Motion::Point { part, .. } | Motion::Turn { part, .. } => Some(*part),
+                Motion::Force { .. } | Motion::Stretch { .. } => None,
+            });
+        let Some(base) = ends.chain(coupled).find_map(base_of) else { return };
+        let base = &self.scene.bases[base.index()];
+        let (place, name) = (base.span, self.words.display(base.name));
+        self.report(Environment::TOP, PartError::DampingBesideBase { span, base: place, name });
     }
 
     /// Notes where gravity does nothing: no mass that can fall, swing or stretch what holds it.

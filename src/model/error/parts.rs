@@ -33,6 +33,7 @@ pub enum PartError {
     NegativeDamping { span: Span },
     DampingFeeds { span: Span },
     DampingOverCritical { span: Span, ratio: f64 },
+    DampingBesideBase { span: Span, base: Span, name: String },
     ForceWithoutDirection { span: Span },
     InputWithoutEffect { span: Span, part: String },
     SignalOfManyMotions { span: Span },
@@ -178,6 +179,12 @@ impl PartError {
                     format!("a damping ratio of {} is {} %: no mode swings", short(ratio), short(100.0 * ratio));
                 Diagnostic::warning(Code("vib::damping::large"), span, message)
                     .help("critical damping is 1, or 100 %; write a ratio in percent as `2 %`")
+            }
+            DampingBesideBase { span, base, name } => {
+                let message = format!("this damping acts against the ground, not against the moving base `{name}`");
+                Diagnostic::warning(Code("vib::damping::base"), span, message)
+                    .related(base, "it moves against the ground")
+                    .help("for damping against the base write dampers: `damper d: base -- body { c = 1 N*s/m }`")
             }
             ForceWithoutDirection { span } => {
                 error("vib::input::direction_unknown", span, "the direction of this force is not known")
