@@ -170,8 +170,8 @@ impl AskedError {
                     .help("ask for a value that is reached, or search in another range")
             }
             SeveralRoots { span, measure, target, name, roots, all } => {
-                let message = format!("{} values of `{name}` make `{measure}` {target}", roots.len());
-                let others = if *all { "" } else { "; others are not excluded" };
+                let (least, others) = if *all { ("", "") } else { ("at least ", "; others are not excluded") };
+                let message = format!("{least}{} values of `{name}` make `{measure}` {target}", roots.len());
                 error(span, message)
                     .label(format!("{name} = {}{others}", listed(roots)))
                     .help("narrow the range to the one that is meant")
@@ -208,18 +208,24 @@ impl AskedError {
             Singular { span, names, others } => {
                 let message = format!("these conditions do not settle {}", quoted(names));
                 together(error(span, message), others)
-                    .label("the parameters can change together in a way that changes none of the measures")
-                    .help("solve for parameters that move the measures in different ways")
+                    .label(
+                        "to first order the parameters can change together in a way that changes none of the measures",
+                    )
+                    .help("solve for parameters that move the measures in different ways, or ask for other values")
             }
             Apart { span, names, others, nearest, left } => {
-                let message = format!("no values of {} in their ranges meet these conditions together", quoted(names));
+                let message = format!(
+                    "no values of {} in their ranges were found that meet these conditions together",
+                    quoted(names)
+                );
                 let at: Vec<String> = nearest.iter().map(|(name, value)| format!("{name} = {value}")).collect();
                 together(error(span, message), others)
                     .label(format!("nearest: {}, where the measures are {}", at.join(", "), listed(left)))
                     .help("ask for values that are reached together, or search in other ranges")
             }
             SeveralTogether { span, names, others, roots } => {
-                let message = format!("{} sets of values of {} meet these conditions", roots.len(), quoted(names));
+                let message =
+                    format!("at least {} sets of values of {} meet these conditions", roots.len(), quoted(names));
                 together(error(span, message), others)
                     .label(roots.join("; or "))
                     .help("narrow the ranges to the set that is meant")
