@@ -756,13 +756,14 @@ fn measures_are_checked_in_names_and_units() {
         "require static(o) < 1 mm",
         "require rms(o) < 1 mm",
         "solve k in 1 N/m .. 20 N/m: frequency(1) = 2 Hz",
-        "damping modal 2 %",
-        "damping rayleigh(0.1 /s, 1e-4 s)",
         "rest as drawn",
     ] {
         assert_eq!(with(line), [""; 0], "{line}: {}", said(&checked(&format!("{model}{line}"))));
     }
     for (line, code) in [
+        // Right, and said to act against the ground, not against the base.
+        ("damping modal 2 %", "vib::damping::base"),
+        ("damping rayleigh(0.1 /s, 1e-4 s)", "vib::damping::base"),
         ("require frequency(1) > 2 m", "vib::unit::mismatch"),
         ("require frequency(1) > 2 /s", "vib::unit::frequency"),
         ("require frequency(0) > 2 Hz", "vib::measure::mode"),
