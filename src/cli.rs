@@ -1,11 +1,15 @@
 //! The command line, as clap reads it. Clause: spec.md, "Report" 12.8.
 
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsStr;
 use std::path::PathBuf;
 use vibc::analysis::discrete::Precision;
 use vibc::analysis::{Band, Frequency, Normalise, Request, Which};
+use vibc::backend::explain::PAGES;
 use vibc::base::unit::{self, Scale};
 use vibc::base::{Angle, Dimension, Literals, Number, Rational};
+use vibc::syntax::words::KEYWORDS;
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
 #[derive(Debug, Parser)]
@@ -37,7 +41,7 @@ pub enum Command {
     Fmt(Fmt),
     /// The language server, on standard input and output; editors start it
     Lsp(Lsp),
-    /// A diagnostic's long text: what it means, an example, the mend
+    /// Explain a diagnostic or a keyword: what it means, an example, how to fix it
     Explain(Explain),
     /// A script that completes the program's commands and options in a shell
     Completions(Completions),
@@ -319,8 +323,31 @@ pub struct Man {
 
 #[derive(Debug, Args)]
 pub struct Explain {
-    /// Such as `vib::unit::mismatch`
-    pub code: String,
+    /// A code such as `vib::unit::mismatch`, or a keyword such as `spring`; without it, all codes are listed
+    #[arg(value_name = "CODE", value_parser = Explained, hide_possible_values = true)]
+    pub subject: Option<String>,
+}
+
+/// Takes any text, and gives shells the codes and keywords to complete.
+#[derive(Clone, Debug)]
+struct Explained;
+
+impl TypedValueParser for Explained {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let codes = PAGES.iter().map(|page| page.code);
+        Some(Box::new(codes.chain(KEYWORDS).map(PossibleValue::new)))
+    }
 }
 
 #[derive(Debug, Args)]

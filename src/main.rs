@@ -22,7 +22,7 @@ use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, FileId, SourceFile, SourceKind, Sources};
 use vibc::editor::server::{self, Leave};
 use vibc::model::Overrides;
-use vibc::syntax::limits;
+use vibc::syntax::{limits, manual};
 
 /// What the process ends with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,9 +45,9 @@ fn main() -> ExitCode {
         Command::Check(options) => check(options, &cli.messages),
         Command::Fmt(options) => format(options, &cli.messages),
         Command::Lsp(_) => language_server(),
-        Command::Explain(options) => explain(&options.code),
+        Command::Explain(options) => explain(options.subject.as_deref()),
         Command::Completions(options) => completions(options.shell),
-        Command::Man(options) => manual(options.command.as_deref()),
+        Command::Man(options) => manual_page(options.command.as_deref()),
         Command::Bench(options) => bench(options, &cli.messages),
     };
     ExitCode::from(status as u8)
@@ -446,7 +446,7 @@ fn completions(shell: clap_complete::Shell) -> Status {
 }
 
 /// A page for `man`, from the same words as `--help`.
-fn manual(command: Option<&str>) -> Status {
+fn manual_page(command: Option<&str>) -> Status {
     let mut program = Cli::command();
     program.build();
     let page = match command {
@@ -467,12 +467,17 @@ fn manual(command: Option<&str>) -> Status {
     }
 }
 
-fn explain(code: &str) -> Status {
-    match backend::explain::explain(code) {
-        Ok(text) => write_result(None, &text).map_or(Status::Io, |()| Status::Done),
+/// The page of a diagnostic or of a keyword; without either, all codes.
+fn explain(asked: Option<&str>) -> Status {
+    let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
+    if let Some(entry) = manual::entry(asked) {
+        return deliver(None, &backend::explain::terminal(&entry.markdown()));
+    }
+    match backend::explain::explain(asked) {
+        Ok(text) => deliver(None, &text),
         Err(unknown) => {
             let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));
-            complain(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(code)));
+            complain(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(asked)));
             Status::Usage
         }
     }

@@ -5,7 +5,7 @@
 use super::source::Span;
 use std::fmt;
 
-/// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`. Explained once, in spec.md.
+/// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`. Its page is `docs/diagnostics/unit/mismatch.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Code(pub &'static str);
 

@@ -1,42 +1,13 @@
 //! What an editor tells of the words of the language: keywords, fields, functions, motions, units.
 
 use super::shown;
-use crate::backend::explain;
 use crate::base::unit::{self, Scale};
 use crate::base::{Number, Quantity};
+use crate::syntax::manual;
 
-/// The clause of spec.md that a keyword belongs to.
-const CLAUSES: [(&str, &str); 22] = [
-    ("model", "5.13"),
-    ("param", "4.2"),
-    ("let", "4.2"),
-    ("gravity", "5.13"),
-    ("point", "5.1"),
-    ("body", "5.2"),
-    ("pivot", "5.6"),
-    ("slide", "5.6"),
-    ("weld", "5.6"),
-    ("couple", "5.11"),
-    ("spring", "5.7"),
-    ("damper", "5.7"),
-    ("base", "5.4"),
-    ("force", "5.8"),
-    ("torque", "5.8"),
-    ("initial", "5.12"),
-    ("output", "5.10"),
-    ("damping", "5.13"),
-    ("rest", "5.13"),
-    ("repeat", "4.4"),
-    ("solve", "5.14"),
-    ("require", "5.14"),
-];
-
-/// A keyword's page: its form, what it declares, and its clause.
+/// A keyword's page.
 pub fn keyword(word: &str) -> Option<String> {
-    let (form, meaning) = explain::keyword(word)?;
-    let (_, number) = CLAUSES.iter().find(|(keyword, _)| *keyword == word)?;
-    let clause = explain::numbered(number)?;
-    Some(format!("{form}: {meaning}\n\n{clause}"))
+    manual::entry(word).map(manual::Entry::markdown)
 }
 
 /// The fields of a declaration, each with a form to type and what it says.
@@ -297,15 +268,6 @@ pub fn units(wanted: Option<crate::base::Dimension>) -> Vec<&'static str> {
 mod tests {
     use super::*;
     use crate::base::Dimension;
-    use crate::syntax::words::KEYWORDS;
-
-    #[test]
-    fn every_keyword_has_its_page() {
-        for word in KEYWORDS {
-            let page = keyword(word).unwrap_or_default();
-            assert!(page.contains(&format!("`{word} ")) && page.len() > 80, "{word}: {page}");
-        }
-    }
 
     #[test]
     fn every_unit_that_is_offered_is_one() {

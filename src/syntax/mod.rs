@@ -8,6 +8,7 @@ mod build;
 mod error;
 mod explain;
 pub mod limits;
+pub mod manual;
 mod report;
 mod split;
 pub mod tree;

@@ -340,7 +340,7 @@ fn every_finding_is_in_the_forms_for_programs() {
 fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
     let told = run(&["explain", "vib::unit::mismatch"]);
     assert_eq!(told.status, 0);
-    assert!(told.out.starts_with("vib::unit::mismatch\n\n") && told.out.contains("Mend:"));
+    assert!(told.out.starts_with("vib::unit::mismatch\n\n") && told.out.contains("Fix:"));
     assert_eq!(run(&["explain", "unit::mismatch"]).out, told.out);
     let unknown = run(&["explain", "vib::unit::mismach"]);
     assert_eq!((unknown.status, unknown.out.as_str()), (2, ""));

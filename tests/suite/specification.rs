@@ -1,10 +1,16 @@
-//! Every code that the program can say has one clause in spec.md, in one form, with an example that shows it.
+//! Every code that the program can report has one page in docs/diagnostics, in one form, with an example that shows it;
+//! every keyword has its entry in the manual.
 
 use super::models::{Run, codes_in_sources};
-use vibc::backend::explain;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use vibc::backend::explain::{PAGES, explain};
+use vibc::base::{SourceFile, Sources};
+use vibc::syntax::{self, manual};
 
-/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their clauses tell
-/// the example in words.
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their
+/// pages describe the example in words.
 const IN_WORDS: [&str; 16] = [
     "vib::file::not_utf8",
     "vib::limit::signal",
@@ -24,42 +30,70 @@ const IN_WORDS: [&str; 16] = [
     "vib::table::unreadable",
 ];
 
+/// The code of each file of docs/diagnostics, by its folder and name.
+fn codes_of_files() -> BTreeSet<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/diagnostics");
+    let entries =
+        |folder: &Path| fs::read_dir(folder).expect("a folder of pages").map(|entry| entry.expect("an entry").path());
+    let name = |path: &Path| path.file_stem().expect("a name").to_string_lossy().into_owned();
+    let families = entries(&root).filter(|path| path.is_dir());
+    let pages = families.flat_map(|family| {
+        entries(&family).map(|page| format!("vib::{}::{}", name(&family), name(&page))).collect::<Vec<_>>()
+    });
+    pages.collect()
+}
+
 #[test]
-fn every_code_has_one_clause_and_every_clause_a_code() {
-    let codes = codes_in_sources();
-    let clauses: Vec<&str> = explain::clauses().map(|(code, _)| code).collect();
-    let missing: Vec<&String> = codes.iter().filter(|code| !clauses.contains(&code.as_str())).collect();
-    assert!(missing.is_empty(), "without a clause in spec.md: {missing:#?}");
-    let unknown: Vec<&&str> = clauses.iter().filter(|clause| !codes.contains(**clause)).collect();
-    assert!(unknown.is_empty(), "clauses that no code belongs to: {unknown:#?}");
-    for code in &codes {
-        assert_eq!(clauses.iter().filter(|clause| *clause == code).count(), 1, "clauses of {code}");
+fn every_code_has_a_file_and_every_file_a_code() {
+    let files = codes_of_files();
+    assert_eq!(codes_in_sources(), files, "codes of the sources, and files of docs/diagnostics");
+    let listed: Vec<&str> = PAGES.iter().map(|page| page.code).collect();
+    assert!(listed.iter().eq(&files), "src/backend/explain/pages.rs lists the files in alphabetical order");
+}
+
+#[test]
+fn every_page_has_the_one_form() {
+    for page in PAGES {
+        let (title, text) = page.markdown.split_once("\n\n").expect("a title, an empty line and a text");
+        assert_eq!(title, format!("# {}", page.code));
+        let meaning = text.split("```").next().unwrap_or_default().trim();
+        assert!(meaning.len() > 20, "{} does not say what it means", page.code);
+        assert!(text.lines().any(|line| line.starts_with("Fix:")), "{} does not say what to do", page.code);
     }
 }
 
 #[test]
-fn every_clause_tells_the_meaning_an_example_and_the_mend() {
-    for (code, body) in explain::clauses() {
-        let meaning = body.split("```").next().unwrap_or_default().trim();
-        assert!(meaning.len() > 20, "{code} does not say what it means");
-        assert!(body.lines().any(|line| line.starts_with("Mend:")), "{code} has no paragraph that begins with `Mend:`");
-    }
-}
-
-#[test]
-fn the_example_of_a_clause_gives_just_its_code() {
+fn the_example_of_a_page_gives_just_its_code() {
     let mut wrong = Vec::new();
-    for (code, body) in explain::clauses() {
-        match body.split("```vib\n").nth(1).and_then(|rest| rest.split("```").next()) {
+    for page in PAGES {
+        let code = page.code;
+        match page.markdown.split("```vib\n").nth(1).and_then(|rest| rest.split("```").next()) {
             Some(example) => {
                 let found = Run::new(code, example.as_bytes()).codes();
                 if found != [code] {
                     wrong.push(format!("{code}: its example gives {found:?}"));
                 }
             }
-            None if IN_WORDS.contains(&code) => assert!(body.contains("Example:"), "{code} has no example in words"),
+            None if IN_WORDS.contains(&code) => {
+                assert!(page.markdown.contains("Example:"), "{code}: no example in words")
+            }
             None => wrong.push(format!("{code} has no `vib` block")),
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_a_terminal_shows_is_the_page() {
+    let shown = explain("rest::unbalanced").expect("a known code");
+    assert!(shown.starts_with("vib::rest::unbalanced\n\n") && shown.contains("\n    rest as drawn\n"), "{shown}");
+}
+
+#[test]
+fn the_forms_of_the_manual_parse() {
+    for entry in manual::ENTRIES {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model(entry.keyword, entry.forms));
+        assert_eq!(syntax::parse(&sources, file).errors.iter().count(), 0, "{}", entry.forms);
+    }
 }

@@ -1,0 +1,110 @@
+//! `vibc explain`: the page of a diagnostic, laid out for a terminal, and the list of all codes. The pages are
+//! the files of `docs/diagnostics`.
+
+mod pages;
+
+pub use pages::{PAGES, Page};
+use strsim::damerau_levenshtein;
+
+/// The page of a code for a terminal, or the known code nearest to it. `unit::mismatch` is short for `vib::unit::mismatch`.
+pub fn explain(asked: &str) -> Result<String, Unknown> {
+    let code = if asked.starts_with("vib::") { asked.to_string() } else { format!("vib::{asked}") };
+    match PAGES.iter().find(|page| page.code == code) {
+        Some(page) => Ok(terminal(page.markdown)),
+        None => Err(Unknown { nearest: nearest(&code) }),
+    }
+}
+
+/// Every code on a line of its own, in alphabetical order.
+pub fn codes() -> String {
+    PAGES.iter().map(|page| format!("{}\n", page.code)).collect()
+}
+
+/// A code without a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    pub nearest: Option<&'static str>,
+}
+
+fn nearest(code: &str) -> Option<&'static str> {
+    let distance = |name: &str| damerau_levenshtein(name, code);
+    let name = PAGES.iter().map(|page| page.code).min_by_key(|name| distance(name))?;
+    (distance(name) * 3 <= code.chars().count()).then_some(name)
+}
+
+/// Columns of a paragraph.
+const WIDTH: usize = 96;
+
+/// Markdown for a terminal: headings without their mark, fenced blocks indented, paragraphs and list items wrapped.
+pub fn terminal(markdown: &str) -> String {
+    let mut text = String::new();
+    let mut paragraph = String::new();
+    let mut fenced = false;
+    for line in markdown.lines() {
+        let fence = line.starts_with("```");
+        if fence || fenced || line.is_empty() || line.starts_with("- ") {
+            text += &filled(&std::mem::take(&mut paragraph));
+        }
+        match (fence, fenced) {
+            (true, _) => fenced = !fenced,
+            (false, true) => text += &format!("    {line}\n"),
+            (false, false) if line.is_empty() => text.push('\n'),
+            (false, false) => paragraph += &format!("{} ", line.strip_prefix("# ").unwrap_or(line)),
+        }
+    }
+    text + &filled(&paragraph)
+}
+
+/// Words in lines of at most [`WIDTH`] characters, the further lines of a list's item indented.
+fn filled(paragraph: &str) -> String {
+    let indent = if paragraph.starts_with("- ") { "  " } else { "" };
+    let mut text = String::new();
+    let mut column = 0;
+    for word in paragraph.split_whitespace() {
+        let width = word.chars().count();
+        if column > 0 && column + 1 + width > WIDTH {
+            text += &format!("\n{indent}");
+            column = indent.len();
+        } else if column > 0 {
+            text.push(' ');
+            column += 1;
+        }
+        text += word;
+        column += width;
+    }
+    if !text.is_empty() {
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_are_filled_and_models_are_not() {
+        let page = format!(
+            "# Title\n\n{}\n{}\n\n```vib\nbody b {{ moves x }}\n```\n\n- {}",
+            "one ".repeat(20),
+            "two ".repeat(10),
+            "three ".repeat(20)
+        );
+        let text = terminal(&page);
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
+        assert!(
+            text.starts_with("Title\n\none")
+                && text.contains("one two")
+                && text.contains("\n\n    body b { moves x }\n\n- three"),
+            "{text}"
+        );
+        assert!(text.ends_with("\n  three three three three three\n"), "{text}");
+    }
+
+    #[test]
+    fn an_unknown_code_gets_the_nearest() {
+        assert_eq!(explain("unit::mismach"), Err(Unknown { nearest: Some("vib::unit::mismatch") }));
+        assert_eq!(explain("something else"), Err(Unknown { nearest: None }));
+        assert!(explain("vib::unit::mismatch").is_ok_and(|text| text.starts_with("vib::unit::mismatch\n\nA value")));
+    }
+}

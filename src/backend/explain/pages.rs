@@ -1,0 +1,67 @@
+//! The page of each diagnostic: `docs/diagnostics/FAMILY/NAME.md` for the code `vib::FAMILY::NAME`, part of the program.
+//! A new code is a new file there and its name here; tests compare both with the codes of the sources.
+
+/// What `vibc explain CODE` prints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// `vib::unit::mismatch`.
+    pub code: &'static str,
+    /// The Markdown file, as it is.
+    pub markdown: &'static str,
+}
+
+macro_rules! pages {
+    ($($family:ident: $($name:ident)+;)+) => {
+        &[$($(Page {
+            code: concat!("vib::", stringify!($family), "::", stringify!($name)),
+            markdown: include_str!(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/docs/diagnostics/", stringify!($family), "/", stringify!($name), ".md"
+            )),
+        },)+)+]
+    };
+}
+
+/// All pages, in alphabetical order.
+pub const PAGES: &[Page] = pages! {
+    base: no_motion;
+    body: freedom given_twice no_freedom no_place;
+    couple: motions;
+    damper: negative;
+    damping: base large negative;
+    direction: zero;
+    element: direction_unknown equal_ends no_end_turns torsion_along zero_length;
+    field: duplicate missing unknown value;
+    file: not_utf8;
+    freedom: loose no_inertia none;
+    function: arguments unknown;
+    index: not_whole too_many;
+    inertia: missing too_small;
+    initial: undetermined;
+    input: direction_unknown no_effect;
+    joint: direction ends_apart equal_ends no_place;
+    limit: depth loops modes range repeat signal states tolerance;
+    loop: conflict rank_drop redundant;
+    mass: indefinite missing singular;
+    measure: arguments input mode output unknown value;
+    motion: impossible non_linear none still unknown unsettled;
+    name: duplicate index reserved unknown;
+    number: division_by_zero domain overflow root_of_negative;
+    parameter: cycle;
+    part: kind unknown;
+    position: unknown;
+    repeat: reversed;
+    require: fails form no_value undetermined;
+    rest: not_found unbalanced;
+    scene: empty more_findings;
+    setting: duplicate form not_a_parameter solved toml unknown;
+    shape: size unknown;
+    signal: arguments base_impulse many_motions times unknown;
+    solve: independent no_root no_value range several_roots singular twice unsettled;
+    spring: free_length_and_preload negative no_length;
+    syntax: character more_errors stray too_deep too_large unclosed unclosed_string unexpected unknown_keyword;
+    table: heading order row too_short unreadable;
+    unit: ambiguous cycles exponent frequency malformed mismatch missing unknown;
+    unused: element gravity input parameter point property;
+    value: comparison components kind motion negative;
+};
