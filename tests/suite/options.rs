@@ -164,8 +164,8 @@ const VALUES: [Values; 36] = [
     ),
     (
         "explain",
-        "code",
-        &[Done("vib::unit::mismatch"), Ends("vib::unit::mistmatch", 2), Ends("", 2), Ends("x", 2)],
+        "subject",
+        &[Done("vib::unit::mismatch"), Done("spring"), Ends("vib::unit::mistmatch", 2), Ends("", 2), Ends("x", 2)],
         &[],
     ),
     ("man", "command", &[Done("analyze"), Done("fmt"), Ends("analyse", 2), Ends("", 2)], &[]),
@@ -185,7 +185,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         "simulate" if option != "file" => vec![file],
         "emit" if option != "file" => vec![file],
         "check" | "fmt" if option != "files" => vec![file],
-        "explain" if option != "code" => vec!["vib::unit::mismatch"],
+        "explain" if option != "subject" => vec!["vib::unit::mismatch"],
         "completions" if option != "shell" => vec!["bash"],
         _ => Vec::new(),
     };
