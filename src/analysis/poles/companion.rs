@@ -9,10 +9,12 @@
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::product::View;
 use crate::analysis::poles::pencil::{Pencil, Squares};
 use crate::analysis::poles::rigid::RigidMotions;
+use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
-use nalgebra::{DMatrix, Schur};
+use nalgebra::DMatrix;
 
 /// Modes as a basis: binary64 columns, and C~ in it.
 #[derive(Clone, Debug)]
@@ -64,22 +66,23 @@ impl Basis {
         2 * self.free + self.dragged
     }
 
-    /// The eigenvalues that are not exactly zero, one of each conjugate pair (im > 0) and the real ones.
+    /// The eigenvalues that are not exactly zero, one of each conjugate pair (im > 0) and the real ones, with the Schur forms
+    /// that they come from.
     ///
-    /// The QR method leaves errors of about 1e-16 of the largest eigenvalue, so the fast ones are taken from the state
-    /// matrix and the slow ones, as reciprocals, from its inverse. Empty if an iteration does not end.
-    pub fn starts(&self) -> Vec<Complex<f64>> {
-        let fast = eigenvalues(self.state_matrix());
-        let slow = self.inverse_state_matrix().and_then(eigenvalues);
-        let slow = slow.map(|list| list.into_iter().map(Complex::recip).filter(|z| z.is_finite()).collect());
+    /// The QR method leaves errors of about 1e-16 of the largest eigenvalue, so where some are much slower than others the slow
+    /// ones are taken, as reciprocals, from the inverse of the state matrix.
+    pub fn spectrum(&self) -> Spectrum {
+        let fast = SchurForm::of(self.state_matrix()).map(|form| Family::of(form, None));
+        let is_wide = fast.as_ref().is_none_or(Family::is_wide);
+        let slow = is_wide.then(|| self.inverse_state_matrix()).flatten().and_then(|inverse| {
+            let dense = Matrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| inverse[(i, j)]);
+            Some(Family::of(SchurForm::of(inverse)?, Some(dense)))
+        });
         match (fast, slow) {
             (Some(fast), Some(slow)) => joined(fast, slow),
-            (Some(list), None) | (None, Some(list)) => list,
-            (None, None) => Vec::new(),
+            (Some(family), None) | (None, Some(family)) => Spectrum { families: vec![family] },
+            (None, None) => Spectrum { families: Vec::new() },
         }
-        .into_iter()
-        .filter(|z| z.im >= 0.0)
-        .collect()
     }
 
     /// The number of rigid motions.
@@ -87,10 +90,14 @@ impl Basis {
         self.free + self.dragged
     }
 
+    /// |omega| of mode j beyond the rigid ones.
+    pub fn rate(&self, j: usize) -> f64 {
+        self.omega_squared[self.rigid() + j].abs().sqrt()
+    }
+
     /// |omega| and the sign of omega^2 of mode j beyond the rigid ones.
-    fn rate(&self, j: usize) -> (f64, f64) {
-        let omega_squared = self.omega_squared[self.rigid() + j];
-        (omega_squared.abs().sqrt(), omega_squared.signum())
+    fn signed_rate(&self, j: usize) -> (f64, f64) {
+        (self.rate(j), self.omega_squared[self.rigid() + j].signum())
     }
 
     /// Rows and columns: energies of the moving modes, velocities of the dragged and of the moving ones.
@@ -98,7 +105,7 @@ impl Basis {
         let (moving, velocities) = (self.n() - self.rigid(), self.n() - self.free);
         let mut matrix = DMatrix::zeros(moving + velocities, moving + velocities);
         for j in 0..moving {
-            let (rate, sign) = self.rate(j);
+            let (rate, sign) = self.signed_rate(j);
             matrix[(j, moving + self.dragged + j)] = rate;
             matrix[(moving + self.dragged + j, j)] = -sign * rate;
         }
@@ -116,12 +123,12 @@ impl Basis {
         let (moving, dragged) = (self.n() - self.rigid(), self.dragged);
         let c = |i: usize, j: usize| self.damping[(self.free + i, self.free + j)];
         let c_dd = DMatrix::from_fn(dragged, dragged, c).try_inverse()?;
-        let c_dm = DMatrix::from_fn(dragged, moving, |i, j| c(i, dragged + j) / self.rate(j).0);
-        let c_mm = DMatrix::from_fn(moving, moving, |i, j| c(dragged + i, dragged + j) / self.rate(j).0);
+        let c_dm = DMatrix::from_fn(dragged, moving, |i, j| c(i, dragged + j) / self.rate(j));
+        let c_mm = DMatrix::from_fn(moving, moving, |i, j| c(dragged + i, dragged + j) / self.rate(j));
         let drag = &c_dd * &c_dm;
         let mut inverse = DMatrix::zeros(2 * moving + dragged, 2 * moving + dragged);
         for i in 0..moving {
-            let (rate, sign) = self.rate(i);
+            let (rate, sign) = self.signed_rate(i);
             // C_md v_d is the transpose of C_dm, with the factor of the column taken back.
             let c_md = |d: usize| c_dm[(d, i)] * rate;
             for j in 0..moving {
@@ -147,34 +154,121 @@ impl Basis {
     }
 }
 
-/// All eigenvalues, ascending in size; `None` if the iteration does not end or overflows.
-fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    if matrix.iter().any(|x| !x.is_finite()) {
-        return None;
+/// Eigenvalues of the state matrix by size, in one or two families.
+pub struct Spectrum {
+    pub families: Vec<Family>,
+}
+
+/// Eigenvalues that come from one Schur form.
+pub struct Family {
+    pub form: SchurForm,
+    /// The inverse of the state matrix where the form is of that; its eigenvalues are reciprocals.
+    pub inverse: Option<Matrix<f64>>,
+    /// Of the state matrix, ascending in size, each beside its eigenvalue of the form.
+    pub list: Vec<(Complex<f64>, Eigenvalue)>,
+}
+
+/// Ratio of rates from which on the slow ones have fewer than eight digits in the eigenvalues of the state matrix.
+const WIDE: f64 = 1e8;
+
+impl Spectrum {
+    pub fn values(&self) -> Vec<Complex<f64>> {
+        self.families.iter().flat_map(|family| family.list.iter().map(|&(s, _)| s)).collect()
     }
-    if matrix.is_empty() {
-        // All motions of the part are rigid, as far as binary64 can tell: nalgebra's Schur form has no case for it.
-        return Some(Vec::new());
+}
+
+impl Family {
+    fn of(form: SchurForm, inverse: Option<Matrix<f64>>) -> Family {
+        let own = |z: Complex<f64>| if inverse.is_some() { upper(z.recip()) } else { z };
+        let mut list: Vec<_> = form.eigenvalues().into_iter().map(|found| (own(found.value), found)).collect();
+        list.retain(|(s, _)| s.is_finite());
+        list.sort_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+        Family { form, inverse, list }
     }
-    let sweeps = 100 * matrix.nrows();
-    let values = Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues();
-    let mut list: Vec<Complex<f64>> = values.iter().map(|z| Complex::new(z.re, z.im)).collect();
-    list.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
-    Some(list)
+
+    fn is_wide(&self) -> bool {
+        let size = |entry: Option<&(Complex<f64>, Eigenvalue)>| entry.map_or(1.0, |(s, _)| s.abs());
+        !(size(self.list.last()) < WIDE * size(self.list.first()))
+    }
+
+    /// Approximate solutions z of (s_j - A) z_j = b_j, A being the state matrix: with the inverse, (A^-1 - 1/s) z = A^-1 b / s.
+    pub fn solve(&self, shifts: &[Complex<f64>], mut b: ComplexColumns) -> ComplexColumns {
+        let Some(inverse) = &self.inverse else {
+            let mut z = self.form.solve(shifts, &b);
+            z.scale(|_| Complex::real(-1.0));
+            return z;
+        };
+        let reciprocals: Vec<Complex<f64>> = shifts.iter().map(|s| s.recip()).collect();
+        b = b.after(View::of(inverse));
+        let mut z = self.form.solve(&reciprocals, &b);
+        z.scale(|j| reciprocals[j]);
+        z
+    }
+
+    /// A column (e, v) for each eigenvalue of the list.
+    pub fn vectors(&self) -> ComplexColumns {
+        let found: Vec<Eigenvalue> = self.list.iter().map(|&(_, found)| found).collect();
+        let mut vectors = self.form.eigenvectors(&found);
+        if self.inverse.is_some() {
+            // A conjugate pair's reciprocal with im > 0 belongs to the other vector of the pair.
+            vectors.im.data_mut().iter_mut().for_each(|x| *x = -*x);
+        }
+        vectors
+    }
+}
+
+/// The one of a conjugate pair with im > 0.
+fn upper(z: Complex<f64>) -> Complex<f64> {
+    if z.im < 0.0 { z.conj() } else { z }
 }
 
 /// The slow ones of one list before the fast ones of the other, cut where the two agree best.
-fn joined(fast: Vec<Complex<f64>>, mut slow: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
-    slow.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
-    if slow.len() != fast.len() {
-        return fast;
+fn joined(mut fast: Family, mut slow: Family) -> Spectrum {
+    let dimension = |family: &Family| family.list.iter().map(|(s, _)| width(*s)).sum::<usize>();
+    if dimension(&slow) != dimension(&fast) {
+        return Spectrum { families: vec![fast] };
     }
-    let apart = |i: usize| slow.get(i).zip(fast.get(i)).map_or(0.0, |(a, b)| (*a - *b).one_norm() / b.one_norm());
-    // Before a conjugate (im > 0, sorted last) there is no cut.
-    let whole = |i: usize| slow.get(i).is_none_or(|z| z.im <= 0.0) && fast.get(i).is_none_or(|z| z.im <= 0.0);
-    let cost = |i: usize| if i == 0 { apart(0) } else { apart(i - 1).max(apart(i)) };
-    let cut = (0..=fast.len()).filter(|&i| whole(i)).min_by(|&i, &j| cost(i).total_cmp(&cost(j))).unwrap_or(0);
-    slow[..cut].iter().chain(&fast[cut..]).copied().collect()
+    // Real eigenvalues and pairs may fall differently in the two lists, so places are counted in dimensions.
+    let places = |family: &Family| {
+        let mut end = 0;
+        let ends: Vec<usize> = family
+            .list
+            .iter()
+            .map(|(s, _)| {
+                end += width(*s);
+                end
+            })
+            .collect();
+        ends
+    };
+    let (fast_ends, slow_ends) = (places(&fast), places(&slow));
+    let apart = |i: usize, j: usize| {
+        let (a, b) = (slow.list[i].0, fast.list[j].0);
+        (a - b).one_norm() / b.one_norm()
+    };
+    // Cuts are where both lists have an end: after the slow one i and the fast one j.
+    let mut best = (f64::INFINITY, 0, 0);
+    let mut consider = |cost: f64, taken: usize, left: usize| {
+        if cost < best.0 {
+            best = (cost, taken, left);
+        }
+    };
+    if !slow.list.is_empty() {
+        consider(apart(0, 0), 0, 0);
+    }
+    for (i, end) in slow_ends.iter().enumerate() {
+        let Ok(j) = fast_ends.binary_search(end) else { continue };
+        let next = if i + 1 < slow_ends.len() && j + 1 < fast_ends.len() { apart(i + 1, j + 1) } else { 0.0 };
+        consider(apart(i, j).max(next), i + 1, j + 1);
+    }
+    slow.list.truncate(best.1);
+    fast.list.drain(..best.2);
+    Spectrum { families: vec![slow, fast] }
+}
+
+/// Dimensions of the state that an entry stands for.
+fn width(s: Complex<f64>) -> usize {
+    if s.im == 0.0 { 1 } else { 2 }
 }
 
 /// The rigid motions made orthonormal with respect to M (Gram-Schmidt, free ones first).

@@ -285,7 +285,7 @@ mod tests {
         let pencil = Pencil::of(&system, &Part::whole(&system), &[0, 1, 2, 3]);
         let working = pencil.to_dd();
         let basis = Basis::of(&working, &modes(&system).expect("modes"), &RigidMotions::default());
-        let starts = basis.starts();
+        let starts = basis.spectrum().values();
         let pairs = (0..).zip(&starts).map(|(seed, &start)| refine(&working, &basis, start, seed).expect("a pole"));
         (pencil, pairs.collect())
     }

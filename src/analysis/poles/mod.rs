@@ -6,6 +6,7 @@
 //! not told apart, and where motions have no inertia, the polynomial det Q decides exactly.
 
 pub(in crate::analysis) mod aberth;
+pub(in crate::analysis) mod batch;
 pub(in crate::analysis) mod cluster;
 pub(in crate::analysis) mod companion;
 pub mod count;
@@ -20,6 +21,7 @@ pub(in crate::analysis) mod quadratic;
 pub(in crate::analysis) mod refinement;
 pub(in crate::analysis) mod rigid;
 pub(in crate::analysis) mod scaling;
+pub(in crate::analysis) mod schur;
 pub(in crate::analysis) mod targeted;
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
@@ -30,6 +32,7 @@ use crate::analysis::modes::parts::{Part, as_system, chosen, independent};
 use crate::analysis::modes::request::DEFAULT_TOLERANCE;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::aberth::aberth;
+use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
@@ -290,17 +293,18 @@ impl Portion<'_> {
         };
         let working = pencil.to_dd();
         let basis = Basis::of(&working, modes, &rigid);
-        let certified = |starts: &[Complex<f64>]| {
-            let refined = starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed));
-            let mut pairs: Vec<Pair> = refined.collect();
+        let certified = |mut pairs: Vec<Pair>| {
             separate(&working, &mut pairs);
             let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
             (pairs, discs)
         };
-        let starts = basis.starts();
-        let (mut pairs, mut discs) = certified(&starts);
+        let one_by_one = |starts: &[Complex<f64>]| {
+            starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed)).collect()
+        };
+        let spectrum = basis.spectrum();
+        let (mut pairs, mut discs) = certified(refine_all(&working, &basis, &spectrum));
         if !all_apart(&discs) {
-            (pairs, discs) = certified(&aberth(&basis, &starts));
+            (pairs, discs) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
         }
         if !all_apart(&discs) && self.exact(modes, found) {
             return Ok(());

@@ -6,7 +6,7 @@
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::companion::Basis;
-use crate::analysis::poles::pencil::{Pencil, Vector};
+use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::base::Dd;
 
 /// An approximate pole and its vector, as exactly these numbers.
@@ -23,7 +23,7 @@ impl Pair {
 }
 
 /// A correction below this is rounding: 2^-103.
-const SETTLED: f64 = 1e-31;
+pub const SETTLED: f64 = 1e-31;
 /// Each step wins at least ten digits from a good start; this is for bad ones.
 const MOST_STEPS: usize = 24;
 
@@ -63,7 +63,7 @@ pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usi
 
 /// s <- s - x^T Q(s) x / x^T Q'(s) x: Rayleigh's quotient. The energies of stiff springs that hardly stretch are second-order
 /// small, so a slow pole beside fast ones gets all its digits, which the forces of those springs would drown.
-fn balance_energies(pencil: &Pencil<Dd>, pair: &mut Pair) {
+pub fn balance_energies(pencil: &Pencil<Dd>, pair: &mut Pair) {
     let applied = pencil.apply(pair.s, &pair.x);
     let slope = pencil.slope(pair.s.to_f64(), &applied);
     let step = -(applied.energy.to_f64() * slope.recip());
@@ -99,7 +99,7 @@ fn apply_step(basis: &Basis, pair: &mut Pair, y: &mut [Complex<f64>], dy: &[Comp
     }
 }
 
-fn norm(y: &[Complex<f64>]) -> f64 {
+pub fn norm(y: &[Complex<f64>]) -> f64 {
     y.iter().map(|z| z.one_norm()).fold(0.0, f64::max)
 }
 
@@ -132,18 +132,21 @@ fn modal_slope(basis: &Basis, s: Complex<f64>, y: &[Complex<f64>], i: usize) -> 
 fn residual(pencil: &Pencil<Dd>, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>> {
     let applied = pencil.apply(pair.s, &pair.x);
     let force: Vec<Complex<f64>> = applied.force.iter().map(|z| z.to_f64()).collect();
-    let of_row = |j: usize| {
-        if j < basis.free {
-            return weighted(&basis.rigid_inertia[j], &applied.m_stretch).to_f64();
-        }
-        if j < basis.rigid() {
-            let inertia = weighted(&basis.rigid_inertia[j], &applied.m_stretch);
-            let drag = weighted(&basis.rigid_drag[j], &applied.c_stretch);
-            return (pair.s * inertia + drag).to_f64();
-        }
-        basis.shapes.column(j).iter().zip(&force).fold(Complex::ZERO, |sum, (&a, &f)| sum + f.scale(a))
+    let of_row = |j: usize| match rigid_residual(basis, pair.s, &applied, j) {
+        Some(residual) => residual,
+        None => basis.shapes.column(j).iter().zip(&force).fold(Complex::ZERO, |sum, (&a, &f)| sum + f.scale(a)),
     };
     (0..basis.n()).map(of_row).collect()
+}
+
+/// The row of a rigid motion, from inertia and dampers alone; `None` for the other modes.
+pub fn rigid_residual(basis: &Basis, s: Complex<Dd>, applied: &Application<Dd>, row: usize) -> Option<Complex<f64>> {
+    if row < basis.free {
+        return Some(weighted(&basis.rigid_inertia[row], &applied.m_stretch).to_f64());
+    }
+    let drag = basis.rigid_drag.get(row)?;
+    let inertia = weighted(&basis.rigid_inertia[row], &applied.m_stretch);
+    Some((s * inertia + weighted(drag, &applied.c_stretch)).to_f64())
 }
 
 /// sum factor_t stretch_t
