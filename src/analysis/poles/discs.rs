@@ -10,8 +10,10 @@
 //! bound of their rounding.
 
 use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::dense::Matrix;
+use crate::analysis::numeric::product::{View, product};
 use crate::analysis::numeric::triple::{Precise, Triple};
-use crate::analysis::poles::disc_columns::{Columns, Near, U, UP};
+use crate::analysis::poles::disc_columns::{Columns, Near, U, UP, dot_products};
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
@@ -69,6 +71,10 @@ impl Table {
         self.data[j * self.n + i] = value;
     }
 
+    fn view(&self) -> View<'_> {
+        View::columns(&self.data, self.n, self.n, self.n)
+    }
+
     fn is_finite(&self) -> bool {
         self.data.iter().all(|x| x.is_finite())
     }
@@ -81,14 +87,19 @@ impl Table {
 /// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
 fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<Precise>]) -> Table {
     let mut table = Table::new(columns.list.len());
+    let forces: Vec<Vec<Near>> = applied
+        .iter()
+        .zip(&columns.factors)
+        .map(|(applied, &factor)| applied.force.iter().map(|&f| Near::of(f, factor)).collect())
+        .collect();
+    let products = dot_products(columns, &forces);
     for (p, applied) in applied.iter().enumerate() {
         let (at, conj) = columns.of_pair[p];
         let factor = columns.factors[p];
-        let force: Vec<Near> = applied.force.iter().map(|&f| Near::of(f, factor)).collect();
-        for (i, column) in columns.list.iter().enumerate() {
+        for i in 0..columns.list.len() {
             let bound = match columns.rigid.get(i) {
                 Some(motion) => motion.residual(pairs[p].s, applied, factor),
-                None => column.dot(&force),
+                None => products[(i, p)],
             };
             table.set(i, at, bound);
             table.set(columns.mirror[i], conj, bound);
@@ -156,17 +167,17 @@ struct Perturbation {
 /// T = B^-1 R: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
 fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbation> {
     let n = r.n;
+    let scaled =
+        Matrix::from_fn(n, columns.of_pair.len(), |i, p| r.at(i, columns.of_pair[p].0) / b.diagonal[i].least() * UP);
+    let coupled = product(b.off.view(), View::of(&scaled));
     let (mut t, mut own) = (Table::new(n), vec![0.0; n]);
-    for &(at, conj) in &columns.of_pair {
-        let scaled: Vec<f64> = r.column(at).iter().zip(&b.diagonal).map(|(r, b)| r / b.least() * UP).collect();
-        let mut rest = vec![0.0; n];
-        for (j, scaled) in scaled.iter().enumerate() {
-            rest.iter_mut().zip(b.off.column(j)).for_each(|(sum, g)| *sum += g * scaled * UP);
-        }
+    for (p, &(at, conj)) in columns.of_pair.iter().enumerate() {
+        // Sums of numbers that are not negative: UP covers their rounding, and the last number what is lost below binary64.
+        let rest: Vec<f64> = coupled.column(p).iter().map(|sum| sum * UP + f64::MIN_POSITIVE).collect();
         // G^2 (1 - G)^-1 R is at most theta / (1 - theta) times the largest entry of G R.
         let tail = rest.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
         for i in 0..n {
-            let bound = (scaled[i] + rest[i] + tail) * UP;
+            let bound = (scaled[(i, p)] + rest[i] + tail) * UP;
             t.set(i, at, bound);
             t.set(columns.mirror[i], conj, bound);
         }
