@@ -68,6 +68,11 @@ pub enum LowerError {
         entries: u64,
         span: Span,
     },
+    /// Closed loops and couplings whose solution, or the account of which follow from others, takes more numbers than `limit`.
+    TangledLoops {
+        limit: usize,
+        span: Span,
+    },
     /// More coordinates tied by closed loops than a rest is searched for.
     LargeLoop {
         coordinates: usize,
@@ -143,6 +148,13 @@ impl LowerError {
             )
             .label("bodies hang one under another down to here")
             .help("use fewer links, or let bodies stand on the ground with a freedom clause"),
+            LowerError::TangledLoops { limit, span } => Diagnostic::error(
+                LARGE_LOOP,
+                *span,
+                format!("the closed loops and couplings up to here depend on each other in more than {limit} numbers"),
+            )
+            .label("this joins what others join already")
+            .help("use fewer of them, or leave out those that follow from the others"),
             LowerError::LargeLoop { coordinates, span } => Diagnostic::error(
                 LARGE_LOOP,
                 *span,

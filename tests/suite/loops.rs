@@ -434,6 +434,91 @@ fn a_long_gear_train_is_wound_by_its_torque() {
     assert_eq!((turned.len(), answer.rest.dependent.len()), (401, 400));
 }
 
+/// Masses of 1 kg on springs of 1 N/m, each coupled to move 15/14 times as much as the one before. With r = (14/15)²:
+/// M = 1 + r + ... + r^(n-1) at the last mass, and the springs stretch by 1/15 of what they move at their far ends.
+#[test]
+fn a_long_chain_of_ratios_has_its_closed_form() {
+    let chain = |n: u32| {
+        ask(&format!(
+            "body m[1] {{ mass = 1 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = 1 N/m }}
+            repeat i in 2..{n} {{
+              body m[i] {{ mass = 1 kg, moves x }}
+              spring k[i]: m[i-1] -- m[i] {{ k = 1 N/m }}
+              couple c[i]: m[i].x = 1.5 * m[i-1].x / 1.4
+            }}"
+        ))
+    };
+    for n in [2, 40, 150] {
+        let r = (14.0_f64 / 15.0).powi(2);
+        let mass: f64 = (0..n).map(|i| r.powi(i)).sum();
+        let stiffness: f64 = (0..n - 1).map(|i| r.powi(i) / 225.0).sum::<f64>() + r.powi(n - 1);
+        assert_omegas(&chain(n as u32), &[(stiffness / mass).sqrt()]);
+    }
+    // r^3000 is 1e-180: the first spring does not count, and omega is 1/15. Fractions of more than 8192 bits are balls.
+    let omega = chain(3000).modes.list[0].omega;
+    assert!((omega - Rational::new(1, 15).to_ball()).contains_zero(), "{omega:?}");
+    assert!(omega.relative_error() < 1e-26, "{omega:?}");
+}
+
+/// Weights act along x on a chain of couplings that ends at the point (px, py) of a lever; a spring with the torque that
+/// balances them holds it. The chain pulls at the lever with Q = g (1 + s + ... + s^(n-1)), s = 14/15 the ratio of a step: the
+/// reaction in the first coupling. X = px cos a - py sin a - px, so K = k - Q X'' = k + Q px, with px from the drawing.
+#[test]
+fn a_chain_of_couplings_loads_the_lever_that_it_hangs_at() {
+    for (n, px, py) in [(1, 0.3, 1.0), (6, 0.3, 1.0), (60, -0.2, 0.5)] {
+        let answer = ask(&format!(
+            "gravity (10 m/s^2, 0)\nrest as drawn
+            body lever {{ mass = 2 kg, at = (0, 0), inertia = 3 kg*m^2 }}
+            pivot p: ground@(0, 0) -- lever
+            spring k: ground -- lever {{ k = 4000 N*m/rad }}
+            body m[1] {{ mass = 1 kg, moves x }}
+            couple c[1]: lever@({px} m, {py} m).x = m[1].x
+            repeat i in 2..{n} {{
+              body m[i] {{ mass = 1 kg, moves x }}
+              couple c[i]: m[i-1].x = 1.5 * m[i].x / 1.4
+            }}"
+        ));
+        let s: f64 = 14.0 / 15.0;
+        let pull = 10.0 * (0..n).map(|i| s.powi(i)).sum::<f64>();
+        let inertia = 3.0 + py * py * (0..n).map(|i| s.powi(2 * i)).sum::<f64>();
+        let torque = answer.lowered.rest.tensions[0].tension.to_f64().abs();
+        assert!((torque - pull * py).abs() < 1e-12 * torque, "{torque}, {}", pull * py);
+        assert_omegas(&answer, &[((4000.0 + pull * px) / inertia).sqrt()]);
+    }
+}
+
+/// A ring of couplings that only no motion fulfils is one mistake, however long it is; each that follows from a chain is a
+/// note of its own.
+#[test]
+fn long_rings_of_couplings_are_judged() {
+    let ring = |n: u32, ratio: &str, closing: &str| {
+        format!(
+            "body m[1] {{ mass = 1 kg, moves x }}\nbody free {{ mass = 1 kg, moves x }}
+            repeat i in 2..{n} {{ body m[i] {{ mass = 1 kg, moves x }}\n couple c[i]: m[i].x = {ratio} * m[i-1].x }}
+            {closing}"
+        )
+    };
+    assert_eq!(refusal(&ring(700, "1", "couple e: m[700].x = 2 * m[1].x")), ["vib::loop::conflict"]);
+    assert_eq!(refusal(&ring(120, "15/14", "couple e: m[120].x = 2 * m[1].x")), ["vib::loop::conflict"]);
+    let two = "couple e: m[40].x = 2 * m[1].x
+        body n[1] { mass = 1 kg, moves x }\nbody n[2] { mass = 1 kg, moves x }
+        couple f: n[1].x = n[2].x\ncouple g: n[1].x = 3 * n[2].x";
+    assert_eq!(refusal(&ring(40, "15/14", two)), ["vib::loop::conflict"; 2]);
+    let closed = ask(&ring(60, "15/14", "repeat i in 1..20 { couple e[i]: m[60].x = (15/14)^59 * m[1].x }"));
+    let codes: Vec<String> = closed.remarks.iter().map(|d| d.code.to_string()).collect();
+    assert_eq!((codes.len(), closed.lowered.system.n()), (20, 2), "{codes:?}");
+    assert!(codes.iter().all(|code| code == "vib::loop::redundant"), "{codes:?}");
+}
+
+/// Chains that thousands of couplings close again would take a number for each pair of them.
+#[test]
+fn loops_without_room_are_refused() {
+    let text = "body m[1] { mass = 1 kg, moves x }
+        repeat i in 2..2500 { body m[i] { mass = 1 kg, moves x }\n couple c[i]: m[i].x = m[i-1].x }
+        repeat i in 1..2500 { couple e[i]: m[2500].x = m[1].x }";
+    assert_eq!(refusal(text), ["vib::limit::loops"]);
+}
+
 /// A base held aside by a constant signal moves what couplings and joints tie to it, exactly where they are linear.
 #[test]
 fn a_base_held_aside_takes_its_loops_along() {

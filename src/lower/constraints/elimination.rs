@@ -1,8 +1,15 @@
-//! Which coordinates depend on which: Gauss-Jordan elimination of the gradients of the constraints, in exact numbers where
-//! the state is exact. In: sparse rows over all coordinates; out: each dependent coordinate as a combination of independent
-//! and prescribed ones. Clause: spec.md, 6.7.
+//! Which coordinates depend on which: elimination of the gradients of the constraints, in exact numbers where the state is
+//! exact. In: sparse rows over all coordinates; out: each dependent coordinate as a combination of independent and
+//! prescribed ones. Clause: spec.md, 6.7.
 //!
 //! Columns are measured in units of motion (a radian, a length of the loops), and the pivot of a row is its largest entry.
+//! Each row in turn is freed of the pivots of the rows before it (forward); then each, from the last to the first, is freed
+//! of the pivots after it (back). Of the factors that combine the rows into an equation only those of single steps are kept:
+//! a chain of n couplings has n² / 2 combined ones, with digits that grow along the chain. They are multiplied out on demand
+//! ([`Elimination::combination`]).
+//!
+//! Fractions stay exact as long as that is affordable ([`Work`]).
+//!
 //! Then dependent and independent coordinates are exchanged as long as one moves more than its unit for a unit of the
 //! other: every exchange makes the determinant of the dependent columns larger, so the exchanges end, with all entries of
 //! the solution at most 1 (S. A. Goreinov, E. E. Tyrtyshnikov, *The maximal-volume concept in approximation by low-rank
@@ -12,15 +19,12 @@ use crate::base::Number;
 use crate::lower::kinematics::Index;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub type Row = BTreeMap<Index, Number>;
-
-/// q_d + sum of entry times q_i = 0 over the coordinates that are not dependent.
-#[derive(Clone, Debug)]
-pub struct Solved {
-    pub row: Row,
-    /// The factors of the constraints that add up to this equation.
-    pub combination: BTreeMap<u32, Number>,
-}
+/// Coordinates, ascending, with their entries.
+pub type Row = Vec<(Index, Number)>;
+/// Constraints, by their numbers and ascending, with their factors.
+pub type Combination = Vec<(u32, Number)>;
+/// A row that is being changed.
+type Open = BTreeMap<Index, Number>;
 
 /// A row that others leave nothing of but prescribed motions.
 #[derive(Clone, Debug)]
@@ -28,7 +32,7 @@ pub struct Left {
     /// The number of the row.
     pub row: u32,
     /// The factors of the rows that add up to it: its own is 1.
-    pub combination: BTreeMap<u32, Number>,
+    pub combination: Combination,
     /// What prescribed motions leave.
     pub driven: Row,
     /// Whether zero was not to be told from what is left.
@@ -38,14 +42,31 @@ pub struct Left {
 /// The equations solved for the dependent coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Elimination {
-    pub solved: BTreeMap<Index, Solved>,
+    /// For each dependent coordinate d, q_d + sum of entry times q_i = 0 over the coordinates that are not dependent.
+    pub solved: BTreeMap<Index, Row>,
     pub left: Vec<Left>,
-    /// The row at which there was no room for more: what follows was not looked at.
+    /// The row after which there is no room for more than [`MAX_ENTRIES`]; nothing after it was looked at.
     pub full: Option<u32>,
-    /// Entries of all equations and combinations together.
+    /// Entries of all equations and combinations together; those with many digits count for several.
     pub entries: usize,
+    work: Work,
+    /// The equations as the first pass left them, in its order.
+    steps: Vec<Step>,
+    /// The step that made a coordinate dependent.
+    step_of: BTreeMap<Index, usize>,
     /// For each coordinate that is not dependent: the dependent ones whose equations hold it.
     users: BTreeMap<Index, BTreeSet<Index>>,
+}
+
+/// q_pivot + row . q = 0, where the row holds no pivot of an earlier step: `scale` (row `number` less factors of the equations
+/// of earlier steps).
+#[derive(Clone, Debug)]
+struct Step {
+    number: u32,
+    pivot: Index,
+    row: Row,
+    scale: Number,
+    less: Vec<(usize, Number)>,
 }
 
 /// Entries smaller than this part of their row as it was are rounding: balls have thirty digits.
@@ -53,79 +74,145 @@ const NOTHING: f64 = 1e-15;
 /// A coordinate may move this much more than its unit before it is exchanged.
 const MARGIN: f64 = 1.0 + 1e-6;
 
-/// Entries of all equations together: about 400 MB of them.
-const MAX_ENTRIES: usize = 4_000_000;
+/// Entries of all equations and combinations together: about 400 MB of them.
+pub const MAX_ENTRIES: usize = 4_000_000;
+/// Bits of an exact number that take as much room as an entry.
+const BITS_OF_ENTRY: u64 = 800;
+
+/// What products of entries have cost so far, in products of single words of 64 bits. As long as it is below [`MAX_WORK`]
+/// products of fractions are fractions; later ones with many digits become balls.
+#[derive(Clone, Copy, Debug, Default)]
+struct Work(u64);
+
+/// Some seconds: fractions are reduced, which takes about as long for each pair of words as some dozen products.
+const MAX_WORK: u64 = 20_000_000;
+/// Fractions of at most this many bits stay exact whatever was done before.
+const SHORT: u64 = 512;
+
+impl Work {
+    /// Counts the product or quotient that made a number, and tells how to keep it.
+    fn kept(&mut self, number: Number) -> Number {
+        let bits = bits(&number);
+        self.0 += (1 + bits / 128).pow(2);
+        if bits > SHORT && self.0 > MAX_WORK { Number::Ball(number.to_ball()) } else { number }
+    }
+}
 
 /// Eliminates rows in order; coordinates from `free` on are prescribed. `unit` is what a coordinate is measured in.
 pub fn eliminate(rows: Vec<Vec<(Index, Number)>>, free: usize, unit: impl Fn(Index) -> f64) -> Elimination {
     let mut elimination = Elimination::default();
     for (number, row) in rows.into_iter().enumerate() {
         elimination.take(number as u32, row, free as Index, &unit);
-        if elimination.entries > MAX_ENTRIES {
-            elimination.full = Some(number as u32);
+        if elimination.is_full(number as u32) {
             return elimination;
         }
     }
-    elimination.exchange(free as Index, &unit);
+    elimination.solve_back();
+    if elimination.full.is_none() {
+        elimination.exchange(free as Index, &unit);
+    }
     elimination
 }
 
 impl Elimination {
+    fn is_full(&mut self, row: u32) -> bool {
+        if self.entries > MAX_ENTRIES {
+            self.full = Some(row);
+        }
+        self.full.is_some()
+    }
+
     fn take(&mut self, number: u32, row: Vec<(Index, Number)>, free: Index, unit: &impl Fn(Index) -> f64) {
         let weight = |(coordinate, entry): (&Index, &Number)| entry.to_f64().abs() * unit(*coordinate);
-        let mut solved =
-            Solved { row: row.into_iter().collect(), combination: BTreeMap::from([(number, Number::ONE)]) };
-        let before = solved.row.iter().map(weight).fold(0.0, f64::max);
-        let known: Vec<Index> = solved.row.keys().copied().filter(|i| self.solved.contains_key(i)).collect();
-        for coordinate in known {
-            solved.subtract(coordinate, &self.solved[&coordinate]);
-        }
+        let mut row: Open = row.into_iter().collect();
+        let before = row.iter().map(weight).fold(0.0, f64::max);
+        let less = self.free_of_pivots(&mut row);
         let is_something = |entry: &(&Index, &Number)| {
             !entry.1.may_be_zero() && weight(*entry) > if entry.1.exact().is_some() { 0.0 } else { NOTHING * before }
         };
-        let candidates = solved.row.iter().filter(|(coordinate, _)| **coordinate < free).filter(is_something);
+        let candidates = row.iter().filter(|(coordinate, _)| **coordinate < free).filter(is_something);
         // Of equal ones the later: what is declared first stays a coordinate.
         let pivot = candidates.max_by(|a, b| weight(*a).total_cmp(&weight(*b)).then(a.0.cmp(b.0))).map(|(i, _)| *i);
-        match pivot {
-            Some(pivot) => self.adopt(pivot, solved),
-            None => {
-                let unclear = solved.row.iter().any(|(coordinate, entry)| {
-                    *coordinate < free && entry.to_ball().magnitude() * unit(*coordinate) > NOTHING * before
-                });
-                let driven = solved.row.into_iter().filter(|(coordinate, _)| *coordinate >= free).collect();
-                self.left.push(Left { row: number, combination: solved.combination, driven, unclear });
+        let Some(pivot) = pivot else {
+            let unclear = row.iter().any(|(coordinate, entry)| {
+                *coordinate < free && entry.to_ball().magnitude() * unit(*coordinate) > NOTHING * before
+            });
+            let driven = row.into_iter().filter(|(coordinate, _)| *coordinate >= free).collect();
+            let less = less.into_iter().map(|(step, factor)| (step, -&factor)).collect();
+            let mut combination = self.multiplied_out(less);
+            // The rows of steps come before this one.
+            combination.push((number, Number::ONE));
+            self.entries += size(&combination);
+            return self.left.push(Left { row: number, combination, driven, unclear });
+        };
+        let scale = normalise(&mut row, pivot, &mut self.work);
+        let row: Row = row.into_iter().collect();
+        self.entries += size(&row) + size(&less);
+        self.step_of.insert(pivot, self.steps.len());
+        self.steps.push(Step { number, pivot, row, scale, less });
+    }
+
+    /// Takes every pivot out of a row, and returns the factors of the steps that did it. Their rows hold pivots of later steps
+    /// only, so that each is met once.
+    fn free_of_pivots(&mut self, row: &mut Open) -> Vec<(usize, Number)> {
+        let mut less = Vec::new();
+        let mut waiting: BTreeSet<usize> = row.keys().filter_map(|i| self.step_of.get(i)).copied().collect();
+        while let Some(number) = waiting.pop_first() {
+            let step = &self.steps[number];
+            if let Some(factor) = subtract(row, step.pivot, &step.row, &mut self.work) {
+                waiting.extend(step.row.iter().filter_map(|(i, _)| self.step_of.get(i)));
+                less.push((number, factor));
+            }
+        }
+        less
+    }
+
+    /// Frees each equation of the pivots of later steps.
+    fn solve_back(&mut self) {
+        for number in (0..self.steps.len()).rev() {
+            let step = &self.steps[number];
+            let (pivot, mut row): (Index, Open) = (step.pivot, step.row.iter().cloned().collect());
+            let pivots: Vec<Index> = row.keys().copied().filter(|i| self.solved.contains_key(i)).collect();
+            for other in pivots {
+                subtract(&mut row, other, &self.solved[&other], &mut self.work);
+            }
+            self.remember(pivot, row);
+            if self.is_full(self.steps[number].number) {
+                return;
             }
         }
     }
 
     /// Makes the coordinate dependent by an equation that holds it.
-    fn adopt(&mut self, pivot: Index, mut equation: Solved) {
-        equation.normalise(pivot);
+    fn adopt(&mut self, pivot: Index, mut equation: Open) {
+        normalise(&mut equation, pivot, &mut self.work);
+        let equation: Row = equation.into_iter().collect();
         for user in self.users.remove(&pivot).unwrap_or_default() {
-            let Some(mut other) = self.solved.remove(&user) else { continue };
-            self.forget(user, &other);
-            other.subtract(pivot, &equation);
-            self.remember(user, &other);
-            self.solved.insert(user, other);
+            let Some(mut other) = self.forget(user) else { continue };
+            subtract(&mut other, pivot, &equation, &mut self.work);
+            self.remember(user, other);
         }
-        self.remember(pivot, &equation);
-        self.solved.insert(pivot, equation);
+        self.remember(pivot, equation.into_iter().collect());
     }
 
-    fn remember(&mut self, dependent: Index, equation: &Solved) {
-        self.entries += equation.row.len() + equation.combination.len();
-        for coordinate in equation.row.keys() {
+    fn remember(&mut self, dependent: Index, equation: Open) {
+        let equation: Row = equation.into_iter().collect();
+        self.entries += size(&equation);
+        for (coordinate, _) in &equation {
             self.users.entry(*coordinate).or_default().insert(dependent);
         }
+        self.solved.insert(dependent, equation);
     }
 
-    fn forget(&mut self, dependent: Index, equation: &Solved) {
-        self.entries -= equation.row.len() + equation.combination.len();
-        for coordinate in equation.row.keys() {
+    fn forget(&mut self, dependent: Index) -> Option<Open> {
+        let equation = self.solved.remove(&dependent)?;
+        self.entries -= size(&equation);
+        for (coordinate, _) in &equation {
             if let Some(users) = self.users.get_mut(coordinate) {
                 users.remove(&dependent);
             }
         }
+        Some(equation.into_iter().collect())
     }
 
     /// Exchanges dependent and independent coordinates until none moves more than its unit for a unit of another.
@@ -134,42 +221,203 @@ impl Elimination {
         while let Some(dependent) = waiting.pop_first() {
             let Some(equation) = self.solved.get(&dependent) else { continue };
             let ratio =
-                |(coordinate, entry): (&Index, &Number)| entry.to_f64().abs() * unit(*coordinate) / unit(dependent);
-            let entries = equation.row.iter().filter(|(coordinate, entry)| **coordinate < free && !entry.may_be_zero());
-            let largest = entries.max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then(a.0.cmp(b.0)));
-            let Some((coordinate, _)) = largest.filter(|entry| ratio(*entry) > MARGIN) else { continue };
+                |(coordinate, entry): &(Index, Number)| entry.to_f64().abs() * unit(*coordinate) / unit(dependent);
+            let entries = equation.iter().filter(|(coordinate, entry)| *coordinate < free && !entry.may_be_zero());
+            let largest = entries.max_by(|a, b| ratio(a).total_cmp(&ratio(b)).then(a.0.cmp(&b.0)));
+            let Some((coordinate, _)) = largest.filter(|entry| ratio(entry) > MARGIN) else { continue };
             let coordinate = *coordinate;
-            let Some(mut equation) = self.solved.remove(&dependent) else { continue };
-            self.forget(dependent, &equation);
-            equation.row.insert(dependent, Number::ONE);
+            let Some(mut equation) = self.forget(dependent) else { continue };
+            equation.insert(dependent, Number::ONE);
             waiting.extend(self.users.get(&coordinate).into_iter().flatten());
             self.adopt(coordinate, equation);
             waiting.insert(coordinate);
+            if self.is_full(self.steps.last().map_or(0, |step| step.number)) {
+                return;
+            }
         }
+    }
+
+    /// The factors of the constraints whose gradients add up to a sum of equations, each of which is given by its dependent
+    /// coordinate with its factor.
+    pub fn combination(&self, equations: &[(Index, Number)]) -> Combination {
+        let mut work = self.work;
+        let mut left = Open::new();
+        for (dependent, factor) in equations {
+            let Some(row) = self.solved.get(dependent) else { continue };
+            add(&mut left, *dependent, factor);
+            for (coordinate, entry) in row {
+                add(&mut left, *coordinate, &work.kept(factor * entry));
+            }
+        }
+        // The same sum in equations of the first pass: of those that are left, the earliest alone holds its own pivot.
+        let mut of_steps = BTreeMap::new();
+        let mut waiting: BTreeSet<usize> = left.keys().filter_map(|i| self.step_of.get(i)).copied().collect();
+        while let Some(number) = waiting.pop_first() {
+            let step = &self.steps[number];
+            if let Some(factor) = subtract(&mut left, step.pivot, &step.row, &mut work) {
+                waiting.extend(step.row.iter().filter_map(|(i, _)| self.step_of.get(i)));
+                of_steps.insert(number, factor);
+            }
+        }
+        self.multiplied_out(of_steps)
+    }
+
+    /// A sum of equations of the first pass, with their factors, as a sum of the constraints' gradients.
+    fn multiplied_out(&self, mut of_steps: BTreeMap<usize, Number>) -> Combination {
+        let mut work = self.work;
+        let mut combination = Combination::new();
+        while let Some((number, factor)) = of_steps.pop_last() {
+            let step = &self.steps[number];
+            let factor = work.kept(&factor * &step.scale);
+            for (earlier, less) in &step.less {
+                add(&mut of_steps, *earlier, &-&work.kept(&factor * less));
+            }
+            if !factor.is_zero() {
+                combination.push((step.number, factor));
+            }
+        }
+        combination.reverse();
+        combination
     }
 }
 
-impl Solved {
-    /// Makes the factor of a coordinate 1 and leaves it out.
-    fn normalise(&mut self, coordinate: Index) {
-        let Some(factor) = self.row.remove(&coordinate) else { return };
-        for entry in self.row.values_mut().chain(self.combination.values_mut()) {
-            *entry = &*entry / &factor;
+/// Makes the entry of a coordinate 1 and leaves it out; returns what the others were multiplied by.
+fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {
+    let Some(factor) = row.remove(&coordinate) else { return Number::ONE };
+    for entry in row.values_mut() {
+        *entry = work.kept(&*entry / &factor);
+    }
+    &Number::ONE / &factor
+}
+
+/// Takes a coordinate out of a row by the equation that gives it; returns the factor, if the row holds it.
+fn subtract(row: &mut Open, coordinate: Index, by: &Row, work: &mut Work) -> Option<Number> {
+    let factor = row.remove(&coordinate)?;
+    for (other, entry) in by {
+        add(row, *other, &-&work.kept(&factor * entry));
+    }
+    Some(factor)
+}
+
+/// Adds to an entry; one that is exactly zero then is left out.
+fn add<K: Ord + Copy>(row: &mut BTreeMap<K, Number>, at: K, part: &Number) {
+    let sum = row.get(&at).map_or_else(|| part.clone(), |entry| entry + part);
+    if sum.is_zero() {
+        row.remove(&at);
+    } else {
+        row.insert(at, sum);
+    }
+}
+
+/// How many entries there are; those with many digits count for several.
+fn size<K>(entries: &[(K, Number)]) -> usize {
+    entries.iter().map(|(_, entry)| 1 + (bits(entry) / BITS_OF_ENTRY) as usize).sum()
+}
+
+fn bits(number: &Number) -> u64 {
+    number.exact().map_or(64, |value| value.bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rational;
+
+    /// Rows of three entries in 1..=9 over 24 coordinates, the last four of them prescribed; every fifth row is a sum of two
+    /// before it.
+    fn random_rows(mut seed: u64) -> Vec<Row> {
+        let mut next = |below: u64| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) % below
+        };
+        let mut rows: Vec<Row> = Vec::new();
+        for number in 0..20 {
+            let mut row = Open::new();
+            if number % 5 == 4 {
+                for of in [next(number), next(number)] {
+                    for (coordinate, entry) in &rows[of as usize] {
+                        add(&mut row, *coordinate, entry);
+                    }
+                }
+            } else {
+                for _ in 0..3 {
+                    row.insert(next(24) as Index, Number::from(Rational::from(1 + next(9) as i64)));
+                }
+            }
+            rows.push(row.into_iter().collect());
+        }
+        rows
+    }
+
+    fn sum(rows: &[Row], combination: &Combination) -> Row {
+        let mut sum = Open::new();
+        for (number, factor) in combination {
+            for (coordinate, entry) in &rows[*number as usize] {
+                add(&mut sum, *coordinate, &(factor * entry));
+            }
+        }
+        sum.into_iter().collect()
+    }
+
+    /// The factors of every equation, and of every row that follows from others, add up to it exactly.
+    #[test]
+    fn combinations_add_up_to_their_equations() {
+        let (mut dependent, mut left) = (0, 0);
+        for seed in 0..60 {
+            let rows = random_rows(seed);
+            let found = eliminate(rows.clone(), 20, |coordinate| 1.0 + f64::from(coordinate % 3));
+            for (coordinate, row) in &found.solved {
+                let mut equation: Open = row.iter().cloned().collect();
+                assert!(equation.keys().all(|i| !found.solved.contains_key(i)), "{equation:?}");
+                equation.insert(*coordinate, Number::ONE);
+                let equation: Row = equation.into_iter().collect();
+                assert_eq!(sum(&rows, &found.combination(&[(*coordinate, Number::ONE)])), equation, "seed {seed}");
+            }
+            for row in &found.left {
+                assert_eq!(sum(&rows, &row.combination), row.driven, "seed {seed}");
+            }
+            // A sum of all equations is made of the same sum of factors.
+            let all: Vec<(Index, Number)> = found.solved.keys().map(|i| (*i, Number::ONE)).collect();
+            let whole = sum(&rows, &found.combination(&all));
+            assert!(all.iter().all(|(i, _)| whole.iter().any(|(j, entry)| i == j && entry.is_one())), "seed {seed}");
+            (dependent, left) = (dependent + found.solved.len(), left + found.left.len());
+        }
+        assert!(dependent > 500 && left > 100, "{dependent} {left}");
+    }
+
+    /// q_i = factor q_(i-1), in an order that joins pieces of the chain.
+    fn chain(n: u32, factor: &Number) -> Vec<Row> {
+        let row = |i: u32| vec![(i, -factor), (i + 1, Number::ONE)];
+        (0..n).step_by(3).chain((1..n).step_by(3)).chain((2..n).step_by(3)).map(row).collect()
+    }
+
+    #[test]
+    fn chains_take_work_and_room_in_proportion_to_their_length() {
+        let exact = |a: i64, b: i64| Number::from(&Rational::from(a) / &Rational::from(b));
+        let enclosed = Number::Ball(exact(15, 14).to_ball());
+        for factor in [Number::ONE, exact(15, 14), exact(14, 15), enclosed] {
+            let [one, two] = [4000, 8000].map(|n| eliminate(chain(n, &factor), n as usize + 1, |_| 1.0));
+            assert_eq!((one.solved.len(), two.solved.len()), (4000, 8000));
+            assert!(one.full.is_none() && two.full.is_none());
+            assert!(two.work.0 < 3 * one.work.0, "{} {}", one.work.0, two.work.0);
+            assert!(two.entries < 3 * one.entries, "{} {}", one.entries, two.entries);
         }
     }
 
-    /// Takes a coordinate out by the equation that gives it.
-    fn subtract(&mut self, coordinate: Index, by: &Solved) {
-        let Some(factor) = self.row.remove(&coordinate) else { return };
-        for (other, entry) in &by.row {
-            let sum = self.row.entry(*other).or_insert(Number::ZERO);
-            *sum = &*sum - &(&factor * entry);
+    /// Beyond [`MAX_WORK`] long fractions become balls, and all that follows from them still holds.
+    #[test]
+    fn fractions_that_cost_too_much_become_balls() {
+        let ratio = Number::from(&Rational::from(15) / &Rational::from(14));
+        let mut work = Work(MAX_WORK);
+        let (mut kept, mut exact) = (Number::ONE, Rational::from(1));
+        for _ in 0..200 {
+            kept = work.kept(&kept * &ratio);
+            exact = &exact * ratio.exact().expect("exact");
         }
-        for (other, entry) in &by.combination {
-            let sum = self.combination.entry(*other).or_insert(Number::ZERO);
-            *sum = &*sum - &(&factor * entry);
-        }
-        self.row.retain(|_, entry| !entry.is_zero());
-        self.combination.retain(|_, entry| !entry.is_zero());
+        assert!(kept.exact().is_none() && bits(&Number::from(exact.clone())) > SHORT);
+        assert!((kept.to_ball() - exact.to_ball()).contains_zero());
+        assert!(kept.to_ball().relative_error() < 1e-25);
+        let mut fresh = Work::default();
+        assert_eq!(fresh.kept(Number::from(exact.clone())), Number::from(exact));
     }
 }

@@ -94,13 +94,10 @@ impl Constraints {
         let mut reach = Reach::default();
         let rows = self.list.iter().map(|c| c.equation.measure(kinematics, state, &mut reach).1).collect();
         let elimination = elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate));
-        let too_deep = |row: u32| LowerError::TooDeep {
-            entries: elimination.entries as u64,
-            span: self.list[row as usize].source.span(scene),
-        };
-        match elimination.full.map(too_deep) {
+        let span = |row: u32| self.list[row as usize].source.span(scene);
+        match elimination.full {
             None => Ok(elimination),
-            Some(error) => Err(vec![error]),
+            Some(row) => Err(vec![LowerError::TangledLoops { limit: elimination::MAX_ENTRIES, span: span(row) }]),
         }
     }
 

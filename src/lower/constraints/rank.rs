@@ -12,10 +12,14 @@ use crate::lower::error::{self, LowerError};
 use crate::lower::kinematics::{Index, Kinematics, Reach, State};
 use crate::model::scene::{JointKind, Scene};
 use nalgebra::DMatrix;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Second derivatives smaller than this part of what they are sums of are rounding.
 const NOTHING: f64 = 1e-15;
+
+/// Factors that are multiplied out to find couplings that oppose each other: a coordinate at the end of a chain of couplings has
+/// one for each of them.
+const MOST_FACTORS: usize = 1_000_000;
 
 /// Parts the constraints into independent and redundant ones, with a note for each source of the latter.
 pub fn sorted(
@@ -28,7 +32,7 @@ pub fn sorted(
     let mut redundant: BTreeMap<Source, Vec<Source>> = BTreeMap::new();
     for left in &elimination.left {
         let source = all.list[left.row as usize].source;
-        let sources = sources(&all, left.combination.keys());
+        let sources = sources(&all, left.combination.iter().map(|(number, _)| number));
         match meaning(scene, kinematics, &all, &elimination, left) {
             Meaning::Redundant => redundant.entry(source).or_default().extend(sources),
             Meaning::Wrong(why) => {
@@ -41,7 +45,8 @@ pub fn sorted(
         return Err(errors.into_values().collect());
     }
     let notes = redundant.iter().map(|(source, others)| note(scene, kinematics, *source, others)).collect();
-    let is_left = |number: usize| elimination.left.iter().any(|left| left.row as usize == number);
+    // In the order of the rows.
+    let is_left = |number: usize| elimination.left.binary_search_by_key(&(number as u32), |left| left.row).is_ok();
     let (left, kept): (Vec<_>, Vec<_>) =
         std::mem::take(&mut all.list).into_iter().enumerate().partition(|(number, _)| is_left(*number));
     let plain = |list: Vec<(usize, super::Constraint)>| list.into_iter().map(|(_, constraint)| constraint).collect();
@@ -83,14 +88,14 @@ fn meaning(
     if left.unclear {
         return Meaning::Wrong(Why::Unclear);
     }
-    if left.driven.values().any(|entry| !entry.may_be_zero()) {
+    if left.driven.iter().any(|(_, entry)| !entry.may_be_zero()) {
         return Meaning::Wrong(Why::Driven);
     }
     let form = second_derivative(kinematics, all, elimination, left);
     if form.is_empty() {
         return Meaning::Redundant;
     }
-    if in_line(scene, kinematics, &sources(all, left.combination.keys())) {
+    if in_line(scene, kinematics, &sources(all, left.combination.iter().map(|(number, _)| number))) {
         return Meaning::Wrong(Why::InLine);
     }
     Meaning::Wrong(if has_both_signs(&form) { Why::Branching } else { Why::Locked })
@@ -110,7 +115,7 @@ fn second_derivative(
         *sum = &*sum + &value;
     };
     let moved = |coordinate: Index| match elimination.solved.get(&coordinate) {
-        Some(equation) => equation.row.iter().map(|(i, entry)| (*i, -entry)).collect(),
+        Some(row) => row.iter().map(|(i, entry)| (*i, -entry)).collect(),
         None => Row::from([(coordinate, Number::ONE)]),
     };
     let (state, mut reach) = (State::drawn(), Reach::default());
@@ -152,16 +157,23 @@ fn has_both_signs(form: &BTreeMap<(Index, Index), Number>) -> bool {
     values.iter().any(|value| *value > least) && values.iter().any(|value| *value < -least)
 }
 
-/// Two couplings or more that together let a coordinate do nothing, where none of them says so alone.
+/// Two couplings or more that together let a coordinate do nothing, where none of them says so alone. Coordinates that are
+/// tied by couplings with an error already are not asked for again.
 fn opposed(
     scene: &Scene,
     kinematics: &Kinematics,
     all: &Constraints,
     elimination: &Elimination,
 ) -> Vec<(Source, LowerError)> {
-    let mut errors = Vec::new();
-    for equation in elimination.solved.values().filter(|equation| equation.row.is_empty()) {
-        let sources = sources(all, equation.combination.keys());
+    let (mut errors, mut named, mut left) = (Vec::new(), BTreeSet::new(), MOST_FACTORS);
+    let (mut reach, state) = (Reach::default(), State::drawn());
+    for (coordinate, _) in elimination.solved.iter().filter(|(_, row)| row.is_empty()) {
+        if named.contains(coordinate) || left == 0 {
+            continue;
+        }
+        let combination = elimination.combination(&[(*coordinate, Number::ONE)]);
+        left = left.saturating_sub(combination.len());
+        let sources = sources(all, combination.iter().map(|(number, _)| number));
         let says_more = |source: &Source| match source {
             Source::Couple(couple) => scene.couples[*couple as usize].terms.len() > 1,
             Source::Joint(_) => false,
@@ -170,6 +182,10 @@ fn opposed(
             && sources.iter().all(says_more)
         {
             errors.push((last, loops(scene, kinematics, last, &sources, Why::Opposed)));
+            for (number, _) in &combination {
+                let (_, row) = all.list[*number as usize].equation.measure(kinematics, &state, &mut reach);
+                named.extend(row.into_iter().map(|(coordinate, _)| coordinate));
+            }
         }
     }
     errors
@@ -190,7 +206,7 @@ pub fn broken(scene: &Scene, kinematics: &Kinematics, all: &Constraints, source:
 /// The error of a rest at which the constraints that are independent in the drawing are not.
 pub fn singular(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &Left) -> LowerError {
     let source = all.list[left.row as usize].source;
-    loops(scene, kinematics, source, &sources(all, left.combination.keys()), Why::Branching)
+    loops(scene, kinematics, source, &sources(all, left.combination.iter().map(|(number, _)| number)), Why::Branching)
 }
 
 /// Where constraints come from, each once.

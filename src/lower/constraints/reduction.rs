@@ -1,20 +1,19 @@
 //! From rows over all coordinates of the joint tree to rows over the independent ones, which are the coordinates of the
 //! linear system. In: an elimination; out: a map of rows, forces and multipliers. Clause: spec.md, 6.7 and 8.4.
 
-use super::elimination::{Elimination, Row, Solved};
+use super::elimination::{Elimination, Row};
 use super::equation::summed;
 use crate::base::Number;
 use crate::lower::kinematics::{Index, Kinematics, State};
 use crate::system::CoordinateId;
-use std::collections::BTreeMap;
 
 /// The coordinates of the linear system.
 #[derive(Clone, Debug)]
 pub struct Reduction {
     /// Number of free coordinates of the tree.
     free: usize,
-    /// Ascending; empty where all are independent.
-    solved: BTreeMap<Index, Solved>,
+    /// Empty where all are independent.
+    elimination: Elimination,
     /// The place of each free coordinate in the system; `DEPENDENT` for dependent ones. Empty where all are independent.
     places: Vec<u32>,
     independent: Vec<Index>,
@@ -27,28 +26,34 @@ const DEPENDENT: u32 = u32::MAX;
 impl Reduction {
     /// No constraints: every coordinate of the tree is one of the system.
     pub fn all(free: usize) -> Reduction {
-        Reduction { free, solved: BTreeMap::new(), places: Vec::new(), independent: Vec::new(), dependent: Vec::new() }
+        Reduction {
+            free,
+            elimination: Elimination::default(),
+            places: Vec::new(),
+            independent: Vec::new(),
+            dependent: Vec::new(),
+        }
     }
 
     pub fn new(free: usize, elimination: Elimination) -> Reduction {
-        let solved = elimination.solved;
+        let solved = &elimination.solved;
         let independent: Vec<Index> = (0..free as Index).filter(|i| !solved.contains_key(i)).collect();
         let mut places = vec![DEPENDENT; free];
         for (place, coordinate) in independent.iter().enumerate() {
             places[*coordinate as usize] = place as u32;
         }
         let dependent = solved.keys().copied().collect();
-        Reduction { free, solved, places, independent, dependent }
+        Reduction { free, elimination, places, independent, dependent }
     }
 
     /// Whether no coordinate depends on others.
     pub fn is_trivial(&self) -> bool {
-        self.solved.is_empty()
+        self.elimination.solved.is_empty()
     }
 
     /// Number of coordinates of the system.
     pub fn n(&self) -> usize {
-        self.free - self.solved.len()
+        self.free - self.elimination.solved.len()
     }
 
     /// The place in the system of a coordinate of the tree; `None` for dependent and prescribed ones.
@@ -73,14 +78,14 @@ impl Reduction {
 
     /// The number of a dependent coordinate among the dependent ones, and q_d + row . q = 0.
     pub fn equation(&self, coordinate: Index) -> Option<(usize, &Row)> {
-        let equation = self.solved.get(&coordinate)?;
-        Some((self.dependent.binary_search(&coordinate).ok()?, &equation.row))
+        let row = self.elimination.solved.get(&coordinate)?;
+        Some((self.dependent.binary_search(&coordinate).ok()?, row))
     }
 
     /// Puts dependent coordinates where prescribed motions take them, in a state in which the independent ones are as drawn.
     pub fn follow(&self, kinematics: &Kinematics, state: &mut State<Number>) {
-        for (dependent, equation) in &self.solved {
-            let parts = equation.row.iter().map(|(i, entry)| entry * state.value(*i));
+        for (dependent, equation) in &self.elimination.solved {
+            let parts = equation.iter().map(|(i, entry)| entry * state.value(*i));
             let value = parts.fold(Number::ZERO, |sum, part| &sum - &part);
             state.set(kinematics, *dependent, value);
         }
@@ -88,13 +93,13 @@ impl Reduction {
 
     /// Writes a row over all coordinates as one over independent and prescribed ones, ascending.
     pub fn reduce(&self, row: &mut Vec<(Index, Number)>) {
-        if !row.iter().any(|(coordinate, _)| self.solved.contains_key(coordinate)) {
+        if !row.iter().any(|(coordinate, _)| self.elimination.solved.contains_key(coordinate)) {
             return;
         }
         let mut reduced = Vec::with_capacity(row.len());
         for (coordinate, value) in row.drain(..) {
-            match self.solved.get(&coordinate) {
-                Some(equation) => reduced.extend(equation.row.iter().map(|(i, entry)| (*i, -&(&value * entry)))),
+            match self.elimination.solved.get(&coordinate) {
+                Some(equation) => reduced.extend(equation.iter().map(|(i, entry)| (*i, -&(&value * entry)))),
                 None => reduced.push((coordinate, value)),
             }
         }
@@ -104,9 +109,9 @@ impl Reduction {
     /// What is left of generalised forces on the independent coordinates; zero on the dependent ones.
     pub fn left_of(&self, forces: &[Number]) -> Vec<Number> {
         let mut left = forces.to_vec();
-        for (dependent, equation) in &self.solved {
+        for (dependent, equation) in &self.elimination.solved {
             let force = std::mem::replace(&mut left[*dependent as usize], Number::ZERO);
-            for (coordinate, entry) in equation.row.iter().filter(|(i, _)| (**i as usize) < self.free) {
+            for (coordinate, entry) in equation.iter().filter(|(i, _)| (*i as usize) < self.free) {
                 let sum = &left[*coordinate as usize] - &(&force * entry);
                 left[*coordinate as usize] = sum;
             }
@@ -117,12 +122,10 @@ impl Reduction {
     /// The multipliers that balance the forces dV/dq on the dependent coordinates: grad V + G^T lambda = 0 there.
     pub fn multipliers(&self, forces: &[Number], count: usize) -> Vec<Number> {
         let mut multipliers = vec![Number::ZERO; count];
-        for (dependent, equation) in &self.solved {
-            let force = &forces[*dependent as usize];
-            for (constraint, factor) in equation.combination.iter().filter(|_| !force.is_zero()) {
-                let sum = &multipliers[*constraint as usize] - &(force * factor);
-                multipliers[*constraint as usize] = sum;
-            }
+        let loaded = self.dependent.iter().map(|i| (*i, forces[*i as usize].clone()));
+        let loaded: Vec<(Index, Number)> = loaded.filter(|(_, force)| !force.is_zero()).collect();
+        for (constraint, factor) in self.elimination.combination(&loaded) {
+            multipliers[constraint as usize] = -&factor;
         }
         multipliers
     }

@@ -293,7 +293,7 @@ impl Rest {
     ) {
         for coordinate in coordinates {
             let Some((number, row)) = reduction.equation(coordinate) else { continue };
-            let value = |(i, entry): (&Index, &Number)| match reduction.place(*i) {
+            let value = |(i, entry): &(Index, Number)| match reduction.place(*i) {
                 Some(place) => entry * &unmeasured(kinematics, *i, &self.displacement[place.index()]),
                 None => entry * state.value(*i),
             };
