@@ -6,11 +6,13 @@
 //! 3. [`lower`]: scene to linear system about its rest
 //! 4. [`analysis`]: system to answers, each with its error bound
 //! 5. [`questions`]: what the model asks of them, `solve` and `require`; it goes through the steps before as often as needed
-//! 6. [`backend`]: answers and systems to text, JSON, CSV, code
+//! 6. [`answers`]: what was found out, as one value
+//! 7. [`backend`]: answers and systems to text, JSON, CSV, code
 //!
 //! The core does no input or output: text in, data out. Standard streams and files are touched in `main.rs` only.
 
 pub mod analysis;
+pub mod answers;
 pub mod backend;
 pub mod base;
 pub mod bench;
@@ -25,7 +27,7 @@ pub mod system;
 
 use analysis::discrete::parameter::{MULTIPLES, Parameterised};
 use analysis::{AnalysisError, DiscreteSystem, History, Modal, Modes, Poles, Request, Which};
-use backend::ModalAnswer;
+use answers::ModalAnswer;
 use base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sources, Span};
 use lower::{Account, Lowered};
 use model::scene::Damping;

@@ -113,7 +113,7 @@ pub struct Mode {
     pub shape: Vec<f64>,
     /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
     /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.
-    pub input_condition: Option<f64>,
+    pub input_condition: Option<Unproven>,
     /// The coordinate whose displacement leads the shape: the first of the largest translations, or of the largest rotations
     /// where the translations carry nothing. `None` where nothing moves.
     pub leading: Option<CoordinateId>,

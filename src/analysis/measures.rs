@@ -2,6 +2,7 @@
 //! out: a value, or why there is none. Clause: spec.md, "Response".
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
+use crate::analysis::derived::hertz;
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
@@ -29,7 +30,7 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
         Some(mode) if mode.kind == ModeKind::Undetermined => {
             Measurement::None("it is not certain whether this mode oscillates or diverges")
         }
-        Some(mode) => Measurement::Value(mode.omega / (Ball::from(2.0) * Ball::PI)),
+        Some(mode) => Measurement::Value(hertz(mode.omega)),
     }
 }
 
@@ -58,9 +59,8 @@ pub fn critical(poles: &Poles, i: usize) -> Measurement {
         if pole.kind == PoleKind::Undetermined {
             return Measurement::None("it is not certain what kind of motion this is");
         }
-        let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
-        if !complex || pole.im.mid.hi > 0.0 {
-            halves.extend(std::iter::repeat_n(pole, if complex { 2 } else { 1 }));
+        if !pole.is_lower_half() {
+            halves.extend(std::iter::repeat_n(pole, if pole.is_complex() { 2 } else { 1 }));
         }
     }
     match halves.get(first..first + 2) {
@@ -93,11 +93,10 @@ pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
         if pole.kind == PoleKind::Undetermined {
             return Err("it is not certain what kind of motion this is");
         }
-        let complex = matches!(pole.kind, PoleKind::Oscillation | PoleKind::Flutter);
-        halves += match (complex, pole.im.mid.hi > 0.0) {
-            (true, true) => 2,
-            (true, false) => 0,
-            (false, _) => 1,
+        halves += match (pole.is_lower_half(), pole.is_complex()) {
+            (true, _) => 0,
+            (false, true) => 2,
+            (false, false) => 1,
         };
         if halves >= 2 * i && i > 0 {
             return Ok(pole);
@@ -113,7 +112,7 @@ pub fn gain(transfer: &Transfer, input: usize, output: usize, frequency: &Number
 
 /// The angle of H at a frequency in Hz, in radians, in (-pi, pi].
 pub fn phase(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
-    measured(at(transfer, input, output, frequency), angle)
+    measured(at(transfer, input, output, frequency), |disc| disc.angle())
 }
 
 /// The largest value that an output comes near to in the steady state under the harmonic signals: signals of one frequency
@@ -168,13 +167,6 @@ fn measured(gain: Gain, of: impl Fn(Disc) -> Option<Ball>) -> Measurement {
         Gain::Infinite => Measurement::Infinite,
         Gain::Unknown => Measurement::None("the frequency is too near to an undamped pole"),
     }
-}
-
-fn angle(disc: Disc) -> Option<Ball> {
-    let (re, im) = (Number::Ball(Ball::exact(disc.value.re)), Number::Ball(Ball::exact(disc.value.im)));
-    let turned = Number::atan2(&im, &re)?.to_ball();
-    // arcsin of the relative radius, less than pi / 2 times it.
-    Some(turned.widen(1.6 * disc.relative_error().min(1e300)))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 pub mod accuracy;
 pub mod answer;
 pub mod damping;
+pub mod derived;
 pub mod discrete;
 pub mod error;
 pub mod measures;

@@ -2,12 +2,13 @@
 //! shortest form that reads back the same; `null` for what is infinite or unknown. Fields may be added, never renamed.
 //! Clause: spec.md, "Report".
 
+use super::ReportOptions;
 use super::decimal::{certain, certain_digits};
 use super::json_number::JsonNumber;
-use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{
-    Buckling, Mode, ModeKind, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
+    Buckling, Mode, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
+use crate::answers::ModalAnswer;
 use crate::base::{Ball, Number, Rounded, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{Derivative, Others, Requirement, Sensitivity, Slope, Solved, Value};
@@ -293,7 +294,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             modes_above: answer.modes.after,
             poles: answer.poles.left_out,
             poles_between: answer.poles.followed,
-            not_proved: not_proved(answer),
+            not_proved: answer.not_proved().collect(),
             matrices: !wanted,
         },
         modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
@@ -309,12 +310,6 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         requirements: answer.requirements.iter().map(json_requirement).collect(),
         sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
     }
-}
-
-fn not_proved(answer: &ModalAnswer) -> Vec<&'static str> {
-    let count = answer.poles.is_uncounted().then_some("that these are all poles, and each is there once");
-    let verdict = Some(answer.stability.reason().not_proved()).filter(|text| !text.is_empty());
-    count.into_iter().chain(verdict).collect()
 }
 
 /// Derivatives in SI: Hz and ratios by SI units of the parameter.
@@ -440,7 +435,7 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
         holds: requirement.holds,
         value: value.map_or(JsonNumber::NULL, |ball| JsonNumber::enclosed(*ball)),
         limit: requirement.limit.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
-        margin: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::enclosed),
+        margin: JsonNumber::of(requirement.margin),
         margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
         error_bound: value.map_or(JsonNumber::NULL, |ball| JsonNumber::relative_bound(*ball)),
         told: requirement.told(),
@@ -516,8 +511,7 @@ fn matrices(system: &LinearSystem) -> Matrices {
     let rows =
         |form: &[Vec<Ball>]| form.iter().map(|row| row.iter().map(|x| JsonNumber::enclosed(*x)).collect()).collect();
     let bound = |form: &[Vec<Ball>]| {
-        let bounds = form.iter().flatten().map(|x| Rounded::of(*x).map_or(f64::INFINITY, Rounded::bound));
-        JsonNumber::bound(bounds.fold(0.0, f64::max))
+        JsonNumber::bound(form.iter().flatten().map(|x| Rounded::bound_of(*x)).fold(0.0, f64::max))
     };
     Matrices {
         error_bound: MatrixBounds { m: bound(&m), c: bound(&c), k: bound(&k) },
@@ -528,8 +522,8 @@ fn matrices(system: &LinearSystem) -> Matrices {
 }
 
 /// Displacements of a shape: they have no bound.
-fn unproven(shape: &[f64]) -> Vec<JsonNumber> {
-    shape.iter().map(|x| JsonNumber::unproven(Unproven(*x))).collect()
+fn unproven(shape: &[Unproven]) -> Vec<JsonNumber> {
+    shape.iter().copied().map(JsonNumber::unproven).collect()
 }
 
 fn json_mode<'a>(
@@ -540,29 +534,24 @@ fn json_mode<'a>(
     mode: &Mode,
 ) -> JsonMode<'a> {
     let system = &answer.system;
-    let diverges = mode.kind == ModeKind::Divergence;
-    let settled = mode.kind != ModeKind::Undetermined;
-    let (omega, frequency) = (mode.omega, per_turn(mode.omega));
+    let (omega, frequency, growth) = (mode.angular_frequency(), mode.frequency(), mode.growth_rate());
+    let digits = |value: Option<Ball>| value.and_then(|value| digits(&value, options));
     JsonMode {
         mode: number,
         kind: mode.kind.name(),
-        omega: JsonNumber::enclosed(omega).only_if(settled && !diverges),
-        frequency_hz: JsonNumber::enclosed(frequency).only_if(settled && !diverges),
-        growth_rate: JsonNumber::enclosed(omega).only_if(diverges),
-        omega_error_bound: JsonNumber::bound(error_bound(&omega).max(if diverges {
-            0.0
-        } else {
-            error_bound(&frequency)
-        })),
+        omega: JsonNumber::of(omega),
+        frequency_hz: JsonNumber::of(frequency),
+        growth_rate: JsonNumber::of(growth),
+        omega_error_bound: JsonNumber::bound(mode.error_bound()),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
         strain: shares(&mode.strain, |of| system.display(of)),
         cluster: mode.cluster,
-        input_condition: mode.input_condition.map_or(JsonNumber::NULL, |x| JsonNumber::unproven(Unproven(x))),
+        input_condition: mode.input_condition.map_or(JsonNumber::NULL, JsonNumber::unproven),
         route: mode.route.name(),
-        omega_digits: digits(&omega, options).filter(|_| settled && !diverges),
-        frequency_hz_digits: digits(&frequency, options).filter(|_| settled && !diverges),
-        growth_rate_digits: digits(&omega, options).filter(|_| diverges),
+        omega_digits: digits(omega),
+        frequency_hz_digits: digits(frequency),
+        growth_rate_digits: digits(growth),
     }
 }
 
@@ -573,18 +562,17 @@ fn digits(value: &Ball, options: &ReportOptions) -> Option<String> {
 }
 
 fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {
-    let frequency = per_turn(split.omega);
     JsonSplit {
         modes: [split.lower, split.lower + 1],
         omega: JsonNumber::enclosed(split.omega),
-        frequency_hz: JsonNumber::enclosed(frequency),
-        error_bound: JsonNumber::bound(error_bound(&split.omega).max(error_bound(&frequency))),
+        frequency_hz: JsonNumber::enclosed(split.frequency()),
+        error_bound: JsonNumber::bound(split.error_bound()),
         omega_digits: digits(&split.omega, options),
     }
 }
 
 fn json_buckling<'a>(found: &Buckling, options: &ReportOptions, names: &'a [String]) -> JsonBuckling<'a> {
-    let (factor, margin) = (found.load_factor, found.load_factor - Ball::ONE);
+    let (factor, margin) = (found.load_factor, found.margin());
     JsonBuckling {
         load_factor: JsonNumber::enclosed(factor),
         error_bound: JsonNumber::relative_bound(factor),
@@ -601,17 +589,15 @@ fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonS
 }
 
 fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
-    let omega = pole.modulus();
-    let (frequency, damped) = (per_turn(omega), per_turn(pole.im.abs()));
     JsonPole {
         re: JsonNumber::enclosed(pole.re),
         im: JsonNumber::enclosed(pole.im),
-        omega: JsonNumber::enclosed(omega),
-        frequency_hz: JsonNumber::enclosed(frequency),
-        damping_ratio: pole.damping_ratio.map_or(JsonNumber::NULL, JsonNumber::enclosed),
-        damped_frequency_hz: JsonNumber::enclosed(damped),
+        omega: JsonNumber::enclosed(pole.modulus()),
+        frequency_hz: JsonNumber::enclosed(pole.frequency()),
+        damping_ratio: JsonNumber::of(pole.damping_ratio),
+        damped_frequency_hz: JsonNumber::enclosed(pole.damped_frequency()),
         kind: pole.kind.name(),
-        error_bound: JsonNumber::bound(pole_error_bound(pole)),
+        error_bound: JsonNumber::bound(pole.error_bound()),
         damping_ratio_error_bound: pole.damping_ratio.map_or(JsonNumber::NULL, JsonNumber::relative_bound),
         cluster: pole.cluster,
         defective: pole.defective,
@@ -620,28 +606,4 @@ fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
         im_digits: digits(&pole.im, options),
         damping_ratio_digits: pole.damping_ratio.as_ref().and_then(|zeta| digits(zeta, options)),
     }
-}
-
-/// rad/s to Hz.
-pub fn per_turn(omega: Ball) -> Ball {
-    omega / (Ball::from(2.0) * Ball::PI)
-}
-
-/// Covers the few roundings of a bound itself.
-const UP: f64 = 1.0 + 1e-14;
-
-/// Bound of |x - true| / |true| for the binary64 number x that is printed for a ball; infinite where nothing is known.
-pub(super) fn error_bound(value: &Ball) -> f64 {
-    Rounded::of(*value).map_or(f64::INFINITY, Rounded::relative_bound)
-}
-
-/// The same for a pole: a bound for the point in the complex plane, for its modulus and for its frequency, each as printed.
-pub(super) fn pole_error_bound(pole: &Pole) -> f64 {
-    let omega = pole.modulus();
-    if omega.is_zero() {
-        return pole.relative_error;
-    }
-    let absolute = |part: Ball| Rounded::of(part).map_or(f64::INFINITY, Rounded::bound);
-    let in_plane = (absolute(pole.re) + absolute(pole.im)) / omega.mignitude() * UP;
-    in_plane.max(error_bound(&omega)).max(error_bound(&per_turn(omega)))
 }

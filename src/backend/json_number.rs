@@ -18,6 +18,11 @@ impl JsonNumber {
         JsonNumber(Rounded::of(value).map(Rounded::value))
     }
 
+    /// `null` where there is no such number.
+    pub fn of(value: Option<Ball>) -> JsonNumber {
+        value.map_or(JsonNumber::NULL, JsonNumber::enclosed)
+    }
+
     /// The same for a number that may be exact.
     pub fn number(value: &Number) -> JsonNumber {
         JsonNumber::enclosed(value.to_ball())
@@ -25,7 +30,7 @@ impl JsonNumber {
 
     /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
     pub fn relative_bound(value: Ball) -> JsonNumber {
-        JsonNumber::bound(Rounded::of(value).map_or(f64::INFINITY, Rounded::relative_bound))
+        JsonNumber::bound(Rounded::relative_bound_of(value))
     }
 
     /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
@@ -43,9 +48,14 @@ impl JsonNumber {
         JsonNumber(Some(value + 0.0).filter(|value| value.is_finite()))
     }
 
-    /// `null` where the condition fails.
-    pub fn only_if(self, condition: bool) -> JsonNumber {
-        if condition { self } else { JsonNumber::NULL }
+    /// Nothing is known, or it is infinite.
+    pub fn is_null(&self) -> bool {
+        self.0.is_none()
+    }
+
+    /// As a field of CSV: empty for `null`.
+    pub fn field(self) -> String {
+        self.0.map_or(String::new(), |number| serde_json::to_string(&number).expect("a finite number has a JSON form"))
     }
 }
 
@@ -65,7 +75,7 @@ mod tests {
             JsonNumber::relative_bound(Ball::new(Dd::ZERO, 1.0)),
             JsonNumber::bound(f64::INFINITY),
             JsonNumber::unproven(Unproven(f64::NAN)),
-            JsonNumber::enclosed(Ball::ONE).only_if(false),
+            JsonNumber::of(None),
         ] {
             assert_eq!(written(number), "null");
         }

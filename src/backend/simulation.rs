@@ -1,8 +1,9 @@
 //! The motion in time as CSV, JSON and text. Clause: spec.md, "Response".
 
 use super::decimal::{Decimal, certain, certain_digits, certain_number, upper};
+use super::json_number::JsonNumber;
 use super::report::table::{Align, Table};
-use super::transfer::{amplitude, error_bound, hundredths, phase};
+use super::transfer::hundredths;
 use crate::analysis::{Gain, History, Steady};
 use crate::base::{Ball, Dd, Rounded};
 use crate::system::{LinearSystem, Output};
@@ -66,22 +67,20 @@ fn settled(sample: &Ball) -> Option<Rounded> {
 pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| {
-            let samples: Vec<Option<Rounded>> = history.values.iter().map(|row| Rounded::of(row[i])).collect();
-            let bounds: Vec<Option<f64>> = samples.iter().map(|sample| sample.map(Rounded::bound)).collect();
-            let largest = bounds.iter().try_fold(0.0, |largest: f64, bound| Some(largest.max((*bound)?)));
+            let samples = || history.values.iter().map(|row| row[i]);
             JsonOutput {
                 name: system.display(output.name),
                 unit: output.unit.clone(),
-                error_bound: largest,
-                values: samples.iter().map(|sample| sample.map(Rounded::value)).collect(),
-                error_bounds: bounds,
+                error_bound: JsonNumber::bound(worst_error(history, i)),
+                values: samples().map(JsonNumber::enclosed).collect(),
+                error_bounds: samples().map(JsonNumber::absolute_bound).collect(),
             }
         })
         .collect();
     let report = JsonHistory {
         vibc: env!("CARGO_PKG_VERSION"),
         model,
-        time_s: history.times.iter().map(|time| time.to_f64()).collect(),
+        time_s: history.times.iter().map(JsonNumber::number).collect(),
         outputs,
         steady_state: steady.iter().flat_map(|part| steady_lines(system, part)).collect(),
     };
@@ -92,7 +91,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
 struct JsonHistory<'a> {
     vibc: &'static str,
     model: &'a str,
-    time_s: Vec<f64>,
+    time_s: Vec<JsonNumber>,
     outputs: Vec<JsonOutput>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     steady_state: Vec<JsonSteady>,
@@ -102,10 +101,10 @@ struct JsonHistory<'a> {
 #[derive(serde::Serialize)]
 struct JsonSteady {
     output: String,
-    frequency_hz: f64,
-    amplitude: Option<f64>,
-    phase_deg: Option<f64>,
-    error_bound: Option<f64>,
+    frequency_hz: JsonNumber,
+    amplitude: JsonNumber,
+    phase_deg: JsonNumber,
+    error_bound: JsonNumber,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     infinite: bool,
 }
@@ -115,10 +114,10 @@ fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
         let disc = gain.disc();
         JsonSteady {
             output: system.display(output.name),
-            frequency_hz: part.frequency.to_f64(),
-            amplitude: disc.and_then(|disc| amplitude(&disc)).map(Rounded::value),
-            phase_deg: disc.and_then(phase).and_then(|phase| finite(&phase)),
-            error_bound: disc.map(|disc| error_bound(&disc)).filter(|bound| bound.is_finite()),
+            frequency_hz: JsonNumber::number(&part.frequency),
+            amplitude: JsonNumber::of(disc.map(|disc| disc.gain())),
+            phase_deg: JsonNumber::of(disc.and_then(|disc| disc.phase())),
+            error_bound: disc.map_or(JsonNumber::NULL, |disc| JsonNumber::bound(disc.error_bound())),
             infinite: *gain == Gain::Infinite,
         }
     };
@@ -130,9 +129,9 @@ struct JsonOutput {
     name: String,
     unit: String,
     /// `null` where nothing is known of some sample.
-    error_bound: Option<f64>,
-    values: Vec<Option<f64>>,
-    error_bounds: Vec<Option<f64>>,
+    error_bound: JsonNumber,
+    values: Vec<JsonNumber>,
+    error_bounds: Vec<JsonNumber>,
 }
 
 /// The range of each output and where it ends, with the largest error; the steady state where there are harmonic signals.
@@ -173,8 +172,8 @@ fn steady_text(system: &LinearSystem, steady: &[Steady]) -> String {
             cells.extend(match gain {
                 Gain::Finite(disc) => [
                     certain(&disc.gain(), DIGITS),
-                    phase(*disc).map_or(String::new(), |phase| hundredths(&phase)),
-                    upper(error_bound(disc)),
+                    disc.phase().map_or(String::new(), |phase| hundredths(&phase)),
+                    upper(disc.error_bound()),
                 ],
                 Gain::Infinite => ["infinite", "", "exact"].map(String::from),
                 Gain::Unknown => ["?", "", "?"].map(String::from),
@@ -204,12 +203,7 @@ fn cells(name: String, unit: &str, history: &History, output: usize) -> Vec<Stri
 
 /// The largest |printed - true| of an output; infinite where nothing is known of some sample.
 fn worst_error(history: &History, output: usize) -> f64 {
-    let error = |row: &Vec<Ball>| Rounded::of(row[output]).map_or(f64::INFINITY, Rounded::bound);
-    history.values.iter().map(error).fold(0.0, f64::max)
-}
-
-fn finite(value: &Ball) -> Option<f64> {
-    value.is_finite().then(|| value.to_f64() + 0.0)
+    history.values.iter().map(|row| Rounded::bound_of(row[output])).fold(0.0, f64::max)
 }
 
 /// Adds the shortest form that reads back the same.

@@ -2,9 +2,10 @@
 //! widths), or the rows that were asked for; CSV and JSON hold every row. Clause: spec.md, "Transfer".
 
 use super::decimal::{Decimal, certain, certain_number, upper};
+use super::json_number::JsonNumber;
 use super::report::table::{Align, Table as Columns};
 use crate::analysis::{Disc, Extrema, Extremum, FeatureKind, Gain, Row, Table};
-use crate::base::{Ball, Dd, Number, Rounded};
+use crate::base::{Ball, Dd, Number};
 use crate::system::LinearSystem;
 
 /// Significant digits of a value in text.
@@ -17,16 +18,16 @@ const MOST_INTERVALS: usize = 3;
 const SCHEMA: u32 = 1;
 const INDENT: usize = 2;
 
-/// A row: one frequency, one pair. What is infinite or unknown is `None`.
+/// A row: one frequency, one pair. What is infinite or unknown is `null`.
 #[derive(serde::Serialize)]
 struct Line {
-    frequency_hz: f64,
-    re: Option<f64>,
-    im: Option<f64>,
-    gain: Option<f64>,
-    gain_db: Option<f64>,
-    phase_deg: Option<f64>,
-    error_bound: Option<f64>,
+    frequency_hz: JsonNumber,
+    re: JsonNumber,
+    im: JsonNumber,
+    gain: JsonNumber,
+    gain_db: JsonNumber,
+    phase_deg: JsonNumber,
+    error_bound: JsonNumber,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     infinite: bool,
 }
@@ -36,17 +37,17 @@ struct Line {
 pub fn csv(system: &LinearSystem, table: &Table) -> String {
     let mut text = String::from("frequency_hz,input,output,re,im,gain,gain_db,phase_deg,error_bound\n");
     each_line(system, table, |input, output, line| {
-        let gain = |value: Option<f64>| if line.infinite { "inf".to_string() } else { field(value) };
+        let gain = |value: JsonNumber| if line.infinite { "inf".to_string() } else { value.field() };
         let fields = [
-            shortest(line.frequency_hz),
+            line.frequency_hz.field(),
             input.to_string(),
             output.to_string(),
-            field(line.re),
-            field(line.im),
+            line.re.field(),
+            line.im.field(),
             gain(line.gain),
             gain(line.gain_db),
-            field(line.phase_deg),
-            field(line.error_bound),
+            line.phase_deg.field(),
+            line.error_bound.field(),
         ];
         text += &fields.join(",");
         text.push('\n');
@@ -62,7 +63,7 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
         "{{\"vibc\":{},\"schema\":{SCHEMA},\"model\":{},\"range_hz\":{},\"pairs\":[",
         written(&env!("CARGO_PKG_VERSION")),
         written(&model),
-        written(&ends.map(|(first, last)| [first.frequency.to_f64(), last.frequency.to_f64()])),
+        written(&ends.map(|(first, last)| [&first.frequency, &last.frequency].map(JsonNumber::number))),
     );
     for (i, &input) in table.inputs.iter().enumerate() {
         for (o, &output) in table.outputs.iter().enumerate() {
@@ -75,7 +76,7 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
                 output: system.display(to.name),
                 output_unit: &to.unit,
                 complete: found.is_some_and(|found| found.complete.is_some()),
-                not_proved_hz: found.map_or(&[], |found| &found.open),
+                not_proved_hz: found.map_or(Vec::new(), |found| found.open.iter().map(interval).collect()),
             };
             text += if i + o == 0 { "\n" } else { ",\n" };
             // One extremum or row a line.
@@ -106,45 +107,46 @@ struct JsonPair<'a> {
     /// No extremum in the range is missing.
     complete: bool,
     /// Where it is not proved that there is no other one.
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    not_proved_hz: &'a [(f64, f64)],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    not_proved_hz: Vec<[JsonNumber; 2]>,
+}
+
+/// The ends are places on a grid, binary64 numbers themselves.
+fn interval((from, to): &(f64, f64)) -> [JsonNumber; 2] {
+    [from, to].map(|end| JsonNumber::enclosed(Ball::from(*end)))
 }
 
 #[derive(serde::Serialize)]
 struct JsonExtremum {
     kind: &'static str,
-    frequency_hz: Option<f64>,
-    frequency_error_bound: Option<f64>,
-    gain: Option<f64>,
-    gain_error_bound: Option<f64>,
-    phase_deg: Option<f64>,
-    phase_error_bound: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    width_hz: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    width_error_bound: Option<f64>,
+    frequency_hz: JsonNumber,
+    frequency_error_bound: JsonNumber,
+    gain: JsonNumber,
+    gain_error_bound: JsonNumber,
+    phase_deg: JsonNumber,
+    phase_error_bound: JsonNumber,
+    #[serde(skip_serializing_if = "JsonNumber::is_null")]
+    width_hz: JsonNumber,
+    #[serde(skip_serializing_if = "JsonNumber::is_null")]
+    width_error_bound: JsonNumber,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     infinite: bool,
 }
 
 fn json_extremum(extremum: &Extremum) -> JsonExtremum {
-    let relative = |told: Option<Rounded>| told.map(Rounded::relative_bound).filter(|bound| bound.is_finite());
-    let value = |told: Option<Rounded>| told.map(Rounded::value);
+    let relative = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::relative_bound);
     let disc = extremum.gain.disc();
-    let frequency = Rounded::of(extremum.frequency);
-    let gain = disc.and_then(|disc| Rounded::of(disc.gain()));
-    let phase = disc.and_then(phase).and_then(Rounded::of);
-    let width = extremum.width.and_then(Rounded::of);
+    let (gain, phase) = (disc.map(|disc| disc.gain()), disc.and_then(|disc| disc.phase()));
     JsonExtremum {
         kind: kind(extremum.kind),
-        frequency_hz: value(frequency),
-        frequency_error_bound: relative(frequency),
-        gain: value(gain),
+        frequency_hz: JsonNumber::enclosed(extremum.frequency),
+        frequency_error_bound: JsonNumber::relative_bound(extremum.frequency),
+        gain: JsonNumber::of(gain),
         gain_error_bound: relative(gain),
-        phase_deg: value(phase),
-        phase_error_bound: phase.map(Rounded::bound),
-        width_hz: value(width),
-        width_error_bound: relative(width),
+        phase_deg: JsonNumber::of(phase),
+        phase_error_bound: phase.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
+        width_hz: JsonNumber::of(extremum.width),
+        width_error_bound: relative(extremum.width),
         infinite: extremum.gain == Gain::Infinite,
     }
 }
@@ -169,62 +171,18 @@ fn each_line(system: &LinearSystem, table: &Table, mut take: impl FnMut(&str, &s
 }
 
 fn line(row: &Row, gain: Gain) -> Line {
-    let finite = |x: f64| Some(x + 0.0).filter(|x| x.is_finite());
     let disc = gain.disc();
-    let size = disc.map(|disc| disc.gain());
+    let part = |of: fn(&Disc) -> Dd| JsonNumber::of(disc.as_ref().map(|disc| Ball::exact(of(disc))));
     Line {
-        frequency_hz: row.frequency.to_f64(),
-        re: disc.and_then(|disc| finite(disc.value.re.to_f64())),
-        im: disc.and_then(|disc| finite(disc.value.im.to_f64())),
-        gain: size.and_then(Rounded::of).map(Rounded::value),
-        gain_db: size.and_then(decibel).and_then(|level| finite(level.to_f64())),
-        phase_deg: disc.and_then(phase).and_then(|phase| finite(phase.to_f64())),
-        error_bound: disc.and_then(|disc| finite(error_bound(&disc))),
+        frequency_hz: JsonNumber::number(&row.frequency),
+        re: part(|disc| disc.value.re),
+        im: part(|disc| disc.value.im),
+        gain: JsonNumber::of(disc.map(|disc| disc.gain())),
+        gain_db: JsonNumber::of(disc.and_then(|disc| disc.level())),
+        phase_deg: JsonNumber::of(disc.and_then(|disc| disc.phase())),
+        error_bound: disc.map_or(JsonNumber::NULL, |disc| JsonNumber::bound(disc.error_bound())),
         infinite: gain == Gain::Infinite,
     }
-}
-
-/// 20 log10 of a gain.
-pub fn decibel(gain: Ball) -> Option<Ball> {
-    let midpoint = Number::Ball(Ball::exact(gain.mid));
-    let level = (&midpoint.ln()? / &Number::from(10).ln()?).to_ball() * Ball::from(20.0);
-    // d(20 log10 g) = 8.69 dg / g, and a little more for a wide ball.
-    Some(level.widen(8.7 * gain.relative_error().min(1e300)))
-}
-
-/// The angle of a value in degrees, in (-180, 180].
-pub fn phase(disc: Disc) -> Option<Ball> {
-    let (re, im) = (Number::Ball(Ball::exact(disc.value.re)), Number::Ball(Ball::exact(disc.value.im)));
-    let turned = Number::atan2(&im, &re)?.to_ball() * Ball::from(180.0) / Ball::PI;
-    // asin of the relative radius, in degrees: less than 90 times it.
-    Some(turned.widen(90.0 * disc.relative_error().min(1e300)))
-}
-
-/// Bound of |printed - true| / |true| for the numbers printed: the two parts in the complex plane, and the size.
-pub(super) fn error_bound(disc: &Disc) -> f64 {
-    let part = |x: Dd| Rounded::of(Ball::exact(x)).map_or(f64::INFINITY, Rounded::bound);
-    let size = disc.value.to_f64().abs() * (1.0 - 1e-15) - disc.radius;
-    let lost = disc.radius + part(disc.value.re) + part(disc.value.im);
-    let in_the_plane = match (lost, size) {
-        (0.0, _) => 0.0,
-        (_, size) if size > 0.0 => lost / size * (1.0 + 1e-12),
-        _ => f64::INFINITY,
-    };
-    in_the_plane.max(amplitude(disc).map_or(f64::INFINITY, Rounded::relative_bound))
-}
-
-/// The size of a value as it is printed.
-pub(super) fn amplitude(disc: &Disc) -> Option<Rounded> {
-    Rounded::of(disc.gain())
-}
-
-/// The shortest text that reads back the same.
-fn shortest(x: f64) -> String {
-    serde_json::to_string(&x).expect("a finite number has a JSON form")
-}
-
-fn field(value: Option<f64>) -> String {
-    value.map_or(String::new(), shortest)
 }
 
 /// The interesting points of each pair, or the rows that were asked for.
@@ -329,10 +287,10 @@ fn cells(kind: &str, frequency: &Number, gain: Gain, width: Option<Ball>) -> Vec
         Gain::Unknown => cells.extend(["?", "", "", "", "?"].map(String::from)),
         Gain::Finite(disc) => cells.extend([
             certain(&disc.gain(), DIGITS),
-            decibel(disc.gain()).map_or(String::new(), |level| hundredths(&level)),
-            phase(disc).map_or(String::new(), |phase| hundredths(&phase)),
+            disc.level().map_or(String::new(), |level| hundredths(&level)),
+            disc.phase().map_or(String::new(), |phase| hundredths(&phase)),
             width.map_or(String::new(), |width| certain(&width, 4)),
-            upper(error_bound(&disc)),
+            upper(disc.error_bound()),
         ]),
     }
     cells

@@ -1,5 +1,6 @@
 //! Quantities as an editor shows them: few digits, the usual unit. Rounding is the backend's.
 
+use crate::analysis::derived;
 use crate::backend::decimal::{certain, certain_number};
 use crate::base::unit::{self, Scale};
 use crate::base::{Angle, Ball, Dimension, Number, Quantity};
@@ -58,7 +59,7 @@ pub fn value(value: &Value) -> String {
 
 /// A frequency in Hz from an angular one, few digits.
 pub fn hertz(omega: &Ball) -> String {
-    format!("{} Hz", certain(&(*omega / (Ball::PI + Ball::PI)), FEW))
+    format!("{} Hz", certain(&derived::hertz(*omega), FEW))
 }
 
 /// A ratio in per cent, few digits.

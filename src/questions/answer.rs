@@ -216,19 +216,10 @@ pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> 
     let turned = if in_radians { si * &(&Number::pi() * &Number::from(2)) } else { si.clone() };
     let number = match &unit.factor {
         Some(factor) => &turned / factor,
-        None => decibel(&turned),
+        None => turned.abs().to_decibel().unwrap_or(Number::Ball(Ball::ZERO.widen(f64::INFINITY))),
     };
     let exact = number.exact().map(|_| number.clone());
     Shown { number: number.to_ball(), exact, unit: &unit.text }
-}
-
-/// 20 log10 of an amplitude ratio; unknown for zero.
-fn decibel(ratio: &Number) -> Number {
-    let unknown = Number::Ball(Ball::from(0.0).widen(f64::INFINITY));
-    match (ratio.abs().ln(), Number::from(10).ln()) {
-        (Some(level), Some(ten)) => &(&level * &Number::from(20)) / &ten,
-        _ => unknown,
-    }
 }
 
 /// A number and its unit, for a sentence.

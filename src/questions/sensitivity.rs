@@ -12,7 +12,7 @@ use crate::analysis::measures::damped_motion;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::range::Family;
-use crate::analysis::{ModeKind, Modes, Pole, PoleKind, Poles, Request};
+use crate::analysis::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Request};
 use crate::base::{Ball, Jet, Number, Quantity, Unproven};
 use crate::model::Setting;
 use crate::model::scene::Parameter;
@@ -55,13 +55,12 @@ struct Spectrum {
 
 impl Spectrum {
     fn of(modes: &Modes, poles: &Poles) -> Spectrum {
-        let turn = Ball::from(2.0) * Ball::PI;
-        let frequency = |kind: ModeKind, omega: Ball| (kind == ModeKind::Oscillation).then_some(omega / turn);
+        let frequency = |mode: &Mode| mode.frequency().filter(|_| mode.kind == ModeKind::Oscillation);
         let is_damped = poles.list.iter().any(|pole| !pole.re.is_zero());
         let motions = (1..).map_while(|i| damped_motion(poles, i).ok().cloned());
         Spectrum {
             first: modes.before.count() + 1,
-            frequencies: modes.list.iter().map(|mode| frequency(mode.kind, mode.omega)).collect(),
+            frequencies: modes.list.iter().map(frequency).collect(),
             squares: modes.list.iter().map(|mode| (mode.omega_squared, mode.cluster)).collect(),
             motions: if is_damped { motions.collect() } else { Vec::new() },
             poles: poles.list.clone(),

@@ -10,6 +10,7 @@ use super::over::{Asked, Centre, Over};
 use super::search::{Difference, Look, Root, Seen};
 use super::trial::Text;
 use crate::analysis::Measurement;
+use crate::analysis::derived::hertz;
 use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven};
 use crate::model::scene::{Measure, Question, Solve};
 use crate::model::{CheckedScene, Setting};
@@ -321,8 +322,7 @@ impl<'a> Unknowns<'a> {
             Difference::Known(ball)
                 if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. }) =>
             {
-                let hertz = ball.abs().sqrt() / (Ball::from(2.0) * Ball::PI);
-                let told = told(&self.in_unit(equation, &Number::Ball(hertz)));
+                let told = told(&self.in_unit(equation, &Number::Ball(hertz(ball.abs().sqrt()))));
                 if ball.is_negative() { format!("diverging ({told} of growth)") } else { told }
             }
             Difference::Known(ball) => {
@@ -374,7 +374,7 @@ impl Unknowns<'_> {
         match &question.measure {
             Measure::Frequency { .. } if question.value.is_zero() => {
                 let square = crossing?;
-                let largest = Ball::from(square.magnitude()).sqrt() / (Ball::from(2.0) * Ball::PI);
+                let largest = hertz(Ball::from(square.magnitude()).sqrt());
                 Some(if square.is_zero() { Ball::ZERO } else { Ball::ZERO.widen(largest.magnitude()) })
             }
             Measure::DampingRatio { .. } if question.value.is_one() => {

@@ -2,7 +2,7 @@
 //! what bounds promise.
 
 use vibc::analysis::grid;
-use vibc::backend::ModalAnswer;
+use vibc::answers::ModalAnswer;
 use vibc::base::{Ball, Number, Rational, SourceFile, Sources};
 use vibc::model::Overrides;
 use vibc::questions::answer::Value;

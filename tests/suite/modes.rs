@@ -28,7 +28,7 @@ fn the_cart_has_its_published_frequencies_and_shapes() {
     for (mode, (omega, ratio)) in modes.list.iter().zip(expected) {
         assert!((mode.omega.to_f64() / omega - 1.0).abs() < 1e-14, "{:?}", mode.omega);
         assert!(mode.omega.relative_error() < 1e-29);
-        let shape = normalise(mode, Normalise::Translation);
+        let shape: Vec<f64> = normalise(mode, Normalise::Translation).iter().map(|entry| entry.0).collect();
         assert_eq!(shape[0], 1.0);
         assert!((shape[1] - ratio).abs() < 1e-11, "{shape:?}");
     }

@@ -273,7 +273,7 @@ fn poles_whose_squares_are_out_of_range_are_certified() {
 }
 
 /// Masses of 1 kg in a row on springs of 100 N/m, each also dragged on the ground by `dragged` N*s/m, damped by modes.
-fn row_damped_by_modes(count: usize, ratio: &str, dragged: &str) -> vibc::backend::ModalAnswer {
+fn row_damped_by_modes(count: usize, ratio: &str, dragged: &str) -> vibc::answers::ModalAnswer {
     let text = format!(
         "damping modal {ratio}\nparam c = {dragged} N*s/m\n\
          body mass[1] {{ mass = 1 kg, moves y }}\nspring link[1]: ground -- mass[1] {{ k = 100 N/m }}\n\

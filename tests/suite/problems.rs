@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use vibc::analysis::grid;
-use vibc::backend::ModalAnswer;
+use vibc::answers::ModalAnswer;
 use vibc::base::{FileId, Number, Rational, SourceFile, Sources};
 use vibc::model::Overrides;
 use vibc::questions::answer::Value;

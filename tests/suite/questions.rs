@@ -3,7 +3,7 @@
 //! of measures of a motion that nothing moves, and that advice is advice that works.
 
 use crate::measures::sources;
-use vibc::backend::ModalAnswer;
+use vibc::answers::ModalAnswer;
 use vibc::base::{Ball, Diagnostic, Number};
 use vibc::model::Overrides;
 use vibc::questions::answer::{Derivative, Others, Slope};

@@ -2,7 +2,8 @@
 //! unknowns, and that everything else in a run uses what was found.
 
 use crate::measures::sources;
-use vibc::backend::{ModalAnswer, ReportOptions, json};
+use vibc::answers::ModalAnswer;
+use vibc::backend::{ReportOptions, json};
 use vibc::base::{Diagnostic, Number};
 use vibc::model::Overrides;
 use vibc::questions::answer::Solved;

@@ -12,7 +12,7 @@ use crate::analysis::modes::MAX_UNASKED;
 use crate::analysis::modes::eigen::{Eigenvalue, Failure, Pair, eigenpairs};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::{modes::certificate, modes::shape};
-use crate::base::Ball;
+use crate::base::{Ball, Unproven};
 use crate::system::{Form, LinearSystem, Nature, Term};
 
 /// Relative accuracy that a load factor should have.
@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 1e-12;
 pub struct Buckling {
     pub load_factor: Ball,
     /// Displacement of each coordinate in the motion that loses its stiffness, its largest 1.
-    pub shape: Vec<f64>,
+    pub shape: Vec<Unproven>,
 }
 
 /// The least load factor of all parts; `None` where no load softens anything, where it is not defined (a motion without any

@@ -40,7 +40,7 @@ use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::triple::Triple;
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, Unproven};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// Dense matrices of more coordinates than this would take minutes and gigabytes.
@@ -345,7 +345,7 @@ impl<'a> Report<'a> {
             kind,
             omega_squared,
             omega,
-            input_condition: certain.then_some(whole / lambda.hi().abs() + 1.0),
+            input_condition: certain.then(|| Unproven(whole / lambda.hi().abs() + 1.0)),
             strain: shape::shares(&self.system.k, &by_source),
             ..mode
         }

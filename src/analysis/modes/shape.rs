@@ -27,7 +27,7 @@ const TIE: f64 = 1e-9;
 const LEAST_SHARE: f64 = 1e-12;
 
 /// The shape of a mode, scaled as asked; the entry that was made 1 is exactly 1.
-pub fn normalise(mode: &Mode, how: Normalise) -> Vec<f64> {
+pub fn normalise(mode: &Mode, how: Normalise) -> Vec<Unproven> {
     let shape = &mode.shape;
     let unit = match how {
         Normalise::Mass => None,
@@ -35,8 +35,8 @@ pub fn normalise(mode: &Mode, how: Normalise) -> Vec<f64> {
         Normalise::Max => first_largest(shape, |_| true),
         Normalise::First => first_moving(shape),
     };
-    let Some(unit) = unit.map(|i| shape[i]) else { return shape.clone() };
-    shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
+    let unit = unit.map_or(1.0, |i| shape[i]);
+    shape.iter().map(|&x| Unproven(if x == 0.0 { 0.0 } else { x / unit })).collect()
 }
 
 /// Turns the shape round where its leading entry is negative, and tells which that is: the first as large as the largest
@@ -70,9 +70,9 @@ fn first_moving(shape: &[f64]) -> Option<usize> {
 }
 
 /// The shape with its largest entry made 1.
-pub(in crate::analysis) fn with_largest_one(shape: &[f64]) -> Vec<f64> {
+pub(in crate::analysis) fn with_largest_one(shape: &[f64]) -> Vec<Unproven> {
     let unit = first_largest(shape, |_| true).map_or(1.0, |i| shape[i]);
-    shape.iter().map(|&x| if x == 0.0 { 0.0 } else { x / unit }).collect()
+    shape.iter().map(|&x| Unproven(if x == 0.0 { 0.0 } else { x / unit })).collect()
 }
 
 /// Up to this many shares are told completely, of more the largest.

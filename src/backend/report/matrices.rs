@@ -1,9 +1,10 @@
 //! The coordinates and, where they fit, the matrices.
 
+use super::super::ReportOptions;
 use super::super::decimal::certain_whole;
-use super::super::{ModalAnswer, ReportOptions};
 use super::table::characters;
 use super::{INDENT, WIDTH, line, unit};
+use crate::answers::ModalAnswer;
 use crate::base::Number;
 use crate::lower::Dependent;
 use crate::system::{Form, LinearSystem};

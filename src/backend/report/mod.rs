@@ -11,9 +11,10 @@ mod rest;
 mod sensitivities;
 pub(super) mod table;
 
+use super::ReportOptions;
 use super::diagnostics::readable;
-use super::{ModalAnswer, ReportOptions};
 use crate::analysis::{ModeKind, Share, Stability};
+use crate::answers::ModalAnswer;
 use crate::lower::Account;
 use crate::questions::answer::Requirement;
 use crate::system::{CoordinateKind, LinearSystem};
@@ -133,9 +134,10 @@ fn carried_by(system: &LinearSystem, mode: &crate::analysis::Mode) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ReportOptions, samples};
+    use super::super::ReportOptions;
     use super::text;
     use crate::analysis::Normalise;
+    use crate::answers::samples;
 
     #[test]
     fn a_stable_scene() {

@@ -1,12 +1,13 @@
 //! The undamped modes: their frequencies and shapes, and which mode is which.
 
+use super::super::ReportOptions;
 use super::super::decimal::{Decimal, certain, upper};
-use super::super::json::{error_bound, per_turn};
-use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
 use super::{INDENT, WIDTH, carried_by, counted, largest_shares, line, unit};
+use crate::analysis::derived::{hertz, period};
 use crate::analysis::{Mode, ModeKind, Normalise, normalise, splits};
-use crate::base::{Ball, Dd};
+use crate::answers::ModalAnswer;
+use crate::base::{Dd, Unproven};
 use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 
 /// Modes that are listed; the JSON has all.
@@ -69,7 +70,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
         let shape = normalise(mode, options.normalise);
         let mut cells = frequency_cells(number, mode, options);
         if columns {
-            let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+            let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
             cells.extend(shape.iter().map(|entry| rounded(*entry, largest)));
         } else {
             cells.push(largest_entries(system, &shape));
@@ -82,7 +83,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
 /// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
 fn frequency_cells(number: usize, mode: &Mode, options: &ReportOptions) -> Vec<String> {
     let digits = options.digits(DIGITS);
-    let (frequency, period) = (per_turn(mode.omega), Ball::from(2.0) * Ball::PI / mode.omega);
+    let (frequency, period) = (hertz(mode.omega), period(mode.omega));
     let (f, omega, t) = match mode.kind {
         ModeKind::Oscillation => {
             (certain(&frequency, digits), certain(&mode.omega, digits), certain(&period, options.digits(SHAPE_DIGITS)))
@@ -94,25 +95,24 @@ fn frequency_cells(number: usize, mode: &Mode, options: &ReportOptions) -> Vec<S
     let bound = match mode.kind {
         ModeKind::Rigid => "exact".into(),
         // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
-        _ if options.digits.is_some() => upper(mode.omega.relative_error().max(frequency.relative_error())),
-        ModeKind::Divergence => upper(error_bound(&mode.omega)),
+        _ if options.digits.is_some() => upper(mode.enclosure_error()),
         ModeKind::Undetermined => "?".into(),
-        ModeKind::Oscillation => upper(error_bound(&mode.omega).max(error_bound(&frequency))),
+        ModeKind::Oscillation | ModeKind::Divergence => upper(mode.error_bound()),
     };
     vec![number.to_string(), f, omega, t, bound]
 }
 
 /// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
-fn rounded(entry: f64, largest: f64) -> String {
+fn rounded(Unproven(entry): Unproven, largest: f64) -> String {
     /// Below this part of the largest entry it is rounding, no motion (spec.md, 12.1).
     const NOTHING: f64 = 1e-12;
     if entry.abs() <= NOTHING * largest { "0".into() } else { Decimal::round(Dd::from(entry), SHAPE_DIGITS).text() }
 }
 
-fn largest_entries(system: &LinearSystem, shape: &[f64]) -> String {
-    let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i] != 0.0).collect();
-    order.sort_by(|a, b| shape[*b].abs().total_cmp(&shape[*a].abs()).then(a.cmp(b)));
-    let largest = order.first().map_or(0.0, |i| shape[*i].abs());
+fn largest_entries(system: &LinearSystem, shape: &[Unproven]) -> String {
+    let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i].0 != 0.0).collect();
+    order.sort_by(|a, b| shape[*b].0.abs().total_cmp(&shape[*a].0.abs()).then(a.cmp(b)));
+    let largest = order.first().map_or(0.0, |i| shape[*i].0.abs());
     let named = order.iter().take(LARGEST);
     let name = |i: usize| system.display(system.coordinates[i].name);
     named.map(|i| format!("{} {}", name(*i), rounded(shape[*i], largest))).collect::<Vec<_>>().join(", ")
@@ -123,7 +123,7 @@ fn remarks(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let list = &answer.modes.list;
     let mut text = String::new();
     if list.len() > MOST {
-        let highest = list.last().map_or(String::new(), |mode| certain(&per_turn(mode.omega), 4));
+        let highest = list.last().map_or(String::new(), |mode| certain(&hertz(mode.omega), 4));
         text += &line(format!("... and {} modes more, up to {highest} Hz (--format json has all)", list.len() - MOST));
     }
     text + &left_out(answer) + &clusters(answer) + &beats(answer, options) + &sensitive(answer)
@@ -151,10 +151,10 @@ fn beats(answer: &ModalAnswer, options: &ReportOptions) -> String {
         .map(|split| {
             let range = range(split.lower, split.lower + 1);
             let difference = certain(&split.omega, options.digits(DIGITS));
-            let beat = certain(&(Ball::from(2.0) * Ball::PI / split.omega), SHAPE_DIGITS);
+            let beat = certain(&split.beat(), SHAPE_DIGITS);
             line(format!(
                 "modes {range} are {difference} rad/s apart (error ≤ {}): a beat of {beat} s",
-                upper(error_bound(&split.omega))
+                upper(split.error_bound())
             ))
         })
         .collect()
@@ -193,11 +193,13 @@ fn range(first: usize, last: usize) -> String {
 /// Frequencies that the model's numbers do not fix as well as they are computed.
 fn sensitive(answer: &ModalAnswer) -> String {
     const WORTH_TELLING: f64 = 100.0;
-    let told =
-        answer.modes.numbered().filter(|(_, mode)| mode.input_condition.is_some_and(|factor| factor >= WORTH_TELLING));
+    let told = answer
+        .modes
+        .numbered()
+        .filter(|(_, mode)| mode.input_condition.is_some_and(|factor| factor.0 >= WORTH_TELLING));
     told.take(MOST)
         .map(|(number, mode)| {
-            let factor = upper(mode.input_condition.unwrap_or(f64::INFINITY));
+            let factor = upper(mode.input_condition.map_or(f64::INFINITY, |factor| factor.0));
             line(format!("mode {number} is sensitive: its ω moves up to {factor} times as much as the model's numbers, relatively"))
         })
         .collect()

@@ -1,10 +1,11 @@
 //! What a model was taken for: its independent parts with the modes of each, and, where it is asked for, what was kept of it,
 //! what was left out, and why.
 
-use super::super::{ModalAnswer, counted_names};
+use super::super::counted_names;
 use super::table::{Align, Table};
 use super::{INDENT, line};
 use crate::analysis::{Net, NetForm, nets, parts_of_modes};
+use crate::answers::ModalAnswer;
 use crate::lower::{Account, Remark};
 use crate::system::LinearSystem;
 

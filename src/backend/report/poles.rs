@@ -1,13 +1,12 @@
 //! The damped motion: each pole, a complex pair once.
 
+use super::super::ReportOptions;
 use super::super::decimal::{certain, upper};
-use super::super::json::{per_turn, pole_error_bound};
-use super::super::{ModalAnswer, ReportOptions};
 use super::modes::MOST;
 use super::table::{Align, Table};
 use super::{INDENT, counted, line};
-use crate::analysis::{Pole, PoleKind, Route, Stability};
-use crate::base::Ball;
+use crate::analysis::{Pole, Route, Stability};
+use crate::answers::ModalAnswer;
 
 const DIGITS: usize = 6;
 const FEW: usize = 4;
@@ -36,7 +35,7 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
         .column("half-life", "[cycles]", Align::Point)
         .column("error ≤", "", Align::Right)
         .column("kind", "", Align::Left);
-    let shown = numbered(answer);
+    let shown: Vec<(usize, &Pole)> = answer.motions().collect();
     for (number, pole) in shown.iter().take(MOST) {
         table.row(cells(*number, pole, options));
     }
@@ -105,7 +104,7 @@ fn not_proved(answer: &ModalAnswer) -> String {
         return String::new();
     }
     let is_bounded = |pole: &Pole| pole.re.rad.is_finite() && pole.im.rad.is_finite();
-    let unbounded = numbered(answer).into_iter().filter(|(_, pole)| !is_bounded(pole)).count();
+    let unbounded = answer.motions().filter(|(_, pole)| !is_bounded(pole)).count();
     let why = match unbounded {
         0 => String::new(),
         1 => ": 1 has no bound".into(),
@@ -114,30 +113,15 @@ fn not_proved(answer: &ModalAnswer) -> String {
     line(format!("NOT proved: that these are all poles, and each is there once{why}"))
 }
 
-/// Of a complex pair the pole in the upper half plane alone, counted from 1.
-pub fn numbered(answer: &ModalAnswer) -> Vec<(usize, &Pole)> {
-    let in_lower_half = |pole: &Pole| is_complex(pole) && pole.im.mid.hi < 0.0;
-    (1..).zip(answer.poles.list.iter().filter(|pole| !in_lower_half(pole))).collect()
-}
-
-fn is_complex(pole: &Pole) -> bool {
-    match pole.kind {
-        PoleKind::Oscillation | PoleKind::Flutter => true,
-        PoleKind::Undetermined => pole.im.mid.hi != 0.0,
-        PoleKind::Overdamped | PoleKind::Rigid | PoleKind::Divergence => false,
-    }
-}
-
 fn cells(number: usize, pole: &Pole, options: &ReportOptions) -> Vec<String> {
     let digits = options.digits(DIGITS);
     // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
-    let bound = if options.digits.is_some() { pole.relative_error } else { pole_error_bound(pole) };
+    let bound = if options.digits.is_some() { pole.relative_error } else { pole.error_bound() };
     let omega = pole.modulus();
-    let complex = is_complex(pole);
+    let complex = pole.is_complex();
     let im = if complex { format!("±{}", certain(&pole.im.abs(), digits)) } else { "0".into() };
-    let frequency = if complex { certain(&per_turn(omega), digits) } else { String::new() };
-    let halves = complex && !grows(pole) && !pole.re.is_zero();
-    let half_life = if halves { certain(&half_life(pole), FEW) } else { String::new() };
+    let frequency = if complex { certain(&pole.frequency(), digits) } else { String::new() };
+    let half_life = pole.half_life().map_or(String::new(), |cycles| certain(&cycles, FEW));
     vec![
         number.to_string(),
         certain(&pole.re, digits),
@@ -154,27 +138,17 @@ fn cells(number: usize, pole: &Pole, options: &ReportOptions) -> Vec<String> {
 /// The kind; how fast it grows, where it does.
 fn kind(pole: &Pole) -> String {
     let name = pole.kind.name();
-    if grows(pole) {
-        format!("{name}, doubles in {} s", certain(&(Ball::LN_2 / pole.re), FEW))
-    } else {
-        name.to_string()
+    match pole.doubling_time() {
+        Some(time) => format!("{name}, doubles in {} s", certain(&time, FEW)),
+        None => name.to_string(),
     }
 }
 
-fn grows(pole: &Pole) -> bool {
-    matches!(pole.kind, PoleKind::Flutter | PoleKind::Divergence)
-}
-
-/// 1/|re|; `never` where nothing decays, nothing where it grows.
+/// `never` where nothing decays, nothing where it grows.
 fn decay_time(pole: &Pole) -> String {
-    match () {
-        () if grows(pole) => String::new(),
-        () if pole.re.is_zero() => "never".into(),
-        () => certain(&(Ball::ONE / pole.re.abs()), FEW),
+    match pole.decay_time() {
+        Some(time) => certain(&time, FEW),
+        None if pole.grows() => String::new(),
+        None => "never".into(),
     }
-}
-
-/// Cycles after which the amplitude has halved: ln 2 |im| / (2 pi |re|).
-fn half_life(pole: &Pole) -> Ball {
-    per_turn(Ball::LN_2 * pole.im.abs() / pole.re.abs())
 }

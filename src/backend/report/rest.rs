@@ -1,12 +1,13 @@
 //! Where the rest is, and what it does when disturbed.
 
+use super::super::ReportOptions;
 use super::super::decimal::{certain, certain_number, upper};
-use super::super::json::error_bound;
-use super::super::{ModalAnswer, ReportOptions};
 use super::table::{Align, Table};
-use super::{INDENT, carried_by, counted, line, poles, unit};
+use super::{INDENT, carried_by, counted, line, unit};
+use crate::analysis::derived::{degrees, doubling_time};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
-use crate::base::{Ball, Number};
+use crate::answers::ModalAnswer;
+use crate::base::{Ball, Number, Rounded};
 use crate::lower::Tension;
 use crate::system::{Coordinate, CoordinateKind};
 
@@ -40,7 +41,7 @@ fn displacement(answer: &ModalAnswer) -> String {
         let unit = unit(coordinate.kind);
         let degrees = match coordinate.kind {
             CoordinateKind::Translation => String::new(),
-            CoordinateKind::Rotation => format!("= {}°", certain(&degrees(value), DIGITS)),
+            CoordinateKind::Rotation => format!("= {}°", certain(&degrees(value.to_ball()), DIGITS)),
         };
         let unit = format!("{unit} {degrees}");
         table.row(vec![answer.system.display(coordinate.name), certain_number(value, DIGITS), unit]);
@@ -64,7 +65,8 @@ fn farthest(answer: &ModalAnswer) -> String {
         values.filter(|value| !value.is_zero()).max_by(|a, b| a.to_f64().abs().total_cmp(&b.to_f64().abs()))
     };
     let moved = largest(CoordinateKind::Translation).map(|x| format!("{} m", certain_number(&x.abs(), DISTANCE)));
-    let turned = largest(CoordinateKind::Rotation).map(|x| format!("{}°", certain(&degrees(&x.abs()), DISTANCE)));
+    let turned =
+        largest(CoordinateKind::Rotation).map(|x| format!("{}°", certain(&degrees(x.abs().to_ball()), DISTANCE)));
     [moved, turned].into_iter().flatten().collect::<Vec<_>>().join(" and ")
 }
 
@@ -109,10 +111,6 @@ fn trust(answer: &ModalAnswer) -> String {
     format!(", {proven}, {left}")
 }
 
-fn degrees(angle: &Number) -> Ball {
-    angle.to_ball() * Ball::from(180.0) / Ball::PI
-}
-
 /// Each way in which the scene leaves its rest: the modes, and how fast. Damping changes that, so the poles tell it then.
 fn unstable(answer: &ModalAnswer) -> String {
     let damped = !answer.system.c.is_empty();
@@ -121,7 +119,7 @@ fn unstable(answer: &ModalAnswer) -> String {
         let how_fast = if damped { String::new() } else { format!(": {}", growth(mode.omega)) };
         text += &line(format!("  mode {number} ({}) runs away{how_fast}", carried_by(&answer.system, mode)));
     }
-    for (number, pole) in poles::numbered(answer).into_iter().filter(|_| damped) {
+    for (number, pole) in answer.motions().filter(|_| damped) {
         match pole.kind {
             PoleKind::Flutter => {
                 text += &line(format!("  pole {number} swings ever wider (flutter): {}", growth(pole.re)))
@@ -144,7 +142,7 @@ fn undetermined(answer: &ModalAnswer) -> String {
         let bound = certain(&mode.omega, DIGITS);
         text += &line(format!("  mode {number} ({carried}) may hold or run away: |ω| or its growth is {bound} rad/s"));
     }
-    for (number, pole) in poles::numbered(answer).into_iter().filter(|_| !answer.system.c.is_empty()) {
+    for (number, pole) in answer.motions().filter(|_| !answer.system.c.is_empty()) {
         if pole.kind == PoleKind::Undetermined {
             let bound = certain(&pole.re, DIGITS);
             text += &line(format!("  pole {number} may decay or grow: |re s| is {bound} 1/s"));
@@ -165,8 +163,8 @@ fn buckling(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let Some(found) = &answer.buckling else { return String::new() };
     let digits = options.digits(DIGITS);
     let factor = found.load_factor;
-    let margin = factor - Ball::ONE;
-    let bound = if options.digits.is_some() { factor.relative_error() } else { error_bound(&factor) };
+    let margin = found.margin();
+    let bound = if options.digits.is_some() { factor.relative_error() } else { Rounded::relative_bound_of(factor) };
     let told = format!("{} (error ≤ {})", certain(&factor, digits), upper(bound));
     let meaning = match (margin.contains_zero(), margin.mid.hi > 0.0) {
         (true, _) => "at the buckling load, as far as can be told".to_string(),
@@ -181,8 +179,7 @@ fn buckling(answer: &ModalAnswer, options: &ReportOptions) -> String {
 }
 
 fn growth(rate: Ball) -> String {
-    let doubling = Ball::LN_2 / rate;
-    format!("grows at {} 1/s, doubles in {} s", certain(&rate, DIGITS), certain(&doubling, 4))
+    format!("grows at {} 1/s, doubles in {} s", certain(&rate, DIGITS), certain(&doubling_time(rate), 4))
 }
 
 /// The motions that nothing holds back.

@@ -1,10 +1,10 @@
 //! What moves the frequencies and damping ratios: a row for each parameter.
 
-use super::super::ModalAnswer;
 use super::super::decimal::certain_number;
 use super::questions::derivative;
 use super::table::{Align, Table};
 use super::{INDENT, line};
+use crate::answers::ModalAnswer;
 use crate::base::Number;
 use crate::questions::answer::{Sensitivity, Slope};
 

@@ -400,6 +400,11 @@ impl Number {
         Number::atan2(&one_minus_square(self)?, self)
     }
 
+    /// 20 log10 of an amplitude ratio, its level in decibels; `None` unless it is certainly positive.
+    pub fn to_decibel(&self) -> Option<Number> {
+        (&self.ln()? * &Number::from(20)).checked_div(&Number::from(10).ln()?)
+    }
+
     /// 10^(self/20): the amplitude ratio of a level in decibels.
     pub fn from_decibel(&self) -> Option<Number> {
         let ten = Number::from(10);

@@ -32,6 +32,17 @@ impl Rounded {
         (value.is_finite() && bound.is_finite()).then_some(Rounded { value, bound })
     }
 
+    /// A bound of |value - true| for the number that is printed for an enclosed one; infinite where nothing is known.
+    pub fn bound_of(enclosed: Ball) -> f64 {
+        Rounded::of(enclosed).map_or(f64::INFINITY, Rounded::bound)
+    }
+
+    /// A bound of |value - true| / |true| for the number that is printed for an enclosed one; infinite where nothing is
+    /// known.
+    pub fn relative_bound_of(enclosed: Ball) -> f64 {
+        Rounded::of(enclosed).map_or(f64::INFINITY, Rounded::relative_bound)
+    }
+
     /// The same for a number that may be exact.
     pub fn of_number(number: &Number) -> Option<Rounded> {
         Rounded::of(number.to_ball())

@@ -5,6 +5,7 @@
 use super::jet::Jet;
 use super::{Extrema, Extremum, FeatureKind};
 use crate::analysis::answer::Poles;
+use crate::analysis::derived::hertz;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Gain, Transfer};
 use crate::base::{Ball, Dd};
@@ -44,7 +45,7 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
         .filter_map(|(bracket, kind)| Some(pair.extremum(pair.root(bracket, kind)?, kind)))
         .collect();
     for pole in infinite.into_iter().filter(|pole| pair.sees(*pole, poles)) {
-        let frequency = pole / (Ball::from(2.0) * Ball::PI);
+        let frequency = hertz(pole);
         list.push(Extremum { kind: FeatureKind::Peak, frequency, gain: Gain::Infinite, width: None });
     }
     list.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
@@ -161,7 +162,6 @@ impl Pair<'_> {
             Some(disc) if disc.radius.is_finite() => Gain::Finite(disc),
             _ => Gain::Unknown,
         };
-        let hertz = |omega: Ball| omega / (Ball::from(2.0) * Ball::PI);
         Extremum { kind, frequency: hertz(omega), gain, width: None }
     }
 

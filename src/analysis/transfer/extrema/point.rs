@@ -4,6 +4,7 @@
 use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};
 use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
+use crate::analysis::derived::hertz;
 use crate::analysis::numeric::big_float::Float;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
@@ -216,7 +217,6 @@ impl Exactly {
             (false, _) => self.gain_at(at),
         };
         let width = (kind == FeatureKind::Peak && !singular).then(|| self.width(located, index, search)).flatten();
-        let hertz = |omega: Ball| omega / (Ball::from(2.0) * Ball::PI);
         Extremum { kind, frequency: hertz(self.omega(at)), gain, width: width.map(hertz) }
     }
 

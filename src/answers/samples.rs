@@ -1,4 +1,4 @@
-//! Answers made by hand, for the tests of this folder.
+//! Answers made by hand, for the tests of this folder and of the back ends.
 
 use super::ModalAnswer;
 use crate::analysis::{
@@ -179,7 +179,7 @@ fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(L
         omega,
         cluster: None,
         shape: shape.to_vec(),
-        input_condition: Some(2.0),
+        input_condition: Some(Unproven(2.0)),
         leading: Some(CoordinateId(0)),
         kinetic: kinetic.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),
         strain: strain.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),

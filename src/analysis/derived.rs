@@ -1,0 +1,245 @@
+//! Quantities that follow from an answer: frequencies in hertz, periods, decay times, half-lives, levels and angles, and the
+//! bounds of the binary64 numbers that are printed for them. Measures, reports and JSON take them from here, so that none of
+//! them chooses or computes one again. Clauses: spec.md 12.1, 12.2.
+
+use crate::analysis::answer::{Mode, ModeKind, Pole, PoleKind};
+use crate::analysis::modes::buckling::Buckling;
+use crate::analysis::modes::splits::Split;
+use crate::analysis::transfer::Disc;
+use crate::base::{Ball, Dd, Number, Rounded};
+
+/// Covers the few roundings of a bound itself.
+const UP: f64 = 1.0 + 1e-14;
+
+/// rad/s to Hz.
+pub fn hertz(omega: Ball) -> Ball {
+    omega / full_turn()
+}
+
+/// The time of one cycle in s, from an angular frequency in rad/s.
+pub fn period(omega: Ball) -> Ball {
+    full_turn() / omega
+}
+
+/// The time in s in which a motion that grows at this rate, in 1/s, doubles.
+pub fn doubling_time(rate: Ball) -> Ball {
+    Ball::LN_2 / rate
+}
+
+/// Radians to degrees.
+pub fn degrees(angle: Ball) -> Ball {
+    angle * Ball::from(180.0) / Ball::PI
+}
+
+/// 20 log10 of an amplitude ratio, dB; `None` for zero.
+pub fn level(ratio: Ball) -> Option<Ball> {
+    let level = Number::Ball(Ball::exact(ratio.mid)).to_decibel()?.to_ball();
+    // d(20 log10 g) = 8.69 dg / g, and a little more for a wide ball.
+    Some(level.widen(8.7 * ratio.relative_error().min(1e300)))
+}
+
+fn full_turn() -> Ball {
+    Ball::from(2.0) * Ball::PI
+}
+
+impl Mode {
+    /// rad/s; 0 for a rigid motion, `None` where it is not certain that the mode oscillates.
+    pub fn angular_frequency(&self) -> Option<Ball> {
+        matches!(self.kind, ModeKind::Oscillation | ModeKind::Rigid).then_some(self.omega)
+    }
+
+    /// Hz; where there is an angular frequency.
+    pub fn frequency(&self) -> Option<Ball> {
+        self.angular_frequency().map(hertz)
+    }
+
+    /// s; `None` where the mode does not oscillate.
+    pub fn period(&self) -> Option<Ball> {
+        (self.kind == ModeKind::Oscillation).then(|| period(self.omega))
+    }
+
+    /// 1/s; `None` where the mode does not diverge.
+    pub fn growth_rate(&self) -> Option<Ball> {
+        (self.kind == ModeKind::Divergence).then_some(self.omega)
+    }
+
+    /// A bound of the relative error of the angular frequency and of the frequency (of the growth rate where the mode
+    /// diverges), each as binary64; infinite where none is known.
+    pub fn error_bound(&self) -> f64 {
+        let frequency = if self.kind == ModeKind::Divergence { Ball::ZERO } else { hertz(self.omega) };
+        Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(frequency))
+    }
+
+    /// The same bound of the enclosures, whose digits may go beyond binary64.
+    pub fn enclosure_error(&self) -> f64 {
+        self.omega.relative_error().max(hertz(self.omega).relative_error())
+    }
+}
+
+impl Split {
+    /// Hz
+    pub fn frequency(&self) -> Ball {
+        hertz(self.omega)
+    }
+
+    /// The period of the beat of the two modes, s.
+    pub fn beat(&self) -> Ball {
+        period(self.omega)
+    }
+
+    /// A bound of the relative error of both differences, in rad/s and Hz, as binary64.
+    pub fn error_bound(&self) -> f64 {
+        Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(self.frequency()))
+    }
+}
+
+impl Buckling {
+    /// By which part of themselves the loads may grow; negative where they are too large already.
+    pub fn margin(&self) -> Ball {
+        self.load_factor - Ball::ONE
+    }
+}
+
+impl Pole {
+    /// |s| / (2 pi), Hz.
+    pub fn frequency(&self) -> Ball {
+        hertz(self.modulus())
+    }
+
+    /// |im s| / (2 pi), Hz.
+    pub fn damped_frequency(&self) -> Ball {
+        hertz(self.im.abs())
+    }
+
+    /// One of a complex pair.
+    pub fn is_complex(&self) -> bool {
+        match self.kind {
+            PoleKind::Oscillation | PoleKind::Flutter => true,
+            PoleKind::Undetermined => self.im.mid.hi != 0.0,
+            PoleKind::Overdamped | PoleKind::Rigid | PoleKind::Divergence => false,
+        }
+    }
+
+    /// The other one of its pair stands for both where motions are counted.
+    pub fn is_lower_half(&self) -> bool {
+        self.is_complex() && self.im.mid.hi < 0.0
+    }
+
+    pub fn grows(&self) -> bool {
+        matches!(self.kind, PoleKind::Flutter | PoleKind::Divergence)
+    }
+
+    /// 1 / |re s|, s: the amplitude has then fallen to 1/e. `None` where it does not decay.
+    pub fn decay_time(&self) -> Option<Ball> {
+        (!self.grows() && !self.re.is_zero()).then(|| Ball::ONE / self.re.abs())
+    }
+
+    /// Cycles after which the amplitude has halved: ln 2 |im| / (2 pi |re|). `None` where nothing oscillates and decays.
+    pub fn half_life(&self) -> Option<Ball> {
+        let halves = self.is_complex() && !self.grows() && !self.re.is_zero();
+        halves.then(|| hertz(Ball::LN_2 * self.im.abs() / self.re.abs()))
+    }
+
+    /// s; `None` where the motion does not grow.
+    pub fn doubling_time(&self) -> Option<Ball> {
+        self.grows().then(|| doubling_time(self.re))
+    }
+
+    /// A bound of the relative error as binary64: of the point in the complex plane, of its modulus and of its frequency.
+    pub fn error_bound(&self) -> f64 {
+        let omega = self.modulus();
+        if omega.is_zero() {
+            return self.relative_error;
+        }
+        let in_plane = (Rounded::bound_of(self.re) + Rounded::bound_of(self.im)) / omega.mignitude() * UP;
+        in_plane.max(Rounded::relative_bound_of(omega)).max(Rounded::relative_bound_of(self.frequency()))
+    }
+}
+
+impl Disc {
+    /// The angle of the value in radians, in (-pi, pi]; `None` for zero.
+    pub fn angle(&self) -> Option<Ball> {
+        // arcsin of the relative radius, less than pi / 2 times it.
+        Some(self.midpoint_angle()?.widen(1.6 * self.relative_error().min(1e300)))
+    }
+
+    /// The angle in degrees, in (-180, 180]; `None` for zero.
+    pub fn phase(&self) -> Option<Ball> {
+        // arcsin of the relative radius, in degrees: less than 90 times it.
+        Some(degrees(self.midpoint_angle()?).widen(90.0 * self.relative_error().min(1e300)))
+    }
+
+    fn midpoint_angle(&self) -> Option<Ball> {
+        let (re, im) = (Number::Ball(Ball::exact(self.value.re)), Number::Ball(Ball::exact(self.value.im)));
+        Some(Number::atan2(&im, &re)?.to_ball())
+    }
+
+    /// The gain in decibels; `None` for zero.
+    pub fn level(&self) -> Option<Ball> {
+        level(self.gain())
+    }
+
+    /// A bound of |printed - true| / |true| for the numbers that are printed: the two parts in the complex plane, and the
+    /// gain.
+    pub fn error_bound(&self) -> f64 {
+        let part = |x: Dd| Rounded::bound_of(Ball::exact(x));
+        let size = self.value.to_f64().abs() * (1.0 - 1e-15) - self.radius;
+        let lost = self.radius + part(self.value.re) + part(self.value.im);
+        let in_plane = match (lost, size) {
+            (0.0, _) => 0.0,
+            (_, size) if size > 0.0 => lost / size * (1.0 + 1e-12),
+            _ => f64::INFINITY,
+        };
+        in_plane.max(Rounded::relative_bound_of(self.gain()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::answer::Route;
+
+    fn pole(re: f64, im: f64, kind: PoleKind) -> Pole {
+        let (re, im) = (Ball::from(re), Ball::from(im));
+        let (relative_error, damping_ratio, cluster, defective) = (0.0, None, None, false);
+        Pole { re, im, relative_error, damping_ratio, kind, cluster, defective, route: Route::Exact }
+    }
+
+    fn near(value: Option<Ball>, truth: f64) {
+        let value = value.expect("a value");
+        assert!(
+            (value.to_f64() / truth - 1.0).abs() < 1e-15 && value.relative_error() < 1e-25,
+            "{value:?}, not {truth}"
+        );
+    }
+
+    /// s = -3 +- 4i: |s| = 5, half of it is gone after ln 2 / 3 s, which is 4 ln 2 / (6 pi) cycles.
+    #[test]
+    fn a_decaying_oscillation() {
+        let pole = pole(-3.0, 4.0, PoleKind::Oscillation);
+        let turn = std::f64::consts::TAU;
+        near(Some(pole.frequency()), 5.0 / turn);
+        near(Some(pole.damped_frequency()), 4.0 / turn);
+        near(pole.decay_time(), 1.0 / 3.0);
+        near(pole.half_life(), 4.0 * std::f64::consts::LN_2 / (3.0 * turn));
+        assert!(pole.doubling_time().is_none() && pole.error_bound() < 3e-16);
+    }
+
+    #[test]
+    fn what_grows_neither_decays_nor_halves() {
+        let pole = pole(0.5, 1.0, PoleKind::Flutter);
+        near(pole.doubling_time(), 2.0 * std::f64::consts::LN_2);
+        assert!(pole.decay_time().is_none() && pole.half_life().is_none());
+        // Nothing damps: the motion never decays.
+        let undamped = super::tests::pole(0.0, 1.0, PoleKind::Oscillation);
+        assert!(undamped.decay_time().is_none() && undamped.half_life().is_none());
+    }
+
+    /// 20 log10 2 = 6.02059991327962390427..., from tables of logarithms.
+    #[test]
+    fn twice_as_much_is_six_decibels() {
+        near(level(Ball::from(2.0)), 6.020_599_913_279_624);
+        assert!(level(Ball::ZERO).is_none());
+        assert!(level(Ball::from(2.0).widen(1e-3)).expect("a level").rad > 4.3e-3);
+    }
+}

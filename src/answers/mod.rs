@@ -1,0 +1,53 @@
+//! Answers as one value: what the stages and the questions found out about a model, for back ends to lay out. Nothing is
+//! computed or rounded here. Clause: spec.md, "Report".
+
+#[cfg(test)]
+pub(crate) mod samples;
+
+use crate::analysis::{Buckling, Modes, Pole, Poles, Verdict};
+use crate::base::Number;
+use crate::lower::{Account, Rest};
+use crate::questions::answer::{Requirement, Sensitivity, Solved};
+use crate::system::{Coordinate, LinearSystem};
+
+/// All that a modal report says.
+#[derive(Clone, Debug)]
+pub struct ModalAnswer {
+    /// The model's name.
+    pub model: String,
+    pub system: LinearSystem,
+    pub rest: Rest,
+    pub modes: Modes,
+    pub poles: Poles,
+    pub stability: Verdict,
+    /// Where gravity, tensions or reactions take stiffness away.
+    pub buckling: Option<Buckling>,
+    /// What was kept of the model and what was left out, where that was asked for.
+    pub account: Option<Account>,
+    /// Parameters that were solved for, in order of their lines.
+    pub solved: Vec<Solved>,
+    pub requirements: Vec<Requirement>,
+    /// Where they were asked for.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+impl ModalAnswer {
+    /// Every coordinate with its displacement at rest: those of the system, then those that depend on them.
+    pub fn displacements(&self) -> impl Iterator<Item = (&Coordinate, &Number)> {
+        let own = self.system.coordinates.iter().zip(&self.rest.displacement);
+        let dependent = self.rest.dependent.iter().map(|dependent| (&dependent.coordinate, &dependent.displacement));
+        own.chain(dependent)
+    }
+
+    /// The poles as motions, counted from 1: of a complex pair the one in the upper half plane.
+    pub fn motions(&self) -> impl Iterator<Item = (usize, &Pole)> {
+        (1..).zip(self.poles.list.iter().filter(|pole| !pole.is_lower_half()))
+    }
+
+    /// Claims of the report that are not proved: that the list of poles is complete, and the verdict on the rest.
+    pub fn not_proved(&self) -> impl Iterator<Item = &'static str> {
+        let count = self.poles.is_uncounted().then_some("that these are all poles, and each is there once");
+        let verdict = Some(self.stability.reason().not_proved()).filter(|claim| !claim.is_empty());
+        count.into_iter().chain(verdict)
+    }
+}
