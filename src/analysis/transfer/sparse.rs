@@ -8,6 +8,7 @@
 //! ACM TOMS 31 (2005) 587).
 
 use crate::analysis::numeric::complex::Complex;
+use crate::analysis::numeric::fused::fused;
 use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
 use crate::base::{Ball, Dd};
@@ -30,6 +31,12 @@ pub struct Pattern {
 #[derive(Clone, Debug)]
 pub struct Factors<'a> {
     pattern: &'a Pattern,
+    lower: Lower,
+}
+
+/// The entries of L by columns, each with its row, and 1 / D.
+#[derive(Clone, Debug)]
+struct Lower {
     rows: Vec<u32>,
     l: Vec<Disc>,
     reciprocal: Vec<Disc>,
@@ -113,32 +120,7 @@ impl Pattern {
 
     /// `None` where a pivot may be zero.
     pub fn factor(&self, entries: &[Entry]) -> Option<Factors<'_>> {
-        let n = self.n;
-        let (mut filled, mut flag) = (self.starts[..n].to_vec(), vec![NONE; n]);
-        let (mut rows, mut l) = (vec![0u32; self.starts[n]], vec![Disc::ZERO; self.starts[n]]);
-        let mut y = vec![Disc::ZERO; n];
-        let mut reciprocal: Vec<Disc> = Vec::with_capacity(n);
-        let (mut path, mut touched) = (Vec::new(), Vec::new());
-        for k in 0..n {
-            self.reach(k, &mut flag, &mut path, &mut touched);
-            for &(row, index) in &self.columns[k] {
-                y[row] = Disc::of(entries[index].value);
-            }
-            let mut pivot = std::mem::replace(&mut y[k], Disc::ZERO);
-            for &i in touched.iter().rev() {
-                let value = std::mem::replace(&mut y[i], Disc::ZERO);
-                for p in self.starts[i]..filled[i] {
-                    let at = rows[p] as usize;
-                    y[at] = y[at].minus(l[p].times(value));
-                }
-                let factor = value.times(reciprocal[i]);
-                pivot = pivot.minus(factor.times(value));
-                (rows[filled[i]], l[filled[i]]) = (k as u32, factor);
-                filled[i] += 1;
-            }
-            reciprocal.push(pivot.reciprocal()?);
-        }
-        Some(Factors { pattern: self, rows, l, reciprocal })
+        Some(Factors { pattern: self, lower: eliminate(self, entries)? })
     }
 
     /// The rows of L's row k, later ones first.
@@ -159,10 +141,63 @@ impl Pattern {
     }
 }
 
+fused! {
+    fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower> {
+        let (n, starts) = (pattern.n, &pattern.starts);
+        let (mut filled, mut flag) = (starts[..n].to_vec(), vec![NONE; n]);
+        let (mut rows, mut l) = (vec![0u32; starts[n]], vec![Disc::ZERO; starts[n]]);
+        let mut y = vec![Disc::ZERO; n];
+        let mut reciprocal: Vec<Disc> = Vec::with_capacity(n);
+        let (mut path, mut touched) = (Vec::new(), Vec::new());
+        for k in 0..n {
+            pattern.reach(k, &mut flag, &mut path, &mut touched);
+            for &(row, index) in &pattern.columns[k] {
+                y[row] = Disc::of(entries[index].value);
+            }
+            let mut pivot = std::mem::replace(&mut y[k], Disc::ZERO);
+            for &i in touched.iter().rev() {
+                let value = std::mem::replace(&mut y[i], Disc::ZERO);
+                for p in starts[i]..filled[i] {
+                    let at = rows[p] as usize;
+                    y[at] = y[at].minus(l[p].times(value));
+                }
+                let factor = value.times(reciprocal[i]);
+                pivot = pivot.minus(factor.times(value));
+                (rows[filled[i]], l[filled[i]]) = (k as u32, factor);
+                filled[i] += 1;
+            }
+            reciprocal.push(pivot.reciprocal()?);
+        }
+        Some(Lower { rows, l, reciprocal })
+    }
+}
+
+fused! {
+    /// x <- (L D L^T)^-1 x, in the order of elimination.
+    fn substitute(pattern: &Pattern, lower: &Lower, x: &mut [Disc]) {
+        for j in 0..pattern.n {
+            if x[j].is_zero() {
+                continue;
+            }
+            for p in pattern.starts[j]..pattern.starts[j + 1] {
+                let at = lower.rows[p] as usize;
+                x[at] = x[at].minus(lower.l[p].times(x[j]));
+            }
+        }
+        for j in (0..pattern.n).rev() {
+            let mut value = x[j].times(lower.reciprocal[j]);
+            for p in pattern.starts[j]..pattern.starts[j + 1] {
+                value = value.minus(lower.l[p].times(x[lower.rows[p] as usize]));
+            }
+            x[j] = value;
+        }
+    }
+}
+
 impl Factors<'_> {
     /// Whether D, and so the factored matrix, is certainly positive definite; for real matrices.
     pub fn is_positive(&self) -> bool {
-        self.reciprocal.iter().all(|d| d.value.re.hi * (1.0 - 1e-15) > d.radius)
+        self.lower.reciprocal.iter().all(|d| d.value.re.hi * (1.0 - 1e-15) > d.radius)
     }
 
     /// x from b, both in the order of the coordinates.
@@ -172,22 +207,7 @@ impl Factors<'_> {
         for (i, &value) in b.iter().enumerate() {
             x[pattern.place[i]] = Disc::of(value);
         }
-        for j in 0..pattern.n {
-            if x[j].is_zero() {
-                continue;
-            }
-            for p in pattern.starts[j]..pattern.starts[j + 1] {
-                let at = self.rows[p] as usize;
-                x[at] = x[at].minus(self.l[p].times(x[j]));
-            }
-        }
-        for j in (0..pattern.n).rev() {
-            let mut value = x[j].times(self.reciprocal[j]);
-            for p in pattern.starts[j]..pattern.starts[j + 1] {
-                value = value.minus(self.l[p].times(x[self.rows[p] as usize]));
-            }
-            x[j] = value;
-        }
+        substitute(pattern, &self.lower, &mut x);
         pattern.place.iter().map(|&place| x[place]).collect()
     }
 }
@@ -204,11 +224,13 @@ const UNDERFLOW: f64 = 1e-317;
 impl Disc {
     const ZERO: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: 0.0 };
 
+    #[inline(always)]
     fn is_zero(&self) -> bool {
         self.value.re.is_zero() && self.value.im.is_zero() && self.radius == 0.0
     }
 
     /// An upper bound of the midpoint's modulus.
+    #[inline(always)]
     fn size(&self) -> f64 {
         let (re, im) = (self.value.re.hi, self.value.im.hi);
         let root = (re * re + im * im).sqrt();
@@ -216,6 +238,7 @@ impl Disc {
         if root > 1e-150 { root * UP + TINY } else { re.abs() + im.abs() + TINY }
     }
 
+    #[inline(always)]
     fn times(self, b: Disc) -> Disc {
         if self.is_zero() || b.is_zero() {
             return Disc::ZERO;
@@ -225,6 +248,7 @@ impl Disc {
         Disc { value: self.value * b.value, radius: radius * UP }
     }
 
+    #[inline(always)]
     fn minus(self, b: Disc) -> Disc {
         let value = self.value - b.value;
         let difference = Disc { value, radius: 0.0 };
@@ -232,6 +256,7 @@ impl Disc {
     }
 
     /// `None` where it may be zero: |1/z - 1/m| <= r / (|m| (|m| - r)).
+    #[inline(always)]
     fn reciprocal(self) -> Option<Disc> {
         let (re, im) = (self.value.re, self.value.im);
         let size = self.size() * (1.0 - 4e-14) - 2.0 * TINY;
