@@ -17,9 +17,12 @@ use crate::analysis::poles::refinement::{Pair, SETTLED, balance_energies, norm, 
 use crate::analysis::poles::schur::ComplexColumns;
 use crate::base::Dd;
 
-/// The distance of s0 from the pole, relative to it: the square root of the rounding.
-const BESIDE: f64 = 1e-8;
-/// Each step wins some eight digits of thirty.
+/// The distance of s0 from the pole, relative to it: somewhat below the square root of the rounding, since other poles are nearer
+/// than zero is.
+const BESIDE: f64 = 2e-9;
+/// No step wins more than [`BESIDE`] allows, though a very good start may look like it.
+const CONTRACTION: f64 = 1e-7;
+/// Each step wins some seven digits of thirty.
 const MOST_STEPS: usize = 6;
 /// A start that is farther from its pole than this gains nothing from a step whose equations stand beside it.
 const FAR: f64 = 1e-4;
@@ -52,7 +55,8 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
     let mut pairs = expanded(basis, &starts, &y);
     let beside: Vec<Complex<f64>> = starts.iter().map(|&s| next_to(s)).collect();
     let v = solve(basis, family, &beside, slopes(basis, &starts, &y));
-    let mut states = vec![State::Moving { last: f64::INFINITY }; pairs.len()];
+    // Before the first step the error is at most the vector itself.
+    let mut states = vec![State::Moving { last: 1.0 }; pairs.len()];
     for _ in 0..MOST_STEPS {
         if !states.iter().any(|state| matches!(state, State::Moving { .. })) {
             break;
@@ -69,7 +73,12 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
         }
     }
     let finish = |(mut pair, state): (Pair, State)| {
-        (state == State::Settled).then(|| {
+        let refined = match state {
+            State::Settled => true,
+            State::Moving { last } => last < REFINED,
+            State::Lost => false,
+        };
+        refined.then(|| {
             balance_energies(pencil, &mut pair);
             pair
         })
@@ -77,12 +86,17 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
     pairs.into_iter().zip(states).map(finish).collect()
 }
 
-/// What a step of this relative size leaves, after one of size `last`.
+/// What a step of this relative size leaves, after one of size `last`: what is left is as much smaller than the step as the
+/// step is than the last one, and not by more than [`CONTRACTION`].
 fn after(size: f64, last: f64) -> State {
-    if !(size < FAR.min(last)) && size >= SETTLED {
-        return if size < REFINED { State::Settled } else { State::Lost };
+    let contraction = size / last;
+    if size < SETTLED || size * contraction.max(CONTRACTION) < SETTLED || (size < REFINED && contraction > 0.25) {
+        State::Settled
+    } else if size < FAR && contraction < 1.0 {
+        State::Moving { last: size }
+    } else {
+        State::Lost
     }
-    if size < SETTLED || (size < REFINED && size > 0.25 * last) { State::Settled } else { State::Moving { last: size } }
 }
 
 /// A real one stays real.
