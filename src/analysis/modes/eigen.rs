@@ -26,8 +26,9 @@ use std::cmp::Ordering;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
 const ALL_DIGITS: usize = 30;
-/// From here on reductions of whole matrices come first.
-const MIN_DENSE: usize = 64;
+/// From here on reductions of whole matrices come first: they are faster from some 20 coordinates on, and give the digits that
+/// the tolerance asks for.
+const MIN_DENSE: usize = ALL_DIGITS + 1;
 /// Up to this many coordinates the methods of small problems take seconds.
 const MAX_SLOW: usize = 400;
 /// A change that triple words do not show any more.
