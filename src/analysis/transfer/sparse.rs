@@ -27,19 +27,33 @@ pub struct Pattern {
     starts: Vec<usize>,
 }
 
+/// What an elimination computes with: [`Disc`] proves, binary64 steers.
+pub trait Scalar: Copy {
+    const ZERO: Self;
+    fn of(z: Complex<Ball>) -> Self;
+    fn is_zero(&self) -> bool;
+    fn times(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    /// `None` where it may be zero.
+    fn reciprocal(self) -> Option<Self>;
+    /// See [`Pattern::factor`] and [`Factors::solve`].
+    fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Self>>;
+    fn substitute(pattern: &Pattern, lower: &Lower<Self>, x: &mut [Self]);
+}
+
 /// L and D at a frequency.
 #[derive(Clone, Debug)]
-pub struct Factors<'a> {
+pub struct Factors<'a, T> {
     pattern: &'a Pattern,
-    lower: Lower,
+    lower: Lower<T>,
 }
 
 /// The entries of L by columns, each with its row, and 1 / D.
 #[derive(Clone, Debug)]
-struct Lower {
+pub struct Lower<T> {
     rows: Vec<u32>,
-    l: Vec<Disc>,
-    reciprocal: Vec<Disc>,
+    l: Vec<T>,
+    reciprocal: Vec<T>,
 }
 
 /// The steps of an elimination.
@@ -119,8 +133,8 @@ impl Pattern {
     }
 
     /// `None` where a pivot may be zero.
-    pub fn factor(&self, entries: &[Entry]) -> Option<Factors<'_>> {
-        Some(Factors { pattern: self, lower: eliminate(self, entries)? })
+    pub fn factor<T: Scalar>(&self, entries: &[Entry]) -> Option<Factors<'_, T>> {
+        Some(Factors { pattern: self, lower: T::eliminate(self, entries)? })
     }
 
     /// The rows of L's row k, later ones first.
@@ -141,73 +155,85 @@ impl Pattern {
     }
 }
 
-fused! {
-    fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower> {
-        let (n, starts) = (pattern.n, &pattern.starts);
-        let (mut filled, mut flag) = (starts[..n].to_vec(), vec![NONE; n]);
-        let (mut rows, mut l) = (vec![0u32; starts[n]], vec![Disc::ZERO; starts[n]]);
-        let mut y = vec![Disc::ZERO; n];
-        let mut reciprocal: Vec<Disc> = Vec::with_capacity(n);
-        let (mut path, mut touched) = (Vec::new(), Vec::new());
-        for k in 0..n {
-            pattern.reach(k, &mut flag, &mut path, &mut touched);
-            for &(row, index) in &pattern.columns[k] {
-                y[row] = Disc::of(entries[index].value);
-            }
-            let mut pivot = std::mem::replace(&mut y[k], Disc::ZERO);
-            for &i in touched.iter().rev() {
-                let value = std::mem::replace(&mut y[i], Disc::ZERO);
-                for p in starts[i]..filled[i] {
-                    let at = rows[p] as usize;
-                    y[at] = y[at].minus(l[p].times(value));
-                }
-                let factor = value.times(reciprocal[i]);
-                pivot = pivot.minus(factor.times(value));
-                (rows[filled[i]], l[filled[i]]) = (k as u32, factor);
-                filled[i] += 1;
-            }
-            reciprocal.push(pivot.reciprocal()?);
+#[inline(always)]
+fn eliminated<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T>> {
+    let (n, starts) = (pattern.n, &pattern.starts);
+    let (mut filled, mut flag) = (starts[..n].to_vec(), vec![NONE; n]);
+    let (mut rows, mut l) = (vec![0u32; starts[n]], vec![T::ZERO; starts[n]]);
+    let mut y = vec![T::ZERO; n];
+    let mut reciprocal: Vec<T> = Vec::with_capacity(n);
+    let (mut path, mut touched) = (Vec::new(), Vec::new());
+    for k in 0..n {
+        pattern.reach(k, &mut flag, &mut path, &mut touched);
+        for &(row, index) in &pattern.columns[k] {
+            y[row] = T::of(entries[index].value);
         }
-        Some(Lower { rows, l, reciprocal })
+        let mut pivot = std::mem::replace(&mut y[k], T::ZERO);
+        for &i in touched.iter().rev() {
+            let value = std::mem::replace(&mut y[i], T::ZERO);
+            for p in starts[i]..filled[i] {
+                let at = rows[p] as usize;
+                y[at] = y[at].minus(l[p].times(value));
+            }
+            let factor = value.times(reciprocal[i]);
+            pivot = pivot.minus(factor.times(value));
+            (rows[filled[i]], l[filled[i]]) = (k as u32, factor);
+            filled[i] += 1;
+        }
+        reciprocal.push(pivot.reciprocal()?);
+    }
+    Some(Lower { rows, l, reciprocal })
+}
+
+/// x <- (L D L^T)^-1 x, in the order of elimination.
+#[inline(always)]
+fn substituted<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
+    for j in 0..pattern.n {
+        if x[j].is_zero() {
+            continue;
+        }
+        for p in pattern.starts[j]..pattern.starts[j + 1] {
+            let at = lower.rows[p] as usize;
+            x[at] = x[at].minus(lower.l[p].times(x[j]));
+        }
+    }
+    for j in (0..pattern.n).rev() {
+        let mut value = x[j].times(lower.reciprocal[j]);
+        for p in pattern.starts[j]..pattern.starts[j + 1] {
+            value = value.minus(lower.l[p].times(x[lower.rows[p] as usize]));
+        }
+        x[j] = value;
     }
 }
 
 fused! {
-    /// x <- (L D L^T)^-1 x, in the order of elimination.
-    fn substitute(pattern: &Pattern, lower: &Lower, x: &mut [Disc]) {
-        for j in 0..pattern.n {
-            if x[j].is_zero() {
-                continue;
-            }
-            for p in pattern.starts[j]..pattern.starts[j + 1] {
-                let at = lower.rows[p] as usize;
-                x[at] = x[at].minus(lower.l[p].times(x[j]));
-            }
-        }
-        for j in (0..pattern.n).rev() {
-            let mut value = x[j].times(lower.reciprocal[j]);
-            for p in pattern.starts[j]..pattern.starts[j + 1] {
-                value = value.minus(lower.l[p].times(x[lower.rows[p] as usize]));
-            }
-            x[j] = value;
-        }
+    fn eliminate_discs(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Disc>> {
+        eliminated(pattern, entries)
     }
 }
 
-impl Factors<'_> {
+fused! {
+    fn substitute_discs(pattern: &Pattern, lower: &Lower<Disc>, x: &mut [Disc]) {
+        substituted(pattern, lower, x)
+    }
+}
+
+impl Factors<'_, Disc> {
     /// Whether D, and so the factored matrix, is certainly positive definite; for real matrices.
     pub fn is_positive(&self) -> bool {
         self.lower.reciprocal.iter().all(|d| d.value.re.hi * (1.0 - 1e-15) > d.radius)
     }
+}
 
+impl<T: Scalar> Factors<'_, T> {
     /// x from b, both in the order of the coordinates.
-    pub fn solve(&self, b: &[Complex<Ball>]) -> Vec<Disc> {
+    pub fn solve(&self, b: &[Complex<Ball>]) -> Vec<T> {
         let pattern = self.pattern;
-        let mut x = vec![Disc::ZERO; pattern.n];
+        let mut x = vec![T::ZERO; pattern.n];
         for (i, &value) in b.iter().enumerate() {
-            x[pattern.place[i]] = Disc::of(value);
+            x[pattern.place[i]] = T::of(value);
         }
-        substitute(pattern, &self.lower, &mut x);
+        T::substitute(pattern, &self.lower, &mut x);
         pattern.place.iter().map(|&place| x[place]).collect()
     }
 }
@@ -222,13 +248,6 @@ const TINY: f64 = 1e-300;
 const UNDERFLOW: f64 = 1e-317;
 
 impl Disc {
-    const ZERO: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: 0.0 };
-
-    #[inline(always)]
-    fn is_zero(&self) -> bool {
-        self.value.re.is_zero() && self.value.im.is_zero() && self.radius == 0.0
-    }
-
     /// An upper bound of the midpoint's modulus.
     #[inline(always)]
     fn size(&self) -> f64 {
@@ -236,6 +255,19 @@ impl Disc {
         let root = (re * re + im * im).sqrt();
         // Squares of smaller numbers are not what they should be.
         if root > 1e-150 { root * UP + TINY } else { re.abs() + im.abs() + TINY }
+    }
+}
+
+impl Scalar for Disc {
+    const ZERO: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: 0.0 };
+
+    fn of(z: Complex<Ball>) -> Disc {
+        Disc::of(z)
+    }
+
+    #[inline(always)]
+    fn is_zero(&self) -> bool {
+        self.value.re.is_zero() && self.value.im.is_zero() && self.radius == 0.0
     }
 
     #[inline(always)]
@@ -267,6 +299,49 @@ impl Disc {
         let value = Complex::new(re / square, -(im / square));
         let radius = self.radius / (size * (size - self.radius)) + 4.0 * UNIT / size;
         Some(Disc { value, radius: radius * UP })
+    }
+
+    fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Disc>> {
+        eliminate_discs(pattern, entries)
+    }
+
+    fn substitute(pattern: &Pattern, lower: &Lower<Disc>, x: &mut [Disc]) {
+        substitute_discs(pattern, lower, x);
+    }
+}
+
+impl Scalar for Complex<f64> {
+    const ZERO: Complex<f64> = Complex { re: 0.0, im: 0.0 };
+
+    fn of(z: Complex<Ball>) -> Complex<f64> {
+        z.to_f64()
+    }
+
+    fn is_zero(&self) -> bool {
+        *self == Complex::ZERO
+    }
+
+    #[inline(always)]
+    fn times(self, other: Complex<f64>) -> Complex<f64> {
+        self * other
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Complex<f64>) -> Complex<f64> {
+        self - other
+    }
+
+    fn reciprocal(self) -> Option<Complex<f64>> {
+        let inverse = self.recip();
+        inverse.is_finite().then_some(inverse)
+    }
+
+    fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Complex<f64>>> {
+        eliminated(pattern, entries)
+    }
+
+    fn substitute(pattern: &Pattern, lower: &Lower<Complex<f64>>, x: &mut [Complex<f64>]) {
+        substituted(pattern, lower, x);
     }
 }
 
@@ -342,7 +417,7 @@ mod tests {
         });
         for entries in [arrow, ring] {
             let pattern = Pattern::of(n, &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()).expect("small");
-            let factors = pattern.factor(&entries).expect("regular");
+            let factors = pattern.factor::<Disc>(&entries).expect("regular");
             let truth: Vec<Complex<Ball>> =
                 (0..n).map(|i| Complex::new(Ball::from(1.0 + i as f64), Ball::from(-(i as f64)))).collect();
             let mut b = vec![Complex::<Ball>::ZERO; n];
@@ -363,14 +438,14 @@ mod tests {
         let one = Complex::new(Ball::from(1.0), Ball::ZERO);
         let entries = [(3, 3), (3, 7), (7, 3)].map(|(i, j)| Entry { i, j, value: one });
         let pattern = Pattern::of(12, &entries.map(|e| (e.i, e.j))).expect("small");
-        assert!(pattern.factor(&entries).is_none(), "most rows are zero");
+        assert!(pattern.factor::<Disc>(&entries).is_none(), "most rows are zero");
     }
 
     #[test]
     fn a_zero_pivot_is_refused() {
         let entries = entries(2, |i, j| Some((if i == j { 0.0 } else { 1.0 }, 0.0)));
         let pattern = Pattern::of(2, &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()).expect("small");
-        assert!(pattern.factor(&entries).is_none());
+        assert!(pattern.factor::<Disc>(&entries).is_none());
     }
 
     /// A product that leaves the range of binary64 is not known to be zero, and small factors have their size.

@@ -13,6 +13,8 @@ use crate::base::{Ball, Dd};
 /// Steps towards one extremum, and doublings of its enclosure.
 const MOST_STEPS: usize = 100;
 const DOUBLINGS: usize = 40;
+/// Relative step below which binary64 has no more to say.
+const ROUGH: f64 = 1e-9;
 /// How far from a pole without damping |H| is looked at, relative to its frequency, and the circle about it on which |H| is
 /// compared with that; the arcs that the circle is covered with.
 const BESIDE_POLE: f64 = 1e-9;
@@ -121,8 +123,8 @@ impl Pair<'_> {
     /// A root of the slope where it changes its sign, alone in the ball.
     fn root(&self, (low, high): Interval, kind: FeatureKind) -> Option<Ball> {
         let before = if kind == FeatureKind::Peak { 1 } else { -1 };
+        let mut omega = Dd::from(self.rough_root((low, high), before));
         let (mut low, mut high) = (Dd::from(low), Dd::from(high));
-        let mut omega = (low + high) * 0.5;
         let mut blur = 0.0;
         for _ in 0..MOST_STEPS {
             let jet = self.jet(Ball::exact(omega))?;
@@ -155,6 +157,28 @@ impl Pair<'_> {
             reach *= 4.0;
         }
         None
+    }
+
+    /// The same in binary64 as far as it goes, from the middle: `before` is the sign of the slope below the root.
+    fn rough_root(&self, (mut low, mut high): Interval, before: i8) -> f64 {
+        let mut omega = 0.5 * (low + high);
+        for _ in 0..MOST_STEPS {
+            let Some(jet) = Jet::roughly(self.transfer, omega, self.input, self.output) else { break };
+            let (slope, curvature) = (jet.slope().to_f64(), jet.curvature().to_f64());
+            if (slope > 0.0) == (before > 0) {
+                low = omega;
+            } else {
+                high = omega;
+            }
+            let newton = omega - slope / curvature;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let step = (next - omega).abs();
+            omega = next;
+            if step <= ROUGH * omega {
+                break;
+            }
+        }
+        omega
     }
 
     fn extremum(&self, omega: Ball, kind: FeatureKind) -> Extremum {

@@ -4,6 +4,7 @@
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;
+use crate::analysis::transfer::sparse::Scalar;
 use crate::analysis::transfer::{Disc, MatrixEntry, Transfer, feed_through};
 use crate::base::{Ball, Number};
 use crate::system::CoordinateId;
@@ -22,13 +23,28 @@ impl Jet {
 
     /// The same anywhere in the complex plane.
     pub fn at(transfer: &Transfer, s: Complex<Ball>, input: usize, output: usize) -> Option<Jet> {
+        Jet::by(transfer, s, (input, output), rectangle)
+    }
+
+    /// In binary64, without bounds: to find the way to where an enclosure is worth its price.
+    pub fn roughly(transfer: &Transfer, omega: f64, input: usize, output: usize) -> Option<Jet> {
+        let exactly = |z: Complex<f64>| Complex::new(Ball::from(z.re), Ball::from(z.im));
+        Jet::by(transfer, Complex::new(Ball::ZERO, Ball::from(omega)), (input, output), exactly)
+    }
+
+    fn by<T: Scalar>(
+        transfer: &Transfer,
+        s: Complex<Ball>,
+        (input, output): (usize, usize),
+        enclosed: impl Fn(T) -> Complex<Ball>,
+    ) -> Option<Jet> {
         let square = s * s;
         let entry = |e: &MatrixEntry| {
             let value = Complex::real(e.k) + s.scale(e.c) + square.scale(e.m);
             Entry { i: e.i, j: e.j, value }
         };
         let entries: Vec<Entry> = transfer.entries.iter().map(entry).collect();
-        let factors = transfer.pattern.as_ref()?.factor(&entries)?;
+        let factors = transfer.pattern.as_ref()?.factor::<T>(&entries)?;
         let (input_row, output_row) = (&transfer.system.inputs[input], &transfer.system.outputs[output]);
         let mut x: [Vec<Complex<Ball>>; 3] = [Vec::new(), Vec::new(), Vec::new()];
         for order in 0..3 {
@@ -42,7 +58,7 @@ impl Jet {
                     _ => load[i] = load[i] - (slope() * x[1][j] + x[0][j].scale(e.m)).scale(Ball::from(2.0)),
                 }
             }
-            x[order] = factors.solve(&load).into_iter().map(rectangle).collect();
+            x[order] = factors.solve(&load).into_iter().map(&enclosed).collect();
         }
         let d = feed_through(output_row, input);
         let read = |order: usize| {
