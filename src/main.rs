@@ -77,12 +77,14 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     };
     let until = options.measured.until(&options.overrides);
     let study = vibc::Study { until, sensitivity: options.sensitivity };
-    let mut analysis = vibc::analyze_with(&input.sources, input.model, &input.overrides, &options.request(), &study);
+    let request = options.request();
+    let (mut analysis, explained) = match options.explain_model {
+        true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),
+        false => (vibc::analyze_with(&input.sources, input.model, &input.overrides, &request, &study), None),
+    };
     let status = failure(analysis.failure());
     show(&input.sources, std::mem::take(&mut analysis.diagnostics), messages);
-    let explained = options.explain_model.then(|| vibc::explain(&input.sources, input.model, &input.overrides));
-    let explained = explained.and_then(|outcome| outcome.answer);
-    let Some(answer) = &mut analysis.answer else {
+    let Some(answer) = &analysis.answer else {
         // A model that is too large to be analysed can be explained all the same.
         if let Some(explained) = explained.filter(|_| options.format == Format::Text) {
             let text = backend::report::explanation(&explained.model, &explained.account, &explained.system);
@@ -90,7 +92,6 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         }
         return status;
     };
-    answer.account = explained.map(|explained| explained.account);
     let wanted =
         ReportOptions { normalise: options.normalise.into(), matrices: options.matrices, digits: options.digits };
     let text = match options.format {

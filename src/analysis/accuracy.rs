@@ -7,7 +7,7 @@ use crate::analysis::modes::request::Request;
 use crate::base::{Code, Diagnostic, Span};
 use crate::system::{CoordinateId, LinearSystem};
 
-const CODE: Code = Code("vib::limit::tolerance");
+const CODE: Code = Code::limit("vib::limit::tolerance");
 
 /// The number farthest from being accurate enough.
 #[derive(Clone, Debug, PartialEq)]

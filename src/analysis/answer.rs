@@ -1,8 +1,8 @@
 //! What analyses return.
 
 use crate::analysis::poles::count::PoleCount;
-use crate::base::{Ball, Unproven};
-use crate::system::{CoordinateId, Label};
+use crate::base::{Ball, Dd, Unproven};
+use crate::system::{CoordinateId, Source};
 
 /// The road that found a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,9 @@ impl Modes {
     }
 }
 
+/// Up to so many coordinates modes keep their shapes in double-double: beyond, what needs them so is not computed either.
+pub(in crate::analysis) const PRECISE: usize = 128;
+
 /// A mode of M q'' + K q = 0.
 #[derive(Clone, Debug)]
 pub struct Mode {
@@ -111,6 +114,9 @@ pub struct Mode {
     pub cluster: Option<u32>,
     /// Displacement of each coordinate, mass-normalised (shape^T M shape = 1), sign as spec.md's "Normalisation" says.
     pub shape: Vec<f64>,
+    /// The same in double-double as it was computed: most modes of fewer than 64 coordinates have about 30 digits of it. `None`
+    /// where it was computed in binary64, and in systems of more than [`PRECISE`] coordinates.
+    pub precise: Option<Vec<Dd>>,
     /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
     /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.
     pub input_condition: Option<Unproven>,
@@ -118,10 +124,10 @@ pub struct Mode {
     /// where the translations carry nothing. `None` where nothing moves.
     pub leading: Option<CoordinateId>,
     /// Shares of the kinetic energy by body, largest first, none negative, summing to 1.
-    pub kinetic: Vec<Share<Label>>,
+    pub kinetic: Vec<Share<Source>>,
     /// Shares of the strain energy by what holds it (a spring's name, gravity), largest first, summing to 1
     /// (shares of geometric terms may be negative). Empty for rigid motions, and where the parts cancel to nothing.
-    pub strain: Vec<Share<Label>>,
+    pub strain: Vec<Share<Source>>,
     pub route: Route,
 }
 

@@ -2,11 +2,11 @@
 //! C = sum 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system; out: its C with these terms added.
 //! Clause: spec.md, "Response".
 
-use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::answer::{ModeKind, Modes, PRECISE};
+use crate::analysis::modes::form;
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::transfer::modal::refined_shapes;
 use crate::base::{Ball, Dd, Name, Number};
-use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature};
+use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 
 /// Adds alpha M + beta K, term by term: exact where these are.
 pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
@@ -19,7 +19,7 @@ pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
 
 fn source(system: &mut LinearSystem) -> u32 {
     let name = Label { name: Name::plain(system.words.intern("damping")), motion: "" };
-    system.c.source(name)
+    system.c.source(Source { name, origin: Origin::Damping })
 }
 
 fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
@@ -30,10 +30,15 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
 
 /// Adds the damping ratio to every oscillation. The rows M x_i are the double-double numbers that were computed: they give
 /// each mode its ratio to about 28 digits, and are data from then on.
-pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &Modes) {
+///
+/// The modes keep the shapes that were refined for it: they are those of the damped system too.
+pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) {
     let n = system.n();
     let m = Squares::of(&system.m);
-    let shapes = refined_shapes(system, modes);
+    let shapes = form::shapes(system, modes);
+    if n <= PRECISE {
+        modes.list.iter_mut().enumerate().for_each(|(i, mode)| mode.precise = Some(shapes.column(i).to_vec()));
+    }
     let source = source(system);
     for (i, mode) in modes.list.iter().enumerate().filter(|(_, mode)| mode.kind == ModeKind::Oscillation) {
         let row = momentum(&m, shapes.column(i), n);
@@ -74,8 +79,8 @@ mod tests {
     #[test]
     fn every_mode_gets_its_ratio() {
         let mut system = chain();
-        let undamped = modes(&system).expect("modes");
-        modal(&mut system, &Number::from("0.02"), &undamped);
+        let mut undamped = modes(&system).expect("modes");
+        modal(&mut system, &Number::from("0.02"), &mut undamped);
         let poles = poles(&system, &undamped).expect("poles");
         assert_eq!(poles.list.len(), 6);
         for pole in &poles.list {

@@ -68,18 +68,20 @@ impl AnalysisError {
     }
 
     pub fn code(&self) -> Code {
-        Code(match self {
-            AnalysisError::TooManyCoordinates { .. } | AnalysisError::NotSparse { .. } => "vib::limit::modes",
-            AnalysisError::SingularMass { .. } => "vib::mass::singular",
-            AnalysisError::IndefiniteMass { .. } => "vib::mass::indefinite",
-            AnalysisError::TooManyStates { .. } => "vib::limit::states",
-            AnalysisError::SignalTooLong { .. } => "vib::limit::signal",
-            AnalysisError::BlowOnBase { .. } => "vib::signal::base_impulse",
+        match self {
+            AnalysisError::TooManyCoordinates { .. } | AnalysisError::NotSparse { .. } => {
+                Code::limit("vib::limit::modes")
+            }
+            AnalysisError::SingularMass { .. } => Code::model("vib::mass::singular"),
+            AnalysisError::IndefiniteMass { .. } => Code::model("vib::mass::indefinite"),
+            AnalysisError::TooManyStates { .. } => Code::limit("vib::limit::states"),
+            AnalysisError::SignalTooLong { .. } => Code::limit("vib::limit::signal"),
+            AnalysisError::BlowOnBase { .. } => Code::model("vib::signal::base_impulse"),
             AnalysisError::MotionOutOfRange { .. }
             | AnalysisError::CodeOutOfRange { .. }
             | AnalysisError::StepTooLong { .. }
-            | AnalysisError::OutOfRange { .. } => "vib::limit::range",
-        })
+            | AnalysisError::OutOfRange { .. } => Code::limit("vib::limit::range"),
+        }
     }
 
     pub fn to_diagnostic(&self) -> Diagnostic {

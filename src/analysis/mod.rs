@@ -29,7 +29,7 @@ pub use answer::{Before, Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Sh
 pub use discrete::{DiscreteSystem, discretise};
 pub use error::AnalysisError;
 pub use measures::Measurement;
-pub use modal::{Modal, modal, modal_by_ratio, takes_chained};
+pub use modal::{Modal, modal, modal_by_ratio, modal_from, takes_chained};
 pub use modes::buckling::{Buckling, buckling};
 pub use modes::request::{Band, Request, Which};
 pub use modes::shape::{Normalise, normalise};
@@ -38,7 +38,7 @@ pub use modes::{all_modes, modes, modes_as};
 pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::count::PoleCount;
 pub use poles::poles;
-pub use response::{History, grid, respond, samples};
+pub use response::{History, grid, respond, respond_with, samples};
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};

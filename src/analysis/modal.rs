@@ -36,6 +36,11 @@ pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
 
 /// The modes asked for, and what goes with them.
 pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
+    modal_from(system, None, request)
+}
+
+/// [`modal`] where [`crate::analysis::modes`] of the system, or of one with the same M and K, may have been computed before.
+pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Request) -> Result<Modal, AnalysisError> {
     if system.is_chained() {
         return of_chained(system, request);
     }
@@ -46,10 +51,20 @@ pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, Analysis
         let stability = stability(system, &modes, &poles);
         return Ok(Modal { modes, poles, stability });
     }
-    let modes = modes_as(system, &Request { which: Which::All, ..*request })?;
+    let modes = all_modes(system, known, request)?;
     let poles = poles(system, &modes)?;
     let stability = stability(system, &modes, &poles);
     Ok(Modal { modes, poles, stability }.cut(request.which))
+}
+
+/// All modes to the accuracy asked for: those that are known, if they have it.
+fn all_modes(system: &LinearSystem, known: Option<&Modes>, request: &Request) -> Result<Modes, AnalysisError> {
+    let all = Request { which: Which::All, ..*request };
+    let plain = Request { asked: None, ..all } == Request::default();
+    match known.filter(|_| plain) {
+        Some(modes) => Ok(modes.clone()),
+        None => modes_as(system, &all),
+    }
 }
 
 impl Modal {
@@ -108,6 +123,7 @@ const FURTHER: usize = 5;
 pub fn modal_by_ratio(
     system: &LinearSystem,
     ratio: &Number,
+    known: Option<&Modes>,
     request: &Request,
 ) -> Result<Option<Modal>, AnalysisError> {
     let whole = whole(system);
@@ -116,8 +132,7 @@ pub fn modal_by_ratio(
     }
     // An overdamped mode may have the slowest pole of all.
     let all = system.n() <= MAX_ALL && largest(system) <= MAX_UNASKED;
-    let which = if all { Which::All } else { request.which };
-    let modes = modes_as(system, &Request { which, ..*request })?;
+    let modes = if all { all_modes(system, known, request)? } else { modes_as(system, request)? };
     let poles = poles_by_ratio(system, &whole, &modes, ratio);
     Ok(poles.map(|poles| {
         let stability = stability_by_ratio(system, &modes, &poles, ratio);

@@ -186,7 +186,7 @@ mod tests {
     fn fed() -> LinearSystem {
         let mut system = oscillator("1", "0.1", "4");
         let (term, mut c) = (system.c.terms()[0].clone(), Form::new());
-        let source = c.source(system.c.source_name(term.source));
+        let source = c.source(system.c.source_of(term.source));
         c.push(source, term.nature, -&term.weight, system.c.row(&term).iter().cloned());
         system.c = c;
         system
@@ -234,7 +234,7 @@ mod tests {
         push(&mut system.c, "0.3", 0, None);
         let fed = fed();
         let term = &fed.c.terms()[0];
-        let source = system.c.source(fed.c.source_name(term.source));
+        let source = system.c.source(fed.c.source_of(term.source));
         system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).iter().cloned());
         let verdict = stability(&system, &modes(&system).expect("modes"), &Poles::default());
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
@@ -265,7 +265,7 @@ mod tests {
         let fed = fed();
         for (form, source, weight) in [(&mut system.c, &fed.c, None), (&mut system.k, &fed.k, Number::from(2).sqrt())] {
             let term = &source.terms()[0];
-            let to = form.source(source.source_name(term.source));
+            let to = form.source(source.source_of(term.source));
             let at = CoordinateId(u32::from(weight.is_some()));
             form.push(to, term.nature, weight.unwrap_or(term.weight.clone()), [(at, Number::ONE)]);
         }

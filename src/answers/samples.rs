@@ -6,7 +6,7 @@ use crate::analysis::{
 };
 use crate::base::{Ball, Dd, FileId, Name, Number, Rational, Span, Unproven, Words};
 use crate::lower::Rest;
-use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
+use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Source};
 
 /// The cart with a rod: the mass matrix, springs and damper of the problem set, with answers to twelve digits.
 pub fn cart() -> ModalAnswer {
@@ -107,8 +107,8 @@ pub fn free_pair() -> ModalAnswer {
 /// An upright rod on a soft hinge spring, found leaning by 0.01 rad: it falls.
 pub fn upright_rod() -> ModalAnswer {
     let mut answer = cart();
-    let gravity = answer.system.k.source_name(1);
-    let rod = answer.system.m.source_name(1);
+    let gravity = answer.system.k.source_of(1).name;
+    let rod = answer.system.m.source_of(1).name;
     let mut falling = oscillation(2.95211788391, &[1.7320508], &[(rod, 1.0)], &[(gravity, 1.0)]);
     falling.kind = ModeKind::Divergence;
     falling.omega_squared = -falling.omega_squared;
@@ -179,10 +179,11 @@ fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(L
         omega,
         cluster: None,
         shape: shape.to_vec(),
+        precise: None,
         input_condition: Some(Unproven(2.0)),
         leading: Some(CoordinateId(0)),
-        kinetic: kinetic.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),
-        strain: strain.iter().map(|(of, part)| Share { of: *of, part: Unproven(*part) }).collect(),
+        kinetic: kinetic.iter().map(|(of, part)| Share { of: Source::from(*of), part: Unproven(*part) }).collect(),
+        strain: strain.iter().map(|(of, part)| Share { of: Source::from(*of), part: Unproven(*part) }).collect(),
         route: Route::FactoredDoubleDouble,
     }
 }

@@ -5,9 +5,43 @@
 use super::source::Span;
 use std::fmt;
 
-/// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`. Its page is `docs/diagnostics/unit/mismatch.md`.
+/// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`, and what an error of that kind means for the run. Its page
+/// is `docs/diagnostics/unit/mismatch.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Code(pub &'static str);
+pub struct Code(pub &'static str, Failure);
+
+/// What has failed where errors were found; decides the exit status.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Failure {
+    /// The model is wrong.
+    Model,
+    /// A file that it names could not be read.
+    File,
+    /// The model may be right, but a number that it asks for could not be found.
+    Limit,
+}
+
+impl Code {
+    /// The model is wrong, or worth a remark.
+    pub const fn model(name: &'static str) -> Code {
+        Code(name, Failure::Model)
+    }
+
+    /// A file that the model names could not be read.
+    pub const fn file(name: &'static str) -> Code {
+        Code(name, Failure::File)
+    }
+
+    /// The model may be right, but a number that it asks for could not be found.
+    pub const fn limit(name: &'static str) -> Code {
+        Code(name, Failure::Limit)
+    }
+
+    /// What an error with this code says has failed.
+    pub const fn failure(self) -> Failure {
+        self.1
+    }
+}
 
 impl fmt::Display for Code {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -10,7 +10,7 @@ pub mod source;
 pub mod unit;
 pub mod vector;
 
-pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Label, Mend, Severity};
+pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Label, Mend, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};

@@ -5,7 +5,7 @@ use super::roles::{self, Role};
 use super::tokens::{self, Token, TokenKind};
 use crate::analysis::{self, AnalysisError, Modal, Modes, Request, Which};
 use crate::base::{Diagnostic, FileId, LineIndex, Sources};
-use crate::lower::{Lowered, Rest};
+use crate::lower::{Lowered, Mechanism, Rest};
 use crate::model::{self, CheckedScene, Defined, Overrides};
 use crate::questions::{Requirement, Solved};
 use crate::syntax::{self, tree::Tree};
@@ -50,6 +50,7 @@ pub struct Known {
 pub struct Motions {
     pub system: LinearSystem,
     pub rest: Rest,
+    pub mechanism: Mechanism,
     /// The lowest ones.
     pub modes: Modes,
     /// Modes with their damping; `None` without dampers, or where it is still to come.
@@ -73,11 +74,11 @@ impl Document {
     /// A model among its texts, taken as far as there is time for between two key strokes. What was known of the version
     /// before stays known while this one has errors.
     pub fn new(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
-        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Quick);
-        let n = inspection.lowered.as_ref().map_or(0, |lowered| lowered.system.n());
-        if n <= FEW {
-            return Document::whole(sources, file, before);
+        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::UpTo(FEW));
+        if inspection.is_whole {
+            return Document::of_whole(sources, file, inspection, before);
         }
+        let n = inspection.lowered.as_ref().map_or(0, |lowered| lowered.system.n());
         let mut document = Document::of(sources, file, inspection, before, |system| match system.n() <= MANY {
             true => Ok(Some((analysis::modes_as(system, &request())?, None))),
             false => Ok(None),
@@ -89,6 +90,10 @@ impl Document {
     /// A model through every stage, however long it takes.
     pub fn whole(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
         let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Whole);
+        Document::of_whole(sources, file, inspection, before)
+    }
+
+    fn of_whole(sources: Sources, file: FileId, inspection: Inspection, before: Option<&Document>) -> Document {
         Document::of(sources, file, inspection, before, |system| {
             if system.c.is_empty() {
                 return Ok(Some((analysis::modes_as(system, &request())?, None)));
@@ -114,20 +119,21 @@ impl Document {
         analyse: impl FnOnce(&LinearSystem) -> Result<Option<(Modes, Option<Modal>)>, AnalysisError>,
     ) -> Document {
         let overrides = Overrides::default();
-        let tree = syntax::parse(&sources, file).tree;
+        let tree = inspection.tree.take().unwrap_or_else(|| syntax::parse(&sources, file).tree);
         let values = model::values(&sources, &tree, &overrides, &inspection.settings);
         let text = sources.text(file);
         let lines = LineIndex::new(text);
         let tokens = tokens::tokens(text);
         let outline = Outline::new(text, &tokens);
         let roles = roles::roles(text, &tokens, &outline);
-        let motions = inspection.lowered.take().and_then(|Lowered { system, rest, .. }| match analyse(&system) {
-            Ok(found) => found.map(|(modes, modal)| Motions { system, rest, modes, modal }),
-            Err(error) => {
-                inspection.diagnostics.push(error.to_diagnostic());
-                None
-            }
-        });
+        let motions =
+            inspection.lowered.take().and_then(|Lowered { system, rest, mechanism }| match analyse(&system) {
+                Ok(found) => found.map(|(modes, modal)| Motions { system, rest, mechanism, modes, modal }),
+                Err(error) => {
+                    inspection.diagnostics.push(error.to_diagnostic());
+                    None
+                }
+            });
         let now = inspection.scene.map(|scene| Arc::new(Known { scene, motions }));
         let is_current = now.is_some();
         let known = now.or_else(|| before.and_then(|document| document.known.clone()));

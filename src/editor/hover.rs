@@ -7,10 +7,9 @@ use super::roles::{Role, Space};
 use super::shown;
 use super::tokens::TokenKind;
 use crate::base::Number;
-use crate::lower;
 use crate::model::scene::{Body, Element, Freedom, Geometry, Law, Scene};
 use crate::model::{Scalar, Value};
-use crate::system::Label;
+use crate::system::Origin;
 use std::ops::Range;
 
 /// Markdown about a range of the text.
@@ -148,7 +147,7 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     };
     if let Some(motions) = motions {
         text += &shares(motions, "kinetic energy", |mode| {
-            mode.kinetic.iter().filter(|share| share.of.name == body.name).map(|share| share.part.0).sum()
+            mode.kinetic.iter().filter(|share| share.of.name.name == body.name).map(|share| share.part.0).sum()
         });
     }
     text
@@ -186,8 +185,7 @@ fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String 
     if chosen.is_empty() {
         return text;
     }
-    let at_rest =
-        known.motions.as_ref().map(|motions| lower::springs_at_rest(&known.scene, &motions.system, &motions.rest));
+    let at_rest = known.motions.as_ref().map(|motions| motions.mechanism.springs_at_rest(scene, &motions.rest));
     for (index, element) in chosen {
         let turns = element.geometry == Geometry::Torsion;
         let name = scene.words.display(element.name);
@@ -208,9 +206,9 @@ fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String 
             }
         }
         if let (Some(motions), Law::Spring { .. }) = (&known.motions, &element.law) {
-            let own = Label { name: element.name, motion: "" };
+            let own = Origin::Element(index as u32);
             text += &shares(motions, "strain energy", |mode| {
-                mode.strain.iter().filter(|share| share.of == own).map(|share| share.part.0).sum()
+                mode.strain.iter().filter(|share| share.of.origin == own).map(|share| share.part.0).sum()
             });
         }
     }

@@ -1,17 +1,16 @@
-//! What lowering kept of a scene, what it left out, and why. In: a checked scene and the system that it became; out: a list
+//! What lowering kept of a scene, what it left out, and why. In: a checked scene and what lowering made of it; out: a list
 //! for people. Worked out on demand only: a scene that nobody asks about does not pay for it. Clause: spec.md 9.3.
 //!
 //! Nothing is left out that could change an answer: a term whose row is zero, a weight that does no work, a property that no
 //! freedom uses. So results with and without are the same numbers.
 
+use super::Lowered;
 use super::kinematics::{End, Kinematics, Path};
 use super::loads::{self, Between};
-use super::tree;
 use crate::base::{Name, Number};
 use crate::model::CheckedScene;
 use crate::model::scene::{Body, BodyId, Element, InputKind, Law, Part, Scene};
-use crate::system::{Form, LinearSystem};
-use std::collections::BTreeSet;
+use crate::system::{Form, LinearSystem, Origin};
 
 /// What a model was taken for.
 #[derive(Clone, Debug, Default)]
@@ -27,15 +26,12 @@ pub struct Remark {
     pub why: String,
 }
 
-/// Explains a system that came of a scene.
-pub fn account(scene: &CheckedScene, system: &LinearSystem) -> Account {
-    let scene = scene.scene();
-    // A scene that became a system has a tree.
-    let Ok(tree) = tree::build(scene) else { return Account::default() };
+/// Explains what became of a scene.
+pub fn account(scene: &CheckedScene, lowered: &Lowered) -> Account {
     let mut explanation = Explanation {
-        scene,
-        kinematics: &Kinematics::new(scene, tree),
-        system,
+        scene: scene.scene(),
+        kinematics: &lowered.mechanism.kinematics,
+        system: &lowered.system,
         path: Path::default(),
         account: Account::default(),
     };
@@ -124,11 +120,7 @@ impl Explanation<'_> {
             return;
         }
         let way = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
-        let stiffens = (0..self.system.k.source_count()).any(|source| {
-            let label = self.system.k.source_name(source as u32);
-            self.system.words.display(label.name) == "gravity"
-                && self.system.k.terms().iter().any(|term| term.source == source as u32)
-        });
+        let stiffens = origins(&self.system.k).any(|origin| origin == Origin::Gravity);
         if way.is_empty() {
             self.leave_out("gravity", "no weight can do work in any motion of the scene");
         } else if stiffens {
@@ -139,16 +131,18 @@ impl Explanation<'_> {
     }
 
     fn elements(&mut self) {
-        let mut felt = with_terms(&self.system.k);
-        felt.append(&mut with_terms(&self.system.c));
-        let mut between = Between::default();
-        for element in &self.scene.elements {
-            if !felt.contains(&element.name) {
-                let why = self.why_idle(element, &mut between);
-                self.leave_out(self.name(element.name), why);
+        let mut acts = vec![false; self.scene.elements.len()];
+        for origin in origins(&self.system.k).chain(origins(&self.system.c)) {
+            if let Origin::Element(element) = origin {
+                acts[element as usize] = true;
             }
         }
-        let count = self.scene.elements.iter().filter(|element| felt.contains(&element.name)).count();
+        let mut between = Between::default();
+        for (element, _) in self.scene.elements.iter().zip(&acts).filter(|(_, acts)| !**acts) {
+            let why = self.why_idle(element, &mut between);
+            self.leave_out(self.name(element.name), why);
+        }
+        let count = acts.iter().filter(|acts| **acts).count();
         if count > 0 {
             self.keep(counted(count, "spring or damper", "springs and dampers"), "their ends move against each other");
         }
@@ -184,9 +178,9 @@ impl Explanation<'_> {
     }
 }
 
-/// What has terms in a form.
-fn with_terms(form: &Form) -> BTreeSet<Name> {
-    form.terms().iter().map(|term| form.source_name(term.source).name).collect()
+/// Where the terms of a form come from.
+fn origins(form: &Form) -> impl Iterator<Item = Origin> {
+    form.terms().iter().map(|term| form.source_of(term.source).origin)
 }
 
 fn counted(count: usize, one: &str, many: &str) -> String {

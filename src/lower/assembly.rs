@@ -18,7 +18,9 @@ use crate::elements::stretch::over_length;
 use crate::elements::{Damper, Stretch, Stretched, Vector};
 use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Law, Motion, MotionTerm, Output, Scene};
 use crate::system::chain::ChainedRow;
-use crate::system::{self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
+use crate::system::{
+    self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Origin, Source,
+};
 
 /// A row over all coordinates, free and prescribed.
 pub type Row = Vec<(Index, Number)>;
@@ -52,6 +54,8 @@ pub fn assemble(
     tensions: Tensions,
 ) -> Result<(LinearSystem, Vec<Idle>), Vec<LowerError>> {
     let mut assembly = Assembly::new(scene, kinematics, reduction, state, tensions);
+    assembly.m.reserve(scene.bodies.len(), reduction.n());
+    assembly.k.reserve(scene.elements.len(), 2 * scene.elements.len());
     assembly.inertia();
     assembly.gravity();
     for (number, element) in scene.elements.iter().enumerate() {
@@ -59,8 +63,8 @@ pub fn assemble(
     }
     assembly.reactions(constraints);
     assembly.every_freedom_is_determined()?;
-    for input in &scene.inputs {
-        assembly.constant_load(input);
+    for (index, input) in scene.inputs.iter().enumerate() {
+        assembly.constant_load(index, input);
     }
     for (index, input) in scene.inputs.iter().enumerate() {
         assembly.input(index, input);
@@ -69,6 +73,19 @@ pub fn assemble(
     let initial = initial::initial(scene, &mut assembly)?;
     let idle = assembly.idle_parts();
     Ok((assembly.finish(outputs, initial), idle))
+}
+
+/// Further outputs of a scene whose system has been assembled: rows over its coordinates at the rest that was found.
+pub fn outputs<'a>(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    reduction: &Reduction,
+    state: &State<Number>,
+    outputs: impl IntoIterator<Item = &'a Output>,
+) -> Vec<system::Output> {
+    let tensions = Tensions { held: None, slack: &Slack::default() };
+    let mut assembly = Assembly::new(scene, kinematics, reduction, state, tensions);
+    outputs.into_iter().map(|output| assembly.output(output)).collect()
 }
 
 /// A spring, damper or input without any part in what moves: its place among those of the scene.
@@ -107,10 +124,6 @@ impl<'a> Assembly<'a> {
         state: &'a State<Number>,
         tensions: Tensions<'a>,
     ) -> Assembly<'a> {
-        let mut m = Form::new();
-        let mut k = Form::new();
-        m.reserve(scene.bodies.len(), reduction.n());
-        k.reserve(scene.elements.len(), 2 * scene.elements.len());
         Assembly {
             scene,
             kinematics,
@@ -118,9 +131,9 @@ impl<'a> Assembly<'a> {
             state,
             tensions,
             words: scene.words.clone(),
-            m,
+            m: Form::new(),
             c: Form::new(),
-            k,
+            k: Form::new(),
             columns: vec![Default::default(); scene.inputs.len()],
             between: Between::default(),
             reach: Reach::default(),
@@ -158,7 +171,7 @@ impl<'a> Assembly<'a> {
         let chain = self.kinematics.hangs_deep(self.scene).then(|| Chain::new(self.kinematics, self.state));
         for (index, body) in self.scene.bodies.iter().enumerate() {
             let piece = self.kinematics.tree.bodies[index];
-            let source = self.m.source(plain(body.name));
+            let source = self.m.source(Source { name: plain(body.name), origin: Origin::Body(index as u32) });
             let chained = chain.as_ref().filter(|chain| !chain.is_still(piece));
             let mass = body.mass.as_ref().filter(|mass| !mass.is_zero());
             if let (Some(mass), Some(chain)) = (mass, chained) {
@@ -235,7 +248,7 @@ impl<'a> Assembly<'a> {
         let path = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
         self.reach.measure(self.kinematics, self.state, &path);
         let name = Name::plain(self.words.intern("gravity"));
-        let source = self.k.source(plain(name));
+        let source = self.k.source(Source { name: plain(name), origin: Origin::Gravity });
         self.curvature(source, &Vector::of(&self.scene.gravity).negated());
     }
 
@@ -260,12 +273,13 @@ impl<'a> Assembly<'a> {
     }
 
     fn terms_of(&mut self, number: usize, element: &Element) {
+        let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
         match &element.law {
             Law::Spring { stiffness, rest } => {
                 let law = (stiffness, rest);
                 let spring = loads::spring(self.kinematics, &element.ends, &element.geometry, law, &mut self.between);
                 let stretched = self.stretched(&spring.stretch);
-                let source = self.k.source(plain(element.name));
+                let source = self.k.source(made_by);
                 self.slope_square(Order::Displacement, source, &spring.stiffness, &stretched);
                 let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
                     Some(rate) => rate.clone(),
@@ -278,7 +292,7 @@ impl<'a> Assembly<'a> {
                 let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
                 let damper = Damper { stretch, damping: damping.clone() };
                 let stretched = self.stretched(&damper.stretch);
-                let source = self.c.source(plain(element.name));
+                let source = self.c.source(made_by);
                 self.slope_square(Order::Velocity, source, &damper.damping, &stretched);
             }
         }
@@ -414,9 +428,9 @@ impl<'a> Assembly<'a> {
     }
 
     /// A constant load is part of rest: only its curvature is left.
-    fn constant_load(&mut self, input: &Input) {
+    fn constant_load(&mut self, index: usize, input: &Input) {
         let Some(load) = loads::constant(input) else { return };
-        let source = self.k.source(plain(input.name));
+        let source = self.k.source(Source { name: plain(input.name), origin: Origin::Input(index as u32) });
         match &input.kind {
             InputKind::Force { ends, direction } => {
                 for (end, force) in ends.iter().zip(loads::opposite(&load, direction)) {
@@ -445,11 +459,12 @@ impl<'a> Assembly<'a> {
             None => survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn()),
         };
         let multipliers = self.reduction.multipliers(&forces, constraints.list.len());
-        for (constraint, multiplier) in constraints.list.iter().zip(&multipliers) {
+        for ((index, constraint), multiplier) in (0..).zip(&constraints.list).zip(&multipliers) {
             if multiplier.is_zero() {
                 continue;
             }
-            let source = self.k.source(plain(constraint.source.name(self.scene)));
+            let name = plain(constraint.source.name(self.scene));
+            let source = self.k.source(Source { name, origin: Origin::Constraint(index) });
             let mut entries = Vec::new();
             let visit = |i, j, value| entries.push((i, j, value));
             constraint.equation.curvature(self.kinematics, self.state, multiplier, &mut self.reach, visit);

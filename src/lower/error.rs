@@ -2,35 +2,33 @@
 
 use super::constraints::Why;
 use crate::base::{Code, Diagnostic, Span};
+use crate::model::TABLE_UNREADABLE;
 use crate::model::scene::{BodyId, Scene};
 
 /// Bodies without a freedom clause that no joint ties to the ground.
-pub const LOOSE: Code = Code("vib::freedom::loose");
+pub const LOOSE: Code = Code::model("vib::freedom::loose");
 /// Nothing in the scene can move.
-pub const NO_FREEDOM: Code = Code("vib::freedom::none");
+pub const NO_FREEDOM: Code = Code::model("vib::freedom::none");
 /// A freedom that moves no mass and that nothing holds.
-pub const NO_INERTIA: Code = Code("vib::freedom::no_inertia");
+pub const NO_INERTIA: Code = Code::model("vib::freedom::no_inertia");
 /// A body turns about a point that nothing says the place of.
-pub const UNKNOWN_PLACE: Code = Code("vib::position::unknown");
+pub const UNKNOWN_PLACE: Code = Code::model("vib::position::unknown");
 /// Joints and couplings that hold each other.
-pub const CONFLICT: Code = Code("vib::loop::conflict");
+pub const CONFLICT: Code = Code::model("vib::loop::conflict");
 /// A position in which joints leave more motions than beside it.
-pub const RANK_DROP: Code = Code("vib::loop::rank_drop");
+pub const RANK_DROP: Code = Code::model("vib::loop::rank_drop");
 /// A joint or a coupling that says what others say already.
-pub const REDUNDANT: Code = Code("vib::loop::redundant");
+pub const REDUNDANT: Code = Code::model("vib::loop::redundant");
 /// More row entries than there is room for.
-pub const TOO_DEEP: Code = Code("vib::limit::depth");
+pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
 /// More coordinates in closed loops than a rest is searched for.
-pub const LARGE_LOOP: Code = Code("vib::limit::loops");
+pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
 /// No static rest.
-pub const NO_REST: Code = Code("vib::rest::not_found");
+pub const NO_REST: Code = Code::limit("vib::rest::not_found");
 /// A drawing that is declared to be the rest, and cannot be.
-pub const UNHELD: Code = Code("vib::rest::unbalanced");
+pub const UNHELD: Code = Code::model("vib::rest::unbalanced");
 /// Initial motions that contradict each other or do not say enough.
-pub const INITIAL: Code = Code("vib::initial::undetermined");
-
-/// A table that was not given to the check.
-pub const TABLE_UNREAD: Code = Code("vib::table::unreadable");
+pub const INITIAL: Code = Code::model("vib::initial::undetermined");
 
 /// At most this many places are shown beside the primary one.
 const SHOWN: usize = 6;
@@ -139,7 +137,7 @@ impl LowerError {
                     .mend_by_field(*span, &["at = (0, 0)"])
             }
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
-            LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREAD, *span, "this table was not read")
+            LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREADABLE, *span, "this table was not read")
                 .help("name fewer different tables in one model"),
             LowerError::TooDeep { entries, span } => Diagnostic::error(
                 TOO_DEEP,

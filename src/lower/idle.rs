@@ -7,8 +7,8 @@ use crate::base::{Code, Diagnostic, Span, Vec3};
 use crate::model::scene::{Element, Geometry, Input, InputKind, Law, Scene};
 use std::collections::HashSet;
 
-const ELEMENT: Code = Code("vib::unused::element");
-const INPUT: Code = Code("vib::unused::input");
+const ELEMENT: Code = Code::model("vib::unused::element");
+const INPUT: Code = Code::model("vib::unused::input");
 
 /// Declarations told one by one: a `repeat` may make a million that do nothing, and one of them says it for all.
 const SHOWN: usize = 100;

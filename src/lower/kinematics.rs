@@ -183,15 +183,21 @@ impl Kinematics {
         let joints = scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld);
         let ends = joints.flat_map(|joint| &joint.ends).chain(elements.flat_map(|element| &element.ends)).chain(inputs);
         let ends = ends.filter(|end| end.at.is_some()).map(|end| (end.part, end.span));
-        let points = scene.outputs.iter().flat_map(|output| {
-            let point = |term: &MotionTerm| match &term.motion {
-                Motion::Point { part, at: Some(_), .. } => Some((*part, output.span)),
-                _ => None,
-            };
-            output.terms.iter().filter_map(point)
-        });
         let nowhere = |(part, _): &(Part, Span)| self.turns_about_nowhere(self.tree.piece(*part));
-        ends.chain(points).filter(nowhere).filter_map(|(part, span)| unknown_place(scene, part, span)).collect()
+        let ends = ends.filter(nowhere).filter_map(|(part, span)| unknown_place(scene, part, span));
+        ends.chain(scene.outputs.iter().flat_map(|output| self.read_without_place(scene, &output.terms, output.span)))
+            .collect()
+    }
+
+    /// Points that are read of parts that turn about a place that nothing tells.
+    pub fn read_without_place(&self, scene: &Scene, terms: &[MotionTerm], span: Span) -> Vec<LowerError> {
+        let point = |term: &MotionTerm| match &term.motion {
+            Motion::Point { part, at: Some(_), .. } if self.turns_about_nowhere(self.tree.piece(*part)) => {
+                unknown_place(scene, *part, span)
+            }
+            _ => None,
+        };
+        terms.iter().filter_map(point).collect()
     }
 
     /// Whether the rows of the masses are written with each other (spec.md 9.5): where written out they would be long, and

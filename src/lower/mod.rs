@@ -10,7 +10,6 @@
 
 pub mod account;
 pub mod assembly;
-mod at_rest;
 mod chain;
 pub mod constraints;
 mod drives;
@@ -19,18 +18,20 @@ mod idle;
 pub mod initial;
 pub mod kinematics;
 pub mod loads;
+pub mod mechanism;
 pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
-pub use at_rest::{SpringAtRest, springs_at_rest};
 pub use drives::drives;
+pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use rest::{Dependent, Proven, Rest, Tension};
 
 use crate::base::{Diagnostic, Diagnostics};
 use crate::model::CheckedScene;
 use crate::model::scene::Scene;
 use crate::system::LinearSystem;
+use crate::system::chain::TooLong;
 use error::LowerError;
 use kinematics::Kinematics;
 
@@ -39,6 +40,8 @@ use kinematics::Kinematics;
 pub struct Lowered {
     pub system: LinearSystem,
     pub rest: Rest,
+    /// How the scene moves about its rest, for what is asked of it later.
+    pub mechanism: Mechanism,
 }
 
 /// A lowered scene, unless there are errors.
@@ -64,15 +67,16 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
     Outcome { lowered, diagnostics }
 }
 
-/// The same with rows over coordinates alone, as the analyses take them; refused where they would not fit into memory.
-pub fn flattened(lowered: Lowered) -> Result<Lowered, LowerError> {
-    let Lowered { system, rest } = lowered;
-    let spans: Vec<_> =
-        if system.is_chained() { system.coordinates.iter().map(|c| c.span).collect() } else { Vec::new() };
-    let system = system.flattened(kinematics::MAX_WRITTEN_OUT);
-    let system =
-        system.map_err(|found| LowerError::TooDeep { entries: found.entries, span: spans[found.deepest.index()] })?;
-    Ok(Lowered { system, rest })
+impl Lowered {
+    /// Writes chained rows out over the coordinates, as most analyses take them; refused, and nothing changed, where they
+    /// would not fit into memory.
+    pub fn flatten(&mut self) -> Result<(), LowerError> {
+        let found = self.system.flatten(kinematics::MAX_WRITTEN_OUT);
+        found.map_err(|TooLong { entries, deepest }| {
+            let span = self.system.coordinates[deepest.index()].span;
+            LowerError::TooDeep { entries, span }
+        })
+    }
 }
 
 fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
@@ -86,7 +90,8 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     constraints.check_freedom(scene, &kinematics, &reduction)?;
     let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
     let (system, idle) = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
-    let rest = found.finish(scene, &kinematics, &reduction, &system)?;
+    let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle)).collect();
-    Ok((Lowered { system, rest }, notes))
+    let mechanism = Mechanism::new(kinematics, reduction, state);
+    Ok((Lowered { system, rest, mechanism }, notes))
 }

@@ -40,6 +40,7 @@ use crate::syntax::limits;
 use crate::syntax::tree::Tree;
 use bodies::Directions;
 use collect::Instances;
+pub use error::TABLE_UNREADABLE;
 use error::{Error, NameError};
 use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
@@ -69,13 +70,14 @@ pub struct CheckedScene {
 }
 
 impl CheckedScene {
-    /// For the check alone, and for tests of what comes after it.
-    pub fn new(scene: Scene) -> CheckedScene {
-        CheckedScene { scene }
-    }
-
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// This scene without the damping that is declared for the whole of it. A scene without damping passes every check that
+    /// one with damping passes.
+    pub fn without_damping(&self) -> CheckedScene {
+        CheckedScene { scene: Scene { damping: None, ..self.scene.clone() } }
     }
 }
 
@@ -275,7 +277,7 @@ impl<'a> Check<'a> {
         self.diagnostics.extend(errors.more(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
         self.diagnostics.extend(others.more(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
         self.scene.words = std::mem::take(&mut self.words);
-        let scene = (!self.diagnostics.has_errors()).then(|| CheckedScene::new(self.scene));
+        let scene = (!self.diagnostics.has_errors()).then(|| CheckedScene { scene: self.scene });
         Checked { scene, diagnostics: self.diagnostics }
     }
 }

@@ -34,7 +34,7 @@ id!(/// Index into [`Scene::inputs`].
 id!(/// Index into [`Scene::outputs`].
     OutputId);
 
-/// A resolved and checked model. Made by `model::check` alone; see [`super::CheckedScene`].
+/// A resolved and checked model: see [`super::CheckedScene`], which only the check makes.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub name: String,

@@ -6,7 +6,7 @@ use super::answer::{Requirement, Value, few_digits, shown, told};
 use super::derivative::{slope, step};
 use super::error::Mover;
 use super::require::stands;
-use super::trial::Text;
+use super::trial::{Known, Text};
 use crate::analysis::Measurement;
 use crate::base::{Ball, Number, Quantity, Rational};
 use crate::model::Setting;
@@ -138,7 +138,8 @@ impl Advice<'_> {
         let moved: Vec<Setting> = others.chain([(parameter.name.clone(), quantity)]).collect();
         let scene = self.text.scene(&moved).ok()?;
         let question = scene.scene().requires.get(self.index)?.question.clone();
-        let measured = self.text.measure_scene(&scene, std::slice::from_ref(&question), None).ok()?.pop()?;
+        let measured =
+            self.text.measure_scene(&scene, std::slice::from_ref(&question), Known::default()).ok()?.pop()?;
         Some((question, measured))
     }
 

@@ -130,20 +130,22 @@ pub struct Mover {
 
 impl AskedError {
     pub fn code(&self) -> Code {
-        Code(match self {
-            AskedError::NoRoot { .. } | AskedError::Apart { .. } => "vib::solve::no_root",
-            AskedError::SeveralRoots { .. } | AskedError::SeveralTogether { .. } => "vib::solve::several_roots",
-            AskedError::Touches { .. } | AskedError::NothingSettled { .. } | AskedError::Unsettled { .. } => {
-                "vib::solve::unsettled"
+        match self {
+            AskedError::NoRoot { .. } | AskedError::Apart { .. } => Code::model("vib::solve::no_root"),
+            AskedError::SeveralRoots { .. } | AskedError::SeveralTogether { .. } => {
+                Code::model("vib::solve::several_roots")
             }
-            AskedError::Independent { .. } => "vib::solve::independent",
-            AskedError::NoValue { .. } => "vib::solve::no_value",
-            AskedError::Twice { .. } => "vib::solve::twice",
-            AskedError::Singular { .. } => "vib::solve::singular",
-            AskedError::Fails { .. } => "vib::require::fails",
-            AskedError::Undetermined { .. } => "vib::require::undetermined",
-            AskedError::NoNumber { .. } => "vib::require::no_value",
-        })
+            AskedError::Touches { .. } | AskedError::NothingSettled { .. } | AskedError::Unsettled { .. } => {
+                Code::limit("vib::solve::unsettled")
+            }
+            AskedError::Independent { .. } => Code::model("vib::solve::independent"),
+            AskedError::NoValue { .. } => Code::model("vib::solve::no_value"),
+            AskedError::Twice { .. } => Code::model("vib::solve::twice"),
+            AskedError::Singular { .. } => Code::model("vib::solve::singular"),
+            AskedError::Fails { .. } => Code::model("vib::require::fails"),
+            AskedError::Undetermined { .. } => Code::limit("vib::require::undetermined"),
+            AskedError::NoNumber { .. } => Code::model("vib::require::no_value"),
+        }
     }
 
     pub fn to_diagnostic(&self) -> Diagnostic {

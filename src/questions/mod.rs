@@ -28,4 +28,4 @@ pub use answer::{Requirement, Sensitivity, Solved};
 pub use require::requirements;
 pub use sensitivity::sensitivities;
 pub use together::{Settled, solve};
-pub use trial::{Stages, Text};
+pub use trial::{Known, Text};

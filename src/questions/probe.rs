@@ -1,12 +1,12 @@
-//! Measures of a scene as measures of its linear system. In: a scene and questions; out: the scene with an output for each
-//! combination of motions that a question names, and probes that say what to measure; then, of a system, the numbers.
+//! Measures of a scene as measures of its linear system. In: questions; out: an output for each combination of motions that a
+//! question names, and probes that say what to measure; then, of a system, the numbers.
 
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stability};
-use crate::base::{Ball, Dimension, Number};
-use crate::lower::Lowered;
-use crate::model::scene::{Measure, MotionTerm, Output, Question, Scene, Signal};
+use crate::base::{Ball, Number};
+use crate::lower::{Lowered, Readout};
+use crate::model::scene::{Measure, MotionTerm, Question, Scene, Signal};
 use crate::system::{LinearSystem, Signal as DrivenBy};
 
 /// What to measure of the system.
@@ -27,47 +27,65 @@ pub enum Probe {
     Critical(usize),
 }
 
-/// Adds the outputs that the questions need; one probe for each question.
-pub fn prepare(scene: &mut Scene, questions: &[Question]) -> Vec<Probe> {
-    questions.iter().map(|question| probe(scene, question)).collect()
+/// One probe for each question, and the outputs that they read.
+pub struct Plan {
+    pub probes: Vec<Probe>,
+    /// Outputs beyond those that the scene declares, numbered after these.
+    pub readouts: Vec<Readout>,
 }
 
-/// The same for what is solved for: measures that end where they are asked to be, as a frequency does at zero and a damping
-/// ratio at one, are replaced by what passes zero there.
-pub fn prepare_crossings(scene: &mut Scene, questions: &[Question]) -> Vec<Probe> {
+/// What answers the questions.
+pub fn prepare(scene: &Scene, questions: &[Question]) -> Plan {
+    let mut outputs = Outputs::new(scene);
+    let probes = questions.iter().map(|question| outputs.probe(question)).collect();
+    Plan { probes, readouts: outputs.added }
+}
+
+/// What finds where the questions are answered by their values: measures that end where they are asked to be, as a frequency
+/// does at zero and a damping ratio at one, are replaced by what passes zero there.
+pub fn prepare_crossings(scene: &Scene, questions: &[Question]) -> Plan {
+    let mut outputs = Outputs::new(scene);
     let crossing = |question: &Question| match &question.measure {
         Measure::Frequency { mode } if question.value.is_zero() => Some(Probe::Square(*mode as usize)),
         Measure::DampingRatio { mode } if question.value.is_one() => Some(Probe::Critical(*mode as usize)),
         _ => None,
     };
-    questions.iter().map(|question| crossing(question).unwrap_or_else(|| probe(scene, question))).collect()
+    let probe = |question: &Question| crossing(question).unwrap_or_else(|| outputs.probe(question));
+    let probes = questions.iter().map(probe).collect();
+    Plan { probes, readouts: outputs.added }
 }
 
-fn probe(scene: &mut Scene, question: &Question) -> Probe {
-    let mut add = |terms: &[MotionTerm]| add_output(scene, question, terms);
-    match &question.measure {
-        Measure::Frequency { mode } => Probe::Frequency(*mode as usize),
-        Measure::DampingRatio { mode } => Probe::Damping(*mode as usize),
-        Measure::Gain { input, output, frequency } => Probe::Gain(input.index(), add(output), frequency.clone()),
-        Measure::Phase { input, output, frequency } => Probe::Phase(input.index(), add(output), frequency.clone()),
-        Measure::Amplitude { output } => Probe::Amplitude(add(output)),
-        Measure::Static { output } => Probe::Static(add(output)),
-        Measure::Peak { output } => Probe::Peak(add(output)),
-        Measure::Rms { output } => Probe::Rms(add(output)),
-        Measure::Stable => Probe::Stable,
+/// Outputs that are added to those of a scene.
+struct Outputs {
+    declared: usize,
+    added: Vec<Readout>,
+}
+
+impl Outputs {
+    fn new(scene: &Scene) -> Outputs {
+        Outputs { declared: scene.outputs.len(), added: Vec::new() }
     }
-}
 
-fn add_output(scene: &mut Scene, question: &Question, terms: &[MotionTerm]) -> usize {
-    let name = crate::base::Name::plain(scene.words.intern("measure"));
-    scene.outputs.push(Output {
-        name,
-        span: question.span,
-        terms: terms.to_vec(),
-        dimension: Dimension::NONE,
-        is_angle: false,
-    });
-    scene.outputs.len() - 1
+    fn probe(&mut self, question: &Question) -> Probe {
+        let mut add = |terms: &[MotionTerm]| self.add(question, terms);
+        match &question.measure {
+            Measure::Frequency { mode } => Probe::Frequency(*mode as usize),
+            Measure::DampingRatio { mode } => Probe::Damping(*mode as usize),
+            Measure::Gain { input, output, frequency } => Probe::Gain(input.index(), add(output), frequency.clone()),
+            Measure::Phase { input, output, frequency } => Probe::Phase(input.index(), add(output), frequency.clone()),
+            Measure::Amplitude { output } => Probe::Amplitude(add(output)),
+            Measure::Static { output } => Probe::Static(add(output)),
+            Measure::Peak { output } => Probe::Peak(add(output)),
+            Measure::Rms { output } => Probe::Rms(add(output)),
+            Measure::Stable => Probe::Stable,
+        }
+    }
+
+    /// The number of the new output.
+    fn add(&mut self, question: &Question, terms: &[MotionTerm]) -> usize {
+        self.added.push(Readout { terms: terms.to_vec(), span: question.span });
+        self.declared + self.added.len() - 1
+    }
 }
 
 impl Probe {

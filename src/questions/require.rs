@@ -5,19 +5,19 @@
 use super::advice::Advice;
 use super::answer::{Requirement, Value, few_digits, shown, told};
 use super::error::{AskedError, Mover};
-use super::trial::Text;
-use crate::analysis::{Measurement, Modes, Poles};
+use super::trial::{Known, Text};
+use crate::analysis::Measurement;
 use crate::base::{Ball, Number};
 use crate::model::scene::{Comparison, Parameter, Question, Require};
 use crate::model::{CheckedScene, Setting};
 use std::cmp::Ordering;
 
-/// Every requirement of a scene. `known` modes and poles are not computed again.
+/// Every requirement of a scene.
 pub fn requirements(
     text: &Text,
     scene: &CheckedScene,
     settings: &[Setting],
-    known: Option<(&Modes, &Poles)>,
+    known: Known,
 ) -> (Vec<Requirement>, Vec<AskedError>) {
     let requires = &scene.scene().requires;
     let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
@@ -25,8 +25,11 @@ pub fn requirements(
         // One reason for all of them.
         questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
     });
-    let list: Vec<Requirement> =
-        requires.iter().zip(measured).map(|(require, measured)| requirement(text, scene, require, measured)).collect();
+    let list: Vec<Requirement> = requires
+        .iter()
+        .zip(measured)
+        .map(|(require, measured)| requirement(text, scene, known, require, measured))
+        .collect();
     // What is solved for is not there to be changed.
     let solved =
         |parameter: &Parameter| scene.scene().solves.iter().any(|solve| solve.parameter.name == parameter.name);
@@ -41,11 +44,17 @@ pub fn requirements(
     (list, findings)
 }
 
-fn requirement(text: &Text, scene: &CheckedScene, require: &Require, measured: Measurement) -> Requirement {
+fn requirement(
+    text: &Text,
+    scene: &CheckedScene,
+    known: Known,
+    require: &Require,
+    measured: Measurement,
+) -> Requirement {
     let question = &require.question;
     let (holds, margin) = match (&measured, require.comparison) {
         (Measurement::Value(value), Some(comparison)) => {
-            let order = || text.compared(scene, question).map(|order| keeps(order, comparison));
+            let order = || text.compared(scene, question, known).map(|order| keeps(order, comparison));
             let holds = stands(&measured, require.comparison, &question.value).or_else(order);
             (holds, Some(margin(value, comparison, &question.value)))
         }

@@ -8,7 +8,7 @@ use super::error::{AskedError, Reach, Told};
 use super::newton;
 use super::over::{Asked, Centre, Over};
 use super::search::{Difference, Look, Root, Seen};
-use super::trial::Text;
+use super::trial::{Known, Text};
 use crate::analysis::Measurement;
 use crate::analysis::derived::hertz;
 use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven};
@@ -156,7 +156,7 @@ impl<'a> Unknowns<'a> {
         values[unknown] = value.clone();
         let Ok(scene) = self.text.scene(&self.settings_at(&values)) else { return false };
         let Some(solve) = scene.scene().solves.get(equation) else { return false };
-        self.text.compared(&scene, &solve.question) == Some(std::cmp::Ordering::Equal)
+        self.text.compared(&scene, &solve.question, Known::default()) == Some(std::cmp::Ordering::Equal)
     }
 
     /// Looks over parts of a range that a scene of this size is worth.

@@ -3,15 +3,15 @@
 
 use super::exact;
 use super::over::{Asked, Centre, Drive};
-use super::probe::{Measured, Probe, prepare, prepare_crossings};
+use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings};
 use crate::analysis::measures;
 use crate::analysis::range::Family;
 use crate::analysis::{
-    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal, modes, modes_as, peak, poles,
+    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal_from, modes, modes_as, peak, poles,
 };
 use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
-use crate::lower::Lowered;
+use crate::dynamics::{self, WrittenOut};
 use crate::model::scene::{Damping, Measure, Parameter, Question, Scene};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
@@ -24,19 +24,8 @@ pub struct Text<'a> {
     pub sources: &'a Sources,
     pub tree: &'a Tree,
     pub overrides: &'a Overrides,
-    pub stages: Stages<'a>,
     /// How long the motion in time is followed, where that is known, s.
     pub until: Option<&'a Number>,
-}
-
-/// A stage: from a scene to what it makes of it, or to findings.
-type Stage<'a, T> = &'a dyn Fn(&CheckedScene, &mut Diagnostics) -> Option<T>;
-
-/// The stages that a scene goes through before it can be measured.
-#[derive(Clone, Copy)]
-pub struct Stages<'a> {
-    pub lower: Stage<'a, Lowered>,
-    pub drives: Stage<'a, Vec<Vec<Signal>>>,
 }
 
 /// What measures of signals need besides the system.
@@ -45,6 +34,14 @@ pub struct Context {
     pub drives: Vec<Vec<Signal>>,
     /// How long the motion is followed, s; `None` where nothing says how long.
     pub until: Option<Number>,
+}
+
+/// What is known of a scene already, and is not computed again.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    pub system: Option<&'a WrittenOut>,
+    /// All of them.
+    pub spectrum: Option<(&'a Modes, &'a Poles)>,
 }
 
 /// Parts larger than this give their lowest modes alone.
@@ -69,7 +66,7 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Vec<Question>,
     ) -> Result<Vec<Measurement>, String> {
         let scene = self.scene(values)?;
-        self.measure_scene(&scene, &choose(&scene), None)
+        self.measure_scene(&scene, &choose(&scene), Known::default())
     }
 
     /// The same for what is solved for (see [`prepare_crossings`]).
@@ -80,26 +77,29 @@ impl Text<'_> {
     ) -> Result<Vec<Measurement>, String> {
         let scene = self.scene(values)?;
         let questions = choose(&scene);
-        self.applied(&scene, &questions, None, &prepare_crossings, |measured, probes| measured.measure(probes))
+        self.applied(&scene, &questions, Known::default(), &prepare_crossings, |measured, probes| {
+            measured.measure(probes)
+        })
     }
 
     /// The eigenvalue or the pole that the measure of a question is made of.
     pub fn centre(&self, values: &[Setting], choose: impl Fn(&CheckedScene) -> Option<Question>) -> Option<Centre> {
         let scene = self.scene(values).ok()?;
         let question = choose(&scene)?;
-        let found = self.applied(&scene, std::slice::from_ref(&question), None, &prepare, |measured, probes| {
-            match &probes[0] {
-                Probe::Frequency(mode) => {
-                    let mode = mode.checked_sub(1).and_then(|i| measured.modes?.list.get(i))?;
-                    Some(Centre::Eigenvalue(mode.omega_squared))
+        let found =
+            self.applied(&scene, std::slice::from_ref(&question), Known::default(), &prepare, |measured, probes| {
+                match &probes[0] {
+                    Probe::Frequency(mode) => {
+                        let mode = mode.checked_sub(1).and_then(|i| measured.modes?.list.get(i))?;
+                        Some(Centre::Eigenvalue(mode.omega_squared))
+                    }
+                    Probe::Damping(motion) => {
+                        let pole = measures::damped_motion(measured.poles?, *motion).ok()?;
+                        Some(Centre::Pole(pole.re, pole.im))
+                    }
+                    _ => Some(Centre::None),
                 }
-                Probe::Damping(motion) => {
-                    let pole = measures::damped_motion(measured.poles?, *motion).ok()?;
-                    Some(Centre::Pole(pole.re, pole.im))
-                }
-                _ => Some(Centre::None),
-            }
-        });
+            });
         found.ok()?
     }
 
@@ -113,18 +113,18 @@ impl Text<'_> {
         let prepared = || {
             let scene = self.scene(values).ok()?;
             let question = choose(&scene)?;
-            let mut scene = scene.scene().clone();
-            let probe = prepare_crossings(&mut scene, std::slice::from_ref(&question)).pop()?;
-            match (&scene.damping, &probe) {
+            let Plan { mut probes, readouts } = prepare_crossings(scene.scene(), std::slice::from_ref(&question));
+            let probe = probes.pop()?;
+            let scene = match (&scene.scene().damping, &probe) {
                 // No damping is in these.
-                (_, Probe::Frequency(_) | Probe::Square(_)) => scene.damping = None,
+                (_, Probe::Frequency(_) | Probe::Square(_)) => scene.without_damping(),
                 // The shapes that make this damping are not enclosed over ranges.
                 (Some(Damping::Modal { .. }), _) => return None,
-                _ => {}
-            }
-            let scene = CheckedScene::new(scene);
+                _ => scene,
+            };
             let mut said = Diagnostics::new();
-            let lowered = (self.stages.lower)(&scene, &mut said).filter(|lowered| lowered.rest.is_proven())?;
+            let mut lowered = dynamics::written_out(&scene, &mut said)?.lowered;
+            lowered.read(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
             let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
             Some((scene, question, probe, lowered, context))
         };
@@ -140,41 +140,48 @@ impl Text<'_> {
         Some(tell(&Asked { family, course, drive, probe, question }))
     }
 
-    /// The measures of a scene. `known` modes and poles are not computed again.
+    /// The measures of a scene.
     pub fn measure_scene(
         &self,
         scene: &CheckedScene,
         questions: &[Question],
-        known: Option<(&Modes, &Poles)>,
+        known: Known,
     ) -> Result<Vec<Measurement>, String> {
         self.applied(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
     /// How the measure of a question compares with its value, decided exactly; `None` where that cannot be done.
-    pub fn compared(&self, scene: &CheckedScene, question: &Question) -> Option<Ordering> {
+    pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Known) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
-        self.applied(scene, questions, None, &prepare, |measured, probes| {
+        self.applied(scene, questions, known, &prepare, |measured, probes| {
             exact::compare(measured, &probes[0], question)
         })
         .ok()?
     }
 
-    /// Lowers a scene with an output for each question, computes what their probes need, and applies something to it.
+    /// Gives the system of a scene an output for each question, computes what their probes need, and applies something to it.
     fn applied<T>(
         &self,
         scene: &CheckedScene,
         questions: &[Question],
-        known: Option<(&Modes, &Poles)>,
-        prepare: &dyn Fn(&mut Scene, &[Question]) -> Vec<Probe>,
+        known: Known,
+        prepare: &dyn Fn(&Scene, &[Question]) -> Plan,
         apply: impl FnOnce(&Measured, &[Probe]) -> T,
     ) -> Result<T, String> {
-        let mut with_outputs = scene.scene().clone();
-        let probes = prepare(&mut with_outputs, questions);
-        let scene = &CheckedScene::new(with_outputs);
-        let mut said = Diagnostics::new();
-        let lowered = (self.stages.lower)(scene, &mut said).ok_or_else(|| first_error(&said))?;
-        let computed = if known.is_none() { Some(computed(&lowered.system, &probes)?) } else { None };
-        let (modes, poles) = match (known, &computed) {
+        let Plan { probes, readouts } = prepare(scene.scene(), questions);
+        let WrittenOut { mut lowered, modes } = match known.system {
+            Some(system) => system.clone(),
+            None => {
+                let mut said = Diagnostics::new();
+                dynamics::written_out(scene, &mut said).ok_or_else(|| first_error(&said))?
+            }
+        };
+        lowered.read(scene.scene(), readouts).map_err(|error| error.to_diagnostic().message)?;
+        let computed = match known.spectrum {
+            None => Some(computed(&lowered.system, modes, &probes)?),
+            Some(_) => None,
+        };
+        let (modes, poles) = match (known.spectrum, &computed) {
             (Some((modes, poles)), _) => (Some(modes), Some(poles)),
             (None, Some((modes, poles))) => (modes.as_ref(), poles.as_ref()),
             (None, None) => (None, None),
@@ -187,32 +194,30 @@ impl Text<'_> {
     pub fn modal(&self, values: &[Setting], request: &Request) -> Result<Modal, String> {
         let scene = self.scene(values)?;
         let mut said = Diagnostics::new();
-        let lowered = (self.stages.lower)(&scene, &mut said).ok_or_else(|| first_error(&said))?;
-        modal(&lowered.system, request).map_err(|error| error.to_diagnostic().message)
+        let WrittenOut { lowered, modes } =
+            dynamics::written_out(&scene, &mut said).ok_or_else(|| first_error(&said))?;
+        modal_from(&lowered.system, modes.as_ref(), request).map_err(|error| error.to_diagnostic().message)
     }
 
     /// The modes without damping with some parameters at these values.
     pub fn undamped(&self, values: &[Setting], request: &Request) -> Result<Modes, String> {
-        let mut scene = self.scene(values)?.scene().clone();
-        scene.damping = None;
+        let scene = self.scene(values)?.without_damping();
         let mut said = Diagnostics::new();
-        let lowered = (self.stages.lower)(&CheckedScene::new(scene), &mut said).ok_or_else(|| first_error(&said))?;
-        modes_as(&lowered.system, request).map_err(|error| error.to_diagnostic().message)
+        let system = dynamics::written_out(&scene, &mut said).ok_or_else(|| first_error(&said))?.lowered.system;
+        modes_as(&system, request).map_err(|error| error.to_diagnostic().message)
     }
 
     /// Tells something of the systems without and with damping where some of the values are ranges; of neither where there is none.
     pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
         let lowered = |damped: bool| {
             jet::watched(|| {
-                let mut scene = self.scene(values).ok()?.scene().clone();
-                if damped && matches!(scene.damping, Some(Damping::Modal { .. })) {
+                let scene = self.scene(values).ok()?;
+                if damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
                     // The shapes that make this damping are not enclosed with their derivatives.
                     return None;
                 }
-                if !damped {
-                    scene.damping = None;
-                }
-                let lowered = (self.stages.lower)(&CheckedScene::new(scene), &mut Diagnostics::new())?;
+                let scene = if damped { scene } else { scene.without_damping() };
+                let lowered = dynamics::written_out(&scene, &mut Diagnostics::new())?.lowered;
                 lowered.rest.is_proven().then_some(lowered.system)
             })
         };
@@ -238,9 +243,10 @@ impl Text<'_> {
             return None;
         }
         let mut said = Diagnostics::new();
-        let system = (self.stages.lower)(scene, &mut said)?.system;
-        let drives = (self.stages.drives)(scene, &mut said)?;
-        let poles = poles(&system, &modes(&system).ok()?).ok()?;
+        let WrittenOut { lowered, modes: known } = dynamics::written_out(scene, &mut said)?;
+        let drives = dynamics::drives(scene, &mut said)?;
+        let system = lowered.system;
+        let poles = poles(&system, &known.map_or_else(|| modes(&system), Ok).ok()?).ok()?;
         peak::usual_time(&poles, &drives)
     }
 
@@ -250,13 +256,17 @@ impl Text<'_> {
             return Ok(Context::default());
         }
         let mut said = Diagnostics::new();
-        let drives = (self.stages.drives)(scene, &mut said).ok_or_else(|| first_error(&said))?;
+        let drives = dynamics::drives(scene, &mut said).ok_or_else(|| first_error(&said))?;
         Ok(Context { drives, until: self.until.cloned() })
     }
 }
 
-/// The modes and poles that the probes need.
-fn computed(system: &LinearSystem, probes: &[Probe]) -> Result<(Option<Modes>, Option<Poles>), String> {
+/// The modes and poles that the probes need; `known` are all modes.
+fn computed(
+    system: &LinearSystem,
+    known: Option<Modes>,
+    probes: &[Probe],
+) -> Result<(Option<Modes>, Option<Poles>), String> {
     if !probes.iter().any(Probe::of_modes) {
         return Ok((None, None));
     }
@@ -268,9 +278,10 @@ fn computed(system: &LinearSystem, probes: &[Probe]) -> Result<(Option<Modes>, O
     let highest = probes.iter().map(highest).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
     let said = |error: AnalysisError| error.to_diagnostic().message;
-    let found = match of_poles || system.n() <= FEW {
-        true => modes(system),
-        false => modes_as(system, &Request { which: lowest, ..Request::default() }),
+    let found = match known {
+        Some(modes) => Ok(modes),
+        None if of_poles || system.n() <= FEW => modes(system),
+        None => modes_as(system, &Request { which: lowest, ..Request::default() }),
     };
     let modes = found.map_err(said)?;
     let poles = if of_poles { Some(poles(system, &modes).map_err(said)?) } else { None };

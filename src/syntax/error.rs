@@ -6,15 +6,15 @@ use super::limits;
 use super::words;
 use crate::base::{Change, Code, Diagnostic, Span};
 
-const UNKNOWN_KEYWORD: Code = Code("vib::syntax::unknown_keyword");
-const UNEXPECTED: Code = Code("vib::syntax::unexpected");
-const UNCLOSED: Code = Code("vib::syntax::unclosed");
-const STRAY: Code = Code("vib::syntax::stray");
-const UNCLOSED_STRING: Code = Code("vib::syntax::unclosed_string");
-const CHARACTER: Code = Code("vib::syntax::character");
-const TOO_DEEP: Code = Code("vib::syntax::too_deep");
-const TOO_LARGE: Code = Code("vib::syntax::too_large");
-const MORE: Code = Code("vib::syntax::more_errors");
+const UNKNOWN_KEYWORD: Code = Code::model("vib::syntax::unknown_keyword");
+const UNEXPECTED: Code = Code::model("vib::syntax::unexpected");
+const UNCLOSED: Code = Code::model("vib::syntax::unclosed");
+const STRAY: Code = Code::model("vib::syntax::stray");
+const UNCLOSED_STRING: Code = Code::model("vib::syntax::unclosed_string");
+const CHARACTER: Code = Code::model("vib::syntax::character");
+const TOO_DEEP: Code = Code::model("vib::syntax::too_deep");
+const TOO_LARGE: Code = Code::model("vib::syntax::too_large");
+const MORE: Code = Code::model("vib::syntax::more_errors");
 
 /// An error of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]

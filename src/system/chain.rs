@@ -25,8 +25,14 @@ impl LinearSystem {
 
     /// The same system with rows over coordinates alone, of `most` entries together at most.
     pub fn flattened(mut self, most: u64) -> Result<LinearSystem, TooLong> {
+        self.flatten(most)?;
+        Ok(self)
+    }
+
+    /// [`LinearSystem::flattened`] in place; as it was where that is refused.
+    pub fn flatten(&mut self, most: u64) -> Result<(), TooLong> {
         if !self.is_chained() {
-            return Ok(self);
+            return Ok(());
         }
         self.room_for(most)?;
         let chain = std::mem::take(&mut self.chain);
@@ -34,7 +40,7 @@ impl LinearSystem {
         for form in [&mut self.m, &mut self.c, &mut self.k] {
             *form = flat(form, &chain, n);
         }
-        Ok(self)
+        Ok(())
     }
 
     /// Products of two entries of one row, over all rows as they would be written out: what sums the matrices takes.
@@ -78,7 +84,7 @@ fn length(row: &[(CoordinateId, Number)], lengths: &[u64], n: usize) -> u64 {
 }
 
 fn flat(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
-    let mut result = Form { names: form.names.clone(), ..Form::new() };
+    let mut result = Form { sources: form.sources.clone(), ..Form::new() };
     for term in form.terms() {
         let row = written_out(form.row(term), chain, n);
         result.push(term.source, term.nature, term.weight.clone(), row);

@@ -51,6 +51,44 @@ pub struct Label {
     pub motion: &'static str,
 }
 
+/// What made terms of a form: an item of the model, with the name to show. Two sources may have the same name (a spring may
+/// be called `gravity`); their origins differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    pub name: Label,
+    pub origin: Origin,
+}
+
+/// Where a source of terms stands in the model: an index counts the items of that kind in order of declaration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Origin {
+    Body(u32),
+    /// A spring or a damper.
+    Element(u32),
+    /// A load that is part of the rest.
+    Input(u32),
+    /// A joint or a coupling that closes a loop, by its reaction.
+    Constraint(u32),
+    /// The weights of all bodies.
+    Gravity,
+    /// Damping that is declared for the whole system.
+    Damping,
+    /// No item of a model: a system that was not lowered from one.
+    None,
+}
+
+impl From<Label> for Source {
+    fn from(name: Label) -> Source {
+        Source { name, origin: Origin::None }
+    }
+}
+
+impl From<Source> for Label {
+    fn from(source: Source) -> Label {
+        source.name
+    }
+}
+
 /// The whole linear system about a rest.
 #[derive(Clone, Debug)]
 pub struct LinearSystem {
@@ -74,7 +112,7 @@ pub struct LinearSystem {
 pub struct Form {
     terms: Vec<Term>,
     entries: Vec<(CoordinateId, Number)>,
-    names: Vec<Label>,
+    sources: Vec<Source>,
 }
 
 /// One square of a [`Form`].
@@ -82,7 +120,7 @@ pub struct Form {
 pub struct Term {
     pub weight: Number,
     pub nature: Nature,
-    /// Index of what made it, into the form's names; terms of one element share it.
+    /// Index of what made it, into the form's sources; terms of one element share it.
     pub source: u32,
     start: u32,
     len: u32,
@@ -104,7 +142,8 @@ impl LinearSystem {
     }
 
     /// `block.x`, `m[3].x`, `s`.
-    pub fn display(&self, label: Label) -> String {
+    pub fn display(&self, label: impl Into<Label>) -> String {
+        let label = label.into();
         let mut text = self.words.display(label.name);
         if !label.motion.is_empty() {
             text.push('.');
@@ -126,15 +165,15 @@ impl Form {
 
     /// Makes room for so many more terms with so many entries together.
     pub fn reserve(&mut self, terms: usize, entries: usize) {
-        self.names.reserve(terms);
+        self.sources.reserve(terms);
         self.terms.reserve(terms);
         self.entries.reserve(entries);
     }
 
-    /// Registers what terms come from, by its name in the model; returns the index for [`Form::push`].
-    pub fn source(&mut self, name: Label) -> u32 {
-        self.names.push(name);
-        u32::try_from(self.names.len() - 1).expect("the number of parts is limited far below")
+    /// Registers what terms come from; returns the index for [`Form::push`].
+    pub fn source(&mut self, source: impl Into<Source>) -> u32 {
+        self.sources.push(source.into());
+        u32::try_from(self.sources.len() - 1).expect("the number of parts is limited far below")
     }
 
     /// Adds `weight row row^T`; entries that are exactly zero are dropped, a term without entries or weight too.
@@ -168,12 +207,12 @@ impl Form {
         &self.entries[term.start as usize..(term.start + term.len) as usize]
     }
 
-    pub fn source_name(&self, source: u32) -> Label {
-        self.names[source as usize]
+    pub fn source_of(&self, source: u32) -> Source {
+        self.sources[source as usize]
     }
 
     pub fn source_count(&self) -> usize {
-        self.names.len()
+        self.sources.len()
     }
 
     pub fn is_empty(&self) -> bool {

@@ -125,3 +125,29 @@ fn what_no_load_acts_on_rests_exactly_as_drawn() {
     assert!(rest[1].is_zero());
     assert_eq!(rest[0], &Number::ONE / &Number::from(3));
 }
+
+/// Where terms come from is known by what made them: a name says nothing, and keywords are not reserved.
+#[test]
+fn a_spring_called_gravity_is_not_gravity() {
+    let explained = |text: &str| {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("scene.vib", text));
+        vibc::explain(&sources, file, &Overrides::default()).answer.expect("an explanation").account
+    };
+    let falling =
+        "gravity 9.81 m/s^2\nbody a { mass = 1 kg, moves y }\nspring gravity: ground -- a { k = 100 N/m, along = y }";
+    let account = explained(falling);
+    let gravity = account.kept.iter().find(|remark| remark.what == "gravity").expect("its weight loads the rest");
+    assert!(gravity.why.contains("they add no stiffness"), "nothing turns: {}", gravity.why);
+    // The other way round: gravity's own terms are not those of an idle spring.
+    let hanging = "gravity 9.81 m/s^2\nbody rod { mass = 1 kg, inertia = 0.1 kg*m^2, at = (0 m, -0.5 m) }\n\
+                   pivot hinge: ground@(0 m, 0 m) -- rod\nbody a { mass = 1 kg, moves x }\nspring gravity: ground -- a { k = 100 N/m, along = y }\n\
+                   spring s: ground -- a { k = 100 N/m }";
+    let account = explained(hanging);
+    let idle: Vec<&str> = account.left_out.iter().map(|remark| remark.what.as_str()).collect();
+    assert_eq!(idle, ["gravity"]);
+    assert!(account.kept.iter().any(|remark| remark.what == "1 spring or damper"), "{:?}", account.kept);
+    let shares = &ask(hanging).modes.list[0].strain;
+    assert_eq!(shares.len(), 1, "the rod swings: {shares:?}");
+    assert_eq!(shares[0].of.origin, vibc::system::Origin::Gravity);
+}

@@ -148,7 +148,7 @@ pub fn turned(system: &LinearSystem) -> LinearSystem {
     let turn = |form: &Form| {
         let mut turned = Form::new();
         for term in form.terms() {
-            let source = turned.source(form.source_name(term.source));
+            let source = turned.source(form.source_of(term.source));
             let mut row = vec![Number::ZERO; n];
             for (i, a) in form.row(term) {
                 let (i, partner) = (i.index(), i.index() ^ 1);

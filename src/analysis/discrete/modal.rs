@@ -4,9 +4,9 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
+use crate::analysis::modes::form::{ModalForm, gram};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::transfer::modal::{gram, newton};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, LinearSystem};
 
@@ -18,17 +18,11 @@ const APART: f64 = 0.05;
 /// The oscillators.
 pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     let n = system.n();
-    if n == 0 || modes.list.len() != n || modes.list.iter().any(|mode| mode.shape.len() != n) {
-        return None;
-    }
-    let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
     let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
-    let mut x = Matrix::from_fn(n, n, |i, j| Dd::from(modes.list[j].shape[i]));
-    for _ in 0..2 {
-        x = newton(&x, &gram(&m, &x).mid(), &gram(&k, &x).mid());
-    }
-    without_rounding(&mut x);
-    let grams = [gram(&m, &x), gram(&c, &x), gram(&k, &x)];
+    let ModalForm { shapes: mut x, m: masses, k: stiffness } = ModalForm::of(system, modes, gram)?;
+    let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
+    let (masses, stiffness) = if without_rounding(&mut x) { (gram(&m, &x), gram(&k, &x)) } else { (masses, stiffness) };
+    let grams = [masses, gram(&c, &x), stiffness];
     if !grams.iter().all(is_diagonal) {
         return None;
     }
@@ -108,12 +102,17 @@ fn is_diagonal(gram: &Matrix<Ball>) -> bool {
     })
 }
 
-/// A coordinate that a mode does not move is moved by rounding alone, 1e-31 of the largest.
-fn without_rounding(x: &mut Matrix<Dd>) {
+/// A coordinate that a mode does not move is moved by rounding alone, 1e-31 of the largest. Whether there was any.
+fn without_rounding(x: &mut Matrix<Dd>) -> bool {
+    let mut found = false;
     for j in 0..x.columns() {
         let most = x.column(j).iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
-        x.column_mut(j).iter_mut().filter(|x| x.hi.abs() < 1e-28 * most).for_each(|x| *x = Dd::ZERO);
+        for x in x.column_mut(j).iter_mut().filter(|x| !x.is_zero() && x.hi.abs() < 1e-28 * most) {
+            *x = Dd::ZERO;
+            found = true;
+        }
     }
+    found
 }
 
 /// M X

@@ -81,7 +81,7 @@ fn weighted(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
     let mut result = Form::new();
     for term in form.terms() {
         let Some(negated) = choose(term) else { continue };
-        let source = result.source(form.source_name(term.source));
+        let source = result.source(form.source_of(term.source));
         let weight = if negated { -&term.weight } else { term.weight.clone() };
         result.push(source, term.nature, weight, form.row(term).iter().cloned());
     }

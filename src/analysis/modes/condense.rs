@@ -197,7 +197,7 @@ fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]
 fn form(like: &Form, terms: impl Iterator<Item = (Number, Vec<(CoordinateId, Number)>)>) -> Form {
     let mut form = Form::new();
     if like.source_count() > 0 {
-        let source = form.source(like.source_name(0));
+        let source = form.source(like.source_of(0));
         terms.for_each(|(weight, row)| form.push(source, Nature::Property, weight, row));
     }
     form

@@ -66,6 +66,14 @@ impl Displacements {
         }
     }
 
+    /// Those that are known to more than binary64, in double-double.
+    pub fn precise(&self) -> Option<Vec<Dd>> {
+        match self {
+            Displacements::Precise(x) => Some(x.iter().map(|x| x.dd()).collect()),
+            Displacements::Plain(_) => None,
+        }
+    }
+
     pub fn to_triple(&self) -> Vec<Triple> {
         match self {
             Displacements::Precise(x) => x.clone(),
@@ -332,7 +340,7 @@ pub fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
 fn positive_part(form: &Form) -> Form {
     let mut part = Form::new();
     for term in form.terms().iter().filter(|term| term.weight.is_positive()) {
-        let source = part.source(form.source_name(term.source));
+        let source = part.source(form.source_of(term.source));
         part.push(source, term.nature, term.weight.clone(), form.row(term).iter().cloned());
     }
     part

@@ -168,7 +168,7 @@ impl Places {
     fn form(&self, form: &Form, n: usize) -> Option<Form> {
         let mut result = Form::new();
         for source in 0..form.source_count() {
-            result.source(form.source_name(source as u32));
+            result.source(form.source_of(source as u32));
         }
         let mut entries = 0;
         for term in form.terms() {
@@ -195,6 +195,7 @@ impl Places {
             let carried = masses.energy(|i| if translates(i) { shape[i] } else { 0.0 });
             mode.leading = shape::lead(&mut shape, carried, &translates);
             mode.shape = shape;
+            mode.precise = None;
         }
         modes
     }

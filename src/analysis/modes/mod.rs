@@ -11,6 +11,7 @@ pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
 pub(in crate::analysis) mod dense;
 pub(in crate::analysis) mod eigen;
+pub(in crate::analysis) mod form;
 pub(in crate::analysis) mod gram;
 mod image;
 pub(in crate::analysis) mod linkage;
@@ -29,7 +30,7 @@ pub(in crate::analysis) mod structure;
 pub(in crate::analysis) mod terms;
 pub(in crate::analysis) mod tree;
 
-use crate::analysis::answer::{Before, Mode, ModeKind, Modes};
+use crate::analysis::answer::{Before, Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::condense::{Condensed, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
@@ -308,10 +309,16 @@ impl<'a> Report<'a> {
             Eigenvalue::Zero => (0.0, Vec::new()),
             Eigenvalue::Near { .. } => self.light[1].energies(self.system.k.source_count(), &self.stiffness, &x),
         };
+        let mut precise = if self.system.n() <= PRECISE { x.precise() } else { None };
         let mut shape = x.into_f64();
         let (whole, by_body) = self.light[0].energies_in_binary64(self.system.m.source_count(), &shape);
         let carried = self.light[0].carried_by_translations(&shape, &self.translates) / whole;
         let leading = shape::lead(&mut shape, carried, |i| self.translates[i]);
+        if let (Some(leading), Some(precise)) = (leading, &mut precise)
+            && precise[leading.index()].hi < 0.0
+        {
+            precise.iter_mut().for_each(|x| *x = -*x);
+        }
         let kinetic = shape::shares(&self.system.m, &by_body);
         let rigid = Mode {
             kind: ModeKind::Rigid,
@@ -319,6 +326,7 @@ impl<'a> Report<'a> {
             omega: Ball::ZERO,
             cluster,
             shape,
+            precise,
             input_condition: None,
             leading,
             kinetic,

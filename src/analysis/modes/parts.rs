@@ -97,7 +97,7 @@ pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();
     for &index in terms {
         let term = &form.terms()[index as usize];
-        let source = result.source(form.source_name(term.source));
+        let source = result.source(form.source_of(term.source));
         let row = form.row(term).iter().map(|(i, a)| (CoordinateId(local[i.index()]), a.clone()));
         result.push(source, term.nature, term.weight.clone(), row);
     }

@@ -135,7 +135,7 @@ fn times(form: &Form, e: i32) -> Option<Form> {
     let power = Number::from(Rational::from(2).pow(e, MOST_BITS)?);
     let mut result = Form::new();
     for term in form.terms() {
-        let source = result.source(form.source_name(term.source));
+        let source = result.source(form.source_of(term.source));
         result.push(source, term.nature, &term.weight * &power, form.row(term).iter().cloned());
     }
     Some(result)

@@ -4,7 +4,7 @@ use crate::analysis::answer::{Mode, Share};
 use crate::analysis::modes::eigen::Displacements;
 use crate::analysis::modes::terms::Terms;
 use crate::base::Unproven;
-use crate::system::{CoordinateId, CoordinateKind, Form, Label, LinearSystem};
+use crate::system::{CoordinateId, CoordinateKind, Form, LinearSystem, Source};
 
 /// What is made 1 in a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -174,8 +174,8 @@ fn stretch(row: (&[u32], &[f64]), x: &[f64]) -> f64 {
 
 /// Shares w (a . x)^2 / x^T A x of an energy by what has it (a body of the kinetic one, a spring or gravity of the strain
 /// energy), largest first, from what each source of the form A has.
-pub(in crate::analysis) fn shares(form: &Form, by_source: &[f64]) -> Vec<Share<Label>> {
-    largest_first(by_source, |part| part != 0.0, |i| form.source_name(i as u32))
+pub(in crate::analysis) fn shares(form: &Form, by_source: &[f64]) -> Vec<Share<Source>> {
+    largest_first(by_source, |part| part != 0.0, |i| form.source_of(i as u32))
 }
 
 /// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order. None where parts of

@@ -106,7 +106,7 @@ mod tests {
         // The helper's numbers have no sign: those after the first are taken away.
         let mut signed = Form::new();
         for (index, term) in form.terms().iter().enumerate() {
-            let source = signed.source(form.source_name(term.source));
+            let source = signed.source(form.source_of(term.source));
             let weight = if index == 0 { term.weight.clone() } else { -&term.weight };
             signed.push(source, term.nature, weight, form.row(term).iter().cloned());
         }

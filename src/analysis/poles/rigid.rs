@@ -135,7 +135,7 @@ type Row = Vec<(CoordinateId, Number)>;
 
 fn push_rows(form: &mut Form, part: &LinearSystem, of: impl Fn(&[(CoordinateId, Number)]) -> Row) {
     for term in part.c.terms() {
-        let source = form.source(part.c.source_name(term.source));
+        let source = form.source(part.c.source_of(term.source));
         form.push(source, Nature::Property, Number::ONE, of(part.c.row(term)));
     }
 }

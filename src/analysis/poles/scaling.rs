@@ -52,6 +52,8 @@ impl Scaled {
             mode.omega = times(mode.omega, slower);
             mode.omega_squared = times(times(mode.omega_squared, slower), slower);
             mode.shape.iter_mut().for_each(|x| *x = *x * lighter[0] * lighter[1]);
+            // Poles are refined from shapes in binary64.
+            mode.precise = None;
         }
         modes
     }
@@ -98,7 +100,7 @@ fn times(form: &Form, power: i32) -> Form {
         }
     };
     for term in form.terms() {
-        let source = result.source(form.source_name(term.source));
+        let source = result.source(form.source_of(term.source));
         result.push(source, term.nature, scaled(&term.weight), form.row(term).iter().cloned());
     }
     result

@@ -15,6 +15,7 @@ mod sum;
 mod told;
 mod trail;
 
+use crate::analysis::answer::Modes;
 use crate::analysis::error::AnalysisError;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::analysis::numeric::enclosure::norm_bound;
@@ -90,11 +91,21 @@ const UP: f64 = 1.0 + 1e-12;
 
 /// The outputs at ascending times, under a sum of signals for each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
+    respond_with(system, None, drives, times)
+}
+
+/// [`respond`] where all undamped modes of the system may be known already.
+pub fn respond_with(
+    system: &LinearSystem,
+    modes: Option<&Modes>,
+    drives: &[Vec<Signal>],
+    times: &[Number],
+) -> Result<History, AnalysisError> {
     if system.outputs.is_empty() {
         return Ok(History { times: times.to_vec(), values: vec![Vec::new(); times.len()] });
     }
     let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
-    let apart = if is_worth_it { decoupled::respond(system, drives, times) } else { None };
+    let apart = if is_worth_it { decoupled::respond(system, modes, drives, times) } else { None };
     let mut history = apart.map_or_else(|| together(system, drives, times), Ok)?;
     // What nothing reaches is zero, not a rounding error of what moves elsewhere.
     for (output, _) in moved(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {

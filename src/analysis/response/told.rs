@@ -128,9 +128,9 @@ impl History {
 }
 
 /// A scene, or some of its outputs, that nothing moves.
-const STILL: Code = Code("vib::motion::still");
+const STILL: Code = Code::model("vib::motion::still");
 /// Samples that are known less well than they could be printed.
-const UNSETTLED: Code = Code("vib::motion::unsettled");
+const UNSETTLED: Code = Code::limit("vib::motion::unsettled");
 
 /// What a motion gives rise to say; `places` are those of the outputs.
 pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History, places: &[Span]) -> Vec<Diagnostic> {

@@ -148,7 +148,7 @@ mod tests {
     use crate::base::{Code, FileId, SourceFile, SourceKind, Span};
     use proptest::prelude::*;
 
-    const CODE: Code = Code("a::code");
+    const CODE: Code = Code::model("a::code");
 
     fn sources(text: &str) -> Sources {
         let mut sources = Sources::new();

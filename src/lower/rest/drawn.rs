@@ -16,7 +16,7 @@ use crate::lower::constraints::Reduction;
 use crate::lower::error::{LowerError, Unbalanced};
 use crate::lower::kinematics::{Index, Kinematics, Reach, State};
 use crate::lower::loads::{self, Between};
-use crate::model::scene::{Geometry, Law, Scene, SpringRest};
+use crate::model::scene::{ElementId, Geometry, Law, Scene, SpringRest};
 use crate::system::Label;
 
 /// The tensions that hold a drawing.
@@ -301,7 +301,8 @@ impl<'a> Balance<'a> {
             let rate = column.rate.unwrap_or(Number::ZERO);
             let tension = if rate.is_zero() { Number::ZERO } else { &rate * &column.length_squared.root() };
             let spring = Label { name: element.name, motion: "" };
-            tensions.push(Tension { spring, tension, turns: element.geometry == Geometry::Torsion });
+            let id = ElementId(column.element as u32);
+            tensions.push(Tension { element: id, spring, tension, turns: element.geometry == Geometry::Torsion });
             rates[column.element] = Some(rate);
         }
         let proven = Proven::and(self.proven, Proven::balanced(&self.unsettled));

@@ -30,7 +30,7 @@ use super::kinematics::{Index, Kinematics, State};
 use super::{assembly, loads};
 use crate::base::Number;
 use crate::elements::Scalar;
-use crate::model::scene::Scene;
+use crate::model::scene::{ElementId, Scene};
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
 pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refined, Refinement};
@@ -61,6 +61,8 @@ pub struct Rest {
 /// A tension that holds the drawing.
 #[derive(Clone, Debug)]
 pub struct Tension {
+    pub element: ElementId,
+    /// The name of that element.
     pub spring: Label,
     /// Pull is positive, N; a torque in N m for a spring that turns.
     pub tension: Number,
@@ -231,27 +233,28 @@ impl Found {
         Ok(())
     }
 
-    /// The rest of all coordinates; large linear parts by the stiffness that was assembled.
+    /// The rest of all coordinates, and the state of all that this is; large linear parts by the stiffness that was assembled.
     pub fn finish(
         self,
         scene: &Scene,
         kinematics: &Kinematics,
         reduction: &Reduction,
         system: &LinearSystem,
-    ) -> Result<Rest, Vec<LowerError>> {
-        let Found { mut rest, state, survey, .. } = self;
+    ) -> Result<(Rest, State<Number>), Vec<LowerError>> {
+        let Found { mut rest, mut state, survey, .. } = self;
         let moved = |coordinate: Index| measured(kinematics, coordinate, state.value(coordinate));
         rest.displacement = (0..reduction.n()).map(|place| moved(reduction.at(place))).collect();
         rest.dependent = reduction
             .dependent()
             .map(|i| Dependent { coordinate: assembly::coordinate(scene, kinematics, i), displacement: moved(i) })
             .collect();
-        let Some(survey) = survey else { return Ok(rest) };
+        let Some(survey) = survey else { return Ok((rest, state)) };
         let large: Vec<&Part> = survey.parts.iter().filter(|part| part.is_large_and_linear()).collect();
         for solved in linear::solve(kinematics, reduction, system, &survey, &large) {
             let solved = solved.map_err(|left| vec![falls(scene, kinematics, &left)])?;
             for (coordinate, value) in solved.displacement {
                 if let Some(place) = reduction.place(coordinate) {
+                    state.set(kinematics, coordinate, unmeasured(kinematics, coordinate, &value));
                     rest.displacement[place.index()] = value;
                 }
             }
@@ -260,8 +263,8 @@ impl Found {
             rest.proven = Proven::and(rest.proven, solved.proven);
         }
         let held = large.iter().filter(|part| !part.constraints.is_empty()).flat_map(|part| &part.coordinates);
-        rest.let_follow(kinematics, reduction, &state, held.copied());
-        Ok(rest)
+        rest.let_follow(kinematics, reduction, &mut state, held.copied());
+        Ok((rest, state))
     }
 }
 
@@ -288,7 +291,7 @@ impl Rest {
         &mut self,
         kinematics: &Kinematics,
         reduction: &Reduction,
-        state: &State<Number>,
+        state: &mut State<Number>,
         coordinates: impl Iterator<Item = Index>,
     ) {
         for coordinate in coordinates {
@@ -299,6 +302,7 @@ impl Rest {
             };
             let sum = row.iter().map(value).fold(Number::ZERO, |sum, value| &sum - &value);
             self.dependent[number].displacement = measured(kinematics, coordinate, &sum);
+            state.set(kinematics, coordinate, sum);
         }
     }
 }

@@ -7,7 +7,7 @@ mod questions;
 mod values;
 
 pub use names::NameError;
-pub use parts::{PartError, RowFault};
+pub use parts::{PartError, RowFault, TABLE_UNREADABLE};
 pub use questions::QuestionError;
 pub use values::ValueError;
 
@@ -60,7 +60,7 @@ impl From<QuestionError> for Error {
 }
 
 fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
-    Diagnostic::error(Code(code), span, message)
+    Diagnostic::error(Code::model(code), span, message)
 }
 
 fn with_suggestion(diagnostic: Diagnostic, suggestion: Option<String>, help: Option<String>) -> Diagnostic {

@@ -80,7 +80,7 @@ impl NameError {
             }
             MoreWarnings { span, count } => {
                 let findings = if count == 1 { "warning or note" } else { "warnings and notes" };
-                Diagnostic::note(Code(MORE), span, format!("{count} more {findings} on this model"))
+                Diagnostic::note(Code::model(MORE), span, format!("{count} more {findings} on this model"))
             }
             ReversedBounds { span, first, last } => {
                 error("vib::repeat::reversed", span, "the last value of the index is below the first one")

@@ -3,6 +3,9 @@
 use super::{error, short, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
 
+/// A table that cannot be read, or was not given to the check.
+pub const TABLE_UNREADABLE: Code = Code::file("vib::table::unreadable");
+
 /// What is wrong with a part of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PartError {
@@ -164,25 +167,29 @@ impl PartError {
             )
             .help("give `preload` in place of `free_length`, or draw the ends: `ground@(-0.5 m, 0)`"),
             NegativeStiffness { span } => Diagnostic::note(
-                Code("vib::spring::negative"),
+                Code::model("vib::spring::negative"),
                 span,
                 "this stiffness is negative: it drives away from rest",
             ),
-            NegativeDamping { span } => {
-                Diagnostic::note(Code("vib::damper::negative"), span, "this damping is negative: it feeds energy in")
-            }
-            DampingFeeds { span } => {
-                Diagnostic::note(Code("vib::damping::negative"), span, "this damping is negative: it feeds energy in")
-            }
+            NegativeDamping { span } => Diagnostic::note(
+                Code::model("vib::damper::negative"),
+                span,
+                "this damping is negative: it feeds energy in",
+            ),
+            DampingFeeds { span } => Diagnostic::note(
+                Code::model("vib::damping::negative"),
+                span,
+                "this damping is negative: it feeds energy in",
+            ),
             DampingOverCritical { span, ratio } => {
                 let message =
                     format!("a damping ratio of {} is {} %: no mode swings", short(ratio), short(100.0 * ratio));
-                Diagnostic::warning(Code("vib::damping::large"), span, message)
+                Diagnostic::warning(Code::model("vib::damping::large"), span, message)
                     .help("critical damping is 1, or 100 %; write a ratio in percent as `2 %`")
             }
             DampingBesideBase { span, base, name } => {
                 let message = format!("this damping acts against the ground, not against the moving base `{name}`");
-                Diagnostic::warning(Code("vib::damping::base"), span, message)
+                Diagnostic::warning(Code::model("vib::damping::base"), span, message)
                     .related(base, "it moves against the ground")
                     .help("for damping against the base write dampers: `damper d: base -- body { c = 1 N*s/m }`")
             }
@@ -213,7 +220,7 @@ impl PartError {
                     .help(format!("write `{form}`"))
             }
             TimesReversed { span } => error("vib::signal::times", span, "this time is not after the one before it"),
-            TableUnread { span, reason } => error("vib::table::unreadable", span, "this table cannot be read")
+            TableUnread { span, reason } => Diagnostic::error(TABLE_UNREADABLE, span, "this table cannot be read")
                 .label(reason)
                 .help("the file's path is relative to the model's folder"),
             TableRow { span, found, named } => table_row(span, found, named),
@@ -230,7 +237,7 @@ impl PartError {
             }
             TableHeading { span, named, word, read } => {
                 let message = format!("the values of this table are read as {read}, and its heading says `{word}`");
-                Diagnostic::warning(Code("vib::table::heading"), span, message)
+                Diagnostic::warning(Code::model("vib::table::heading"), span, message)
                     .related(named, "the table is named here")
                     .help("a table has SI units: s, and N, N*m, m or rad; rewrite its values, or its heading")
             }

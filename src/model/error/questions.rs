@@ -126,12 +126,12 @@ impl QuestionError {
             Unused { span, name, kind } => unused(span, &name, kind),
             Idle { span, name, word, why } => {
                 let message = format!("this {word} of `{name}` {why}");
-                Diagnostic::warning(Code("vib::unused::property"), span, message)
+                Diagnostic::warning(Code::model("vib::unused::property"), span, message)
                     .help("leave it out, or add the freedom that uses it")
                     .mend(span, Change::DropField)
             }
             IdleGravity { span } => {
-                Diagnostic::note(Code("vib::unused::gravity"), span, "gravity moves nothing in this scene")
+                Diagnostic::note(Code::model("vib::unused::gravity"), span, "gravity moves nothing in this scene")
             }
         }
     }
@@ -139,8 +139,8 @@ impl QuestionError {
 
 fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
     let code = match kind {
-        DefinitionKind::Point => Code("vib::unused::point"),
-        DefinitionKind::Param | DefinitionKind::Let => Code("vib::unused::parameter"),
+        DefinitionKind::Point => Code::model("vib::unused::point"),
+        DefinitionKind::Param | DefinitionKind::Let => Code::model("vib::unused::parameter"),
     };
     Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
         .help("use it, or leave it out")

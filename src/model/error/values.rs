@@ -159,7 +159,7 @@ fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Opti
     let noun = expected.noun.split_once(' ').map_or(expected.noun, |(_, noun)| noun);
     let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
     let message = format!("cycles, not radians, are a factor of this {noun}: it is read as {read}");
-    let told = Diagnostic::warning(Code("vib::unit::cycles"), span, message);
+    let told = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
     let told = declared
         .into_iter()
         .fold(told, |told, (name, place)| told.related(place, format!("`{name}` is declared here")));

@@ -325,7 +325,7 @@ mod tests {
         let mut system = tree(9, 4, true);
         let mut form = Form::new();
         for term in system.k.terms() {
-            let source = form.source(system.k.source_name(term.source));
+            let source = form.source(system.k.source_of(term.source));
             let row = system.k.row(term).iter().enumerate();
             let row = row.map(|(i, (c, a))| (*c, a * &crate::base::Number::from(["1", "2.3"][i])));
             form.push(source, term.nature, term.weight.clone(), row.collect::<Vec<_>>());

@@ -14,6 +14,7 @@ mod step;
 use super::channel::{Blow, Channel, channels};
 use super::trail::Trail;
 use super::{History, UP};
+use crate::analysis::answer::Modes;
 use crate::analysis::response::signal::Source;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
@@ -37,8 +38,13 @@ const AS_GOOD_AS_ANY: f64 = 1e-27;
 
 /// As [`super::respond`]; `None` where another road is due: modes that damping joins, bounds that are not good enough, and
 /// whatever is to be refused.
-pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Option<History> {
-    let mut run = Run::of(system, drives, times)?;
+pub fn respond(
+    system: &LinearSystem,
+    modes: Option<&Modes>,
+    drives: &[Vec<Signal>],
+    times: &[Number],
+) -> Option<History> {
+    let mut run = Run::of(system, modes, drives, times)?;
     let moments: Vec<Moment> = times.iter().map(Moment::of).collect();
     let mut values = Vec::with_capacity(times.len());
     let mut events = run.events().into_iter().peekable();
@@ -103,13 +109,18 @@ impl Moment {
 }
 
 impl<'a> Run<'a> {
-    fn of(system: &'a LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Option<Run<'a>> {
+    fn of(
+        system: &'a LinearSystem,
+        modes: Option<&Modes>,
+        drives: &[Vec<Signal>],
+        times: &[Number],
+    ) -> Option<Run<'a>> {
         let step = match times {
             [first, second, ..] => Some(second - first).filter(Number::is_positive),
             _ => None,
         };
         let channels = channels(system, drives, step.as_ref()).ok()?;
-        let oscillators = Oscillators::of(system, &channels, times)?;
+        let oscillators = Oscillators::of(system, modes, &channels, times)?;
         let outputs = oscillators.outputs(system, &channels);
         let n = oscillators.count();
         let rows = outputs.iter().map(|output| output.row.clone()).collect();
@@ -463,7 +474,7 @@ mod tests {
 
     /// Both roads, whose balls have to meet; what the bounds are relative to the largest value of each output.
     fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
-        let apart = respond(system, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
+        let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
         let whole = together(system, drives, times).expect("a motion");
         let mut worst: f64 = 0.0;
         for output in 0..system.outputs.len() {
@@ -565,7 +576,7 @@ mod tests {
     fn joined_modes_are_refused() {
         let mut system = chain(3, true, "0.7");
         push(&mut system.c, "5", 2, None);
-        assert!(respond(&system, &[], &grid("2", "0.1")).is_none());
+        assert!(respond(&system, None, &[], &grid("2", "0.1")).is_none());
     }
 
     /// A damper that joins the modes a little, by one part in 10^8 to 10^28: whichever road is taken, the digits are there.
@@ -592,7 +603,7 @@ mod tests {
         system.initial = vec![(CoordinateId(3), n("1"), n("0"))];
         let drives = [vec![harmonic("4", "0.5")]];
         let times = grid("1000", "0.1");
-        let apart = respond(&system, &drives, &times).expect("modes apart");
+        let apart = respond(&system, None, &drives, &times).expect("modes apart");
         let whole = together(&system, &drives, &times[10_000..]).expect("a motion");
         for (a, b) in apart.values[10_000].iter().zip(&whole.values[0]) {
             assert!((*a - *b).contains_zero(), "{a:?} {b:?}");

@@ -3,6 +3,7 @@
 
 use super::step::Step;
 use super::{Off, Row};
+use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes;
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::dense::Matrix;
@@ -61,9 +62,17 @@ pub struct Output {
 const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
 
 impl Oscillators {
-    /// `None` where modes are missing or joined by the damping.
-    pub fn of(system: &LinearSystem, channels: &[Channel], times: &[Number]) -> Option<Oscillators> {
-        let modes = ModalSum::of(system, &modes(system).ok()?)?;
+    /// `None` where modes are missing or joined by the damping; `known` are all modes.
+    pub fn of(
+        system: &LinearSystem,
+        known: Option<&Modes>,
+        channels: &[Channel],
+        times: &[Number],
+    ) -> Option<Oscillators> {
+        let modes = match known {
+            Some(modes) => ModalSum::of(system, modes)?,
+            None => ModalSum::of(system, &modes(system).ok()?)?,
+        };
         let n = modes.k.len();
         let horizon = times.iter().map(Number::to_f64).fold(0.0, f64::max);
         let slowest = if horizon > 0.0 { 1.0 / horizon } else { 1.0 };

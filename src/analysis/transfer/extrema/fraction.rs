@@ -231,7 +231,7 @@ mod tests {
             let mut system = oscillator("1", "0.5", "4");
             let term = system.k.terms()[0].clone();
             let mut k = Form::new();
-            let source = k.source(system.k.source_name(term.source));
+            let source = k.source(system.k.source_of(term.source));
             k.push(source, term.nature, stiffness, system.k.row(&term).iter().cloned());
             system.k = k;
             let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");

@@ -188,7 +188,7 @@ fn of_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Op
                     _ => add(i.index(), a.clone()),
                 }
             }
-            let source = result.source(form.source_name(term.source));
+            let source = result.source(form.source_of(term.source));
             result.push(source, term.nature, term.weight.clone(), entries);
         }
         result

@@ -2,18 +2,18 @@
 //! In: a system whose damping its undamped modes diagonalise, and these modes. Out: sums in binary64 or in double-double,
 //! each with a bound that holds. Clause: spec.md, "Transfer".
 //!
-//! The modes X (mass-normalised) come in binary64. Two Newton steps on X^T M X = I, X^T K X = diag bring them to double-double
-//! (Ogita and Aishima 2018); then X^T Q(s) X = D(s) + O(s) is computed with balls, |O_ij| <= epsilon v_i v_j with
+//! The modes X (mass-normalised) diagonalise M and K to double-double ([`ModalForm`]); X^T Q(s) X = D(s) + O(s) is computed
+//! with balls, |O_ij| <= epsilon v_i v_j with
 //! v_i^2 = W^2 + W c_i + k_i (Cauchy). Neumann's series gives |p^T (D + O)^-1 b - p^T D^-1 b| <= epsilon V sqrt(P B) / (1 - epsilon V)
 //! with V = sum v_i^2 / |D_i|, P = sum p_i^2 / |D_i|, B = sum b_i^2 / |D_i|.
 
 mod lanes;
 
-use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::answer::{Modes, PRECISE};
+use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, least_stiffness, off_diagonal, sizes};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
-use crate::analysis::numeric::fused::fused;
+use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, LinearSystem};
@@ -53,12 +53,6 @@ struct Residues {
     exact_slack: Vec<f64>,
 }
 
-/// Beyond this the dense products in double-double take longer than the tables.
-const MOST_COORDINATES: usize = 128;
-/// Newton steps: 1e-16 becomes 1e-31.
-const STEPS: usize = 2;
-/// No number here is known better: rounding of W, of sqrt k_i, of X^T M X against I.
-const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
 const UP: f64 = 1.0 + 1e-12;
 /// The errors above are relative: they hold where no product underflows. With frequencies, 1/s or rad/s, in this range, D_i (their
 /// squares, down to a resonance hit to 1e-32) and its square are far inside binary64 ...
@@ -70,27 +64,21 @@ impl ModalSum {
     /// `None` where the modes do not diagonalise the damping, or not all of them are there.
     pub fn of(system: &LinearSystem, modes: &Modes) -> Option<ModalSum> {
         let n = system.n();
-        if n == 0 || n > MOST_COORDINATES || modes.list.len() != n || modes.list.iter().any(|m| m.shape.len() != n) {
+        if n > PRECISE {
             return None;
         }
-        let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
-        let shapes = refined_shapes(system, modes);
-        let grams = [gram(&m, &shapes), gram(&c, &shapes), gram(&k, &shapes)];
-        let diagonal = |which: usize| (0..n).map(|i| grams[which][(i, i)].mid).collect::<Vec<Dd>>();
-        let (c, k) = (diagonal(1), diagonal(2));
-        // A rigid motion has k_i = 0 up to rounding: the least other stiffness stands for it; and damping that a mode does
-        // not feel is counted as a little.
-        let kinds = modes.list.iter().zip(&k).filter(|(mode, _)| mode.kind != ModeKind::Rigid);
-        let least = kinds.map(|(_, k)| k.hi.abs()).fold(f64::INFINITY, f64::min);
+        let form = ModalForm::of(system, modes, gram)?;
+        let damping = gram(&Squares::of(&system.c), &form.shapes);
+        let c: Vec<Dd> = (0..n).map(|i| damping[(i, i)].mid).collect();
+        let k = form.stiffnesses();
+        let least = least_stiffness(&modes.list, &k);
         let most = c.iter().map(|c| c.hi.abs()).fold(0.0, f64::max);
-        let sizes = |values: &[Dd], floor: f64| -> Vec<f64> {
-            values.iter().map(|x| if floor.is_finite() { x.hi.abs().max(floor) } else { 0.0 }).collect()
-        };
+        // Damping that a mode does not feel is counted as a little.
         let (c_size, k_size) = (sizes(&c, 1e-10 * most), sizes(&k, least));
         let ones = vec![1.0; n];
-        let epsilon = [(0, &ones), (1, &c_size), (2, &k_size)]
+        let epsilon = [(&form.m, &ones, true), (&damping, &c_size, false), (&form.k, &k_size, false)]
             .into_iter()
-            .map(|(which, sizes)| off_diagonal(&grams[which], sizes, which == 0))
+            .map(|(gram, sizes, unit)| off_diagonal(gram, sizes, unit))
             .fold(LEAST_EPSILON, f64::max);
         // Modes that do not diagonalise the damping leave an epsilon near one.
         if epsilon.is_nan() || epsilon > 1e-8 {
@@ -104,7 +92,7 @@ impl ModalSum {
             return None;
         }
         let omega = k.iter().map(|k| if k.hi > 0.0 { k.sqrt() } else { Dd::ZERO }).collect();
-        Some(ModalSum { shapes, k, c, omega, epsilon, k_size, c_size })
+        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size })
     }
 
     /// Prepares an input and an output.
@@ -243,84 +231,6 @@ impl ModalSum {
             f64::INFINITY
         }
     }
-}
-
-/// The shapes of the modes in double-double; as they are where there are too many to refine.
-pub fn refined_shapes(system: &LinearSystem, modes: &Modes) -> Matrix<Dd> {
-    let (n, count) = (system.n(), modes.list.len());
-    let mut shapes = Matrix::from_fn(n, count, |i, j| Dd::from(modes.list[j].shape[i]));
-    if count > MOST_COORDINATES {
-        return shapes;
-    }
-    let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
-    for _ in 0..STEPS {
-        shapes = newton(&shapes, &gram(&m, &shapes).map(|b| b.mid), &gram(&k, &shapes).map(|b| b.mid));
-    }
-    shapes
-}
-
-/// X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order; close frequencies are made
-/// orthogonal only.
-pub(in crate::analysis) fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
-    let n = x.columns();
-    let mut next = x.clone();
-    for j in 0..n {
-        for i in 0..n {
-            let e = m[(i, j)];
-            let z = if i == j {
-                (Dd::ONE - e) * 0.5
-            } else {
-                let gap = k[(i, i)] - k[(j, j)];
-                let numerator = k[(j, j)] * e - k[(i, j)];
-                // A step above 1e-4 would not be a correction.
-                if gap.hi.abs() * 1e-4 > numerator.hi.abs() { numerator / gap } else { -e * 0.5 }
-            };
-            add_scaled(next.column_mut(j), z, x.column(i));
-        }
-    }
-    next
-}
-
-fused! {
-    /// X^T (sum w a a^T) X, term by term.
-    pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
-        let n = x.columns();
-        let mut gram = Matrix::filled(n, n, Ball::ZERO);
-        for t in 0..squares.len() {
-            let stretch: Vec<Ball> = (0..n).map(|j| squares.stretch(t, x.column(j))).collect();
-            for j in 0..n {
-                let tension = squares.weights[t] * stretch[j];
-                for i in 0..=j {
-                    gram[(i, j)] = gram[(i, j)] + tension * stretch[i];
-                }
-            }
-        }
-        for j in 0..n {
-            for i in 0..j {
-                gram[(j, i)] = gram[(i, j)];
-            }
-        }
-        gram
-    }
-}
-
-/// The largest |G_ij| / sqrt(s_i s_j) off the diagonal, and of what the diagonal is uncertain by (or off one by).
-fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit: bool) -> f64 {
-    let mut largest = 0.0f64;
-    for j in 0..gram.columns() {
-        for i in 0..=j {
-            let entry = gram[(i, j)];
-            let size = match (i == j, unit) {
-                (false, _) => entry.magnitude(),
-                (true, true) => (entry - Ball::ONE).magnitude(),
-                (true, false) => entry.rad,
-            };
-            if size > 0.0 {
-                largest = largest.max(size / (sizes[i] * sizes[j]).sqrt());
-            }
-        }
-    }
-    largest * UP
 }
 
 /// (i W)^power z

@@ -1,0 +1,192 @@
+//! Checked scene to damped linear system: lowering, then the damping that is declared for the whole of it. In: a checked
+//! scene; out: its linear system with all of C, and what was worked out on the way. Everything that asks something of a
+//! scene begins here. Clause: spec.md, "Rest", "Linearisation", "Response".
+
+use crate::analysis::damping;
+use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
+use crate::base::{Diagnostic, Diagnostics, Number};
+use crate::lower::{self, Lowered};
+use crate::model::CheckedScene;
+use crate::model::scene::Damping;
+use crate::system::{Form, LinearSystem, Signal};
+
+/// A lowered scene with the damping that is declared for all of it.
+#[derive(Clone, Debug)]
+pub struct Damped {
+    /// Rows may be chained where the scene hangs deep.
+    pub lowered: Lowered,
+    by_modes: Option<ByModes>,
+}
+
+/// A damping ratio that every oscillation has.
+#[derive(Clone, Debug)]
+struct ByModes {
+    ratio: Number,
+    /// What spreading it over the coordinates took; or why C does not hold it.
+    spread: Result<Spread, AnalysisError>,
+}
+
+/// The ratio as terms of C.
+#[derive(Clone, Debug)]
+struct Spread {
+    /// C without it.
+    dampers: Form,
+    /// All undamped modes.
+    modes: Modes,
+}
+
+/// A scene with all of its damping in C and its rows written out over the coordinates.
+#[derive(Clone, Debug)]
+pub struct WrittenOut {
+    pub lowered: Lowered,
+    /// All undamped modes, where the damping needed them.
+    pub modes: Option<Modes>,
+}
+
+/// Takes a scene through the stage. `None` after an error, which is among the diagnostics.
+pub fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
+    let lowered = lowered(scene, diagnostics)?;
+    with_damping(scene, lowered, diagnostics).ok()
+}
+
+/// [`damped`], with its rows written out, as most analyses take them.
+pub fn written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+    damped(scene, diagnostics)?.written_out(diagnostics)
+}
+
+/// [`written_out`] for a transfer function, whose matrices are summed from products of the entries of rows: refused where
+/// these are too many.
+pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+    let damped = damped(scene, diagnostics)?;
+    if let Some(refusal) = too_long_rows(&damped.lowered.system) {
+        diagnostics.push(refusal);
+        return None;
+    }
+    damped.written_out(diagnostics)
+}
+
+/// Products of entries of rows that the matrices of a transfer function are summed from: some ten seconds of them.
+const MOST_PRODUCTS: u64 = 50_000_000;
+
+/// Says that rows of so many entries are not multiplied out: each of n links that hang one under another moves with all
+/// above it, which makes n^3 products.
+fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
+    let products = system.products();
+    let span = system.coordinates.last()?.span;
+    (products > MOST_PRODUCTS).then(|| {
+        let message = format!(
+            "this scene hangs so deep that its transfer function would be summed from {products} products; the most are \
+             {MOST_PRODUCTS}"
+        );
+        Diagnostic::error(lower::error::TOO_DEEP, span, message)
+            .help("use fewer links, or let bodies stand on the ground with a freedom clause")
+    })
+}
+
+/// The scene without the damping that is declared for all of it.
+pub fn lowered(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+    let outcome = lower::lower(scene);
+    diagnostics.extend(outcome.diagnostics);
+    outcome.lowered
+}
+
+/// Adds the declared damping to what was lowered of a scene, or hands it back after an error.
+pub fn with_damping(
+    scene: &CheckedScene,
+    mut lowered: Lowered,
+    diagnostics: &mut Diagnostics,
+) -> Result<Damped, Lowered> {
+    let mut by_modes = None;
+    match &scene.scene().damping {
+        None => {}
+        Some(Damping::Rayleigh { alpha, beta, .. }) => damping::rayleigh(&mut lowered.system, alpha, beta),
+        Some(Damping::Modal { ratio, .. }) => {
+            // Damping that joins all coordinates has no short rows.
+            if flatten(&mut lowered, diagnostics).is_none() {
+                return Err(lowered);
+            }
+            let spread = match spread(&mut lowered.system, ratio) {
+                Err(error) if !matches!(error, AnalysisError::TooManyCoordinates { .. }) => {
+                    diagnostics.push(error.to_diagnostic());
+                    return Err(lowered);
+                }
+                spread => spread,
+            };
+            by_modes = Some(ByModes { ratio: ratio.clone(), spread });
+        }
+    }
+    Ok(Damped { lowered, by_modes })
+}
+
+/// Adds terms to C that give every oscillation the ratio.
+fn spread(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisError> {
+    let mut modes = modes(system)?;
+    let dampers = system.c.clone();
+    damping::modal(system, ratio, &mut modes);
+    Ok(Spread { dampers, modes })
+}
+
+fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {
+    lowered.flatten().map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
+/// The signals that drive each input of a scene.
+pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec<Vec<Signal>>> {
+    lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
+impl Damped {
+    /// The rows over the coordinates alone; refused where C cannot hold the damping, or where the rows would be too long.
+    pub fn written_out(mut self, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+        let modes = match self.by_modes {
+            None => None,
+            Some(ByModes { spread: Ok(spread), .. }) => Some(spread.modes),
+            Some(ByModes { spread: Err(too_many), .. }) => {
+                diagnostics.push(too_many.to_diagnostic());
+                return None;
+            }
+        };
+        flatten(&mut self.lowered, diagnostics)?;
+        Some(WrittenOut { lowered: self.lowered, modes })
+    }
+
+    /// Modes and poles of the system; its rows are written out where they are computed so.
+    pub fn modal(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
+        let system = &self.lowered.system;
+        if system.is_chained() && takes_chained(system, request) {
+            match modal(system, request) {
+                // Written out there may be a way, or else more to say of why there is none.
+                Err(AnalysisError::NotSparse { .. }) => {}
+                found => {
+                    return found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok();
+                }
+            }
+        }
+        flatten(&mut self.lowered, diagnostics)?;
+        let found = match &self.by_modes {
+            None => modal(&self.lowered.system, request),
+            Some(by_modes) => by_modes.modal(&mut self.lowered.system, request),
+        };
+        found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+    }
+}
+
+impl ByModes {
+    /// In closed form where the dampers do not join the modes, else from all of C.
+    fn modal(&self, system: &mut LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
+        let Spread { dampers, modes } = match &self.spread {
+            Ok(spread) => spread,
+            Err(too_many) => {
+                let found = modal_by_ratio(system, &self.ratio, None, request)?;
+                return found.ok_or_else(|| too_many.clone());
+            }
+        };
+        let whole = std::mem::replace(&mut system.c, dampers.clone());
+        let found = modal_by_ratio(system, &self.ratio, Some(modes), request);
+        system.c = whole;
+        match found? {
+            Some(found) => Ok(found),
+            None => modal_from(system, Some(modes), request),
+        }
+    }
+}

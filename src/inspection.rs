@@ -1,0 +1,104 @@
+//! A model as far as the stages come before any analysis, with what each of them made: for editors, which show what is known
+//! of a model that has errors too.
+
+use crate::base::{Diagnostics, FileId, Sources};
+use crate::dynamics;
+use crate::lower::Lowered;
+use crate::model::scene::Damping;
+use crate::model::{CheckedScene, Overrides, Setting};
+use crate::questions::{Requirement, Solved};
+use crate::reading::{self, Reading};
+use crate::syntax::tree::Tree;
+
+/// What each stage made of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Inspection {
+    /// `None` where a file is no text.
+    pub tree: Option<Tree>,
+    /// With what the model solves for, where that was looked for.
+    pub scene: Option<CheckedScene>,
+    /// With all of its damping, where nothing was left out.
+    pub lowered: Option<Lowered>,
+    /// What `solve` lines found, and the values that the parameters have by them.
+    pub solved: Vec<Solved>,
+    pub settings: Vec<Setting>,
+    pub requirements: Vec<Requirement>,
+    pub diagnostics: Diagnostics,
+    /// Nothing was left out.
+    pub is_whole: bool,
+}
+
+/// How far a model is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Whole where the scene as declared has at most this many coordinates; else as it is declared: what takes many runs or
+    /// all modes (`solve`, `require`, `damping modal`) is left out.
+    UpTo(usize),
+    Whole,
+}
+
+/// Takes the text of a model through the stages up to the linear system.
+pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides, effort: Effort) -> Inspection {
+    let mut diagnostics = Diagnostics::new();
+    let inspection = match reading::checked(sources, model, overrides, &mut diagnostics) {
+        None => Inspection { is_whole: true, ..Inspection::default() },
+        Some((tree, None)) => Inspection { tree: Some(tree), is_whole: true, ..Inspection::default() },
+        Some((tree, Some(scene))) => {
+            of_reading(Reading::declared(sources, overrides, tree, scene), effort, &mut diagnostics)
+        }
+    };
+    Inspection { diagnostics, ..inspection }
+}
+
+fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostics) -> Inspection {
+    let mut found = Diagnostics::new();
+    let mut lowered = None;
+    let is_whole = match effort {
+        Effort::Whole => true,
+        Effort::UpTo(most) => {
+            lowered = dynamics::lowered(&reading.scene, &mut found);
+            lowered.as_ref().is_none_or(|lowered| lowered.system.n() <= most)
+        }
+    };
+    // What is found of the scene as declared holds for the whole one, unless unknowns of it get other values.
+    let solves = !reading.scene.scene().solves.is_empty();
+    if is_whole && (effort == Effort::Whole || solves) {
+        if reading.settle(diagnostics).is_none() {
+            return Inspection { tree: Some(reading.tree), is_whole, ..Inspection::default() };
+        }
+        found = Diagnostics::new();
+        lowered = dynamics::lowered(&reading.scene, &mut found);
+    } else if is_whole {
+        // No unknowns: only a time to follow motions for.
+        reading.settle(diagnostics);
+    }
+    diagnostics.extend(found);
+    let is_modal = matches!(reading.scene.scene().damping, Some(Damping::Modal { .. }));
+    let system = match lowered {
+        Some(lowered) if is_whole || !is_modal => dynamics::with_damping(&reading.scene, lowered, diagnostics)
+            .ok()
+            .and_then(|damped| damped.written_out(diagnostics)),
+        Some(lowered) => {
+            return Inspection {
+                tree: Some(reading.tree),
+                scene: Some(reading.scene),
+                lowered: Some(lowered),
+                ..Inspection::default()
+            };
+        }
+        None => None,
+    };
+    let asks = is_whole && system.is_some();
+    let requirements = if asks { reading.requirements(system.as_ref(), None, diagnostics) } else { Vec::new() };
+    let Reading { tree, scene, settings, solved, .. } = reading;
+    Inspection {
+        tree: Some(tree),
+        scene: Some(scene),
+        lowered: system.map(|system| system.lowered),
+        solved,
+        settings,
+        requirements,
+        diagnostics: Diagnostics::new(),
+        is_whole,
+    }
+}

@@ -1,0 +1,85 @@
+//! A scene's mechanism at its rest: how points move with the coordinates, which of these are independent, and where they
+//! rest. Lowering hands it on beside the linear system, so that what is asked later (what a spring carries at rest, a further
+//! output, why something was left out) needs no second lowering. Clause: spec.md, "Rest" and "Linearisation".
+
+use super::constraints::Reduction;
+use super::error::LowerError;
+use super::kinematics::{Kinematics, Reach, State};
+use super::loads::{self, Between};
+use super::rest::Rest;
+use super::{Lowered, assembly};
+use crate::base::{Dimension, Name, Number, Span};
+use crate::model::scene::{ElementId, Law, MotionTerm, Output, Scene};
+
+/// The kinematics of a scene and the state in which it rests.
+#[derive(Clone, Debug)]
+pub struct Mechanism {
+    pub(super) kinematics: Kinematics,
+    reduction: Reduction,
+    state: State<Number>,
+}
+
+/// A spring at rest.
+#[derive(Clone, Debug)]
+pub struct SpringAtRest {
+    pub element: ElementId,
+    /// N or N m; pull is positive.
+    pub tension: Number,
+    /// From the drawing to the rest, m or rad.
+    pub change: Number,
+}
+
+impl Mechanism {
+    /// `state` holds every coordinate, dependent ones included.
+    pub(super) fn new(kinematics: Kinematics, reduction: Reduction, state: State<Number>) -> Mechanism {
+        Mechanism { kinematics, reduction, state }
+    }
+
+    /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it.
+    pub fn springs_at_rest(&self, scene: &Scene, rest: &Rest) -> Vec<SpringAtRest> {
+        let (mut between, mut reach) = (Between::default(), Reach::default());
+        let mut list = Vec::new();
+        for (index, element) in (0..).zip(&scene.elements) {
+            let Law::Spring { stiffness, rest } = &element.law else { continue };
+            let law = (stiffness, rest);
+            let spring = loads::spring(&self.kinematics, &element.ends, &element.geometry, law, &mut between);
+            reach.measure(&self.kinematics, &self.state, &between.path);
+            let stretched = spring.stretch.at(&reach.displacement, &between.turn(&self.state));
+            let (tension, change) = (spring.tension(&stretched), stretched.change().clone());
+            list.push(SpringAtRest { element: ElementId(index), tension, change });
+        }
+        // What holds the drawing where it is declared to be the rest.
+        for found in &rest.tensions {
+            let spring = list.binary_search_by_key(&found.element, |spring| spring.element);
+            if let Ok(place) = spring {
+                list[place].tension = found.tension.clone();
+            }
+        }
+        list
+    }
+}
+
+/// A combination of motions that is to be read, though the scene does not declare it as an output.
+#[derive(Clone, Debug)]
+pub struct Readout {
+    pub terms: Vec<MotionTerm>,
+    /// Where it is asked for.
+    pub span: Span,
+}
+
+impl Lowered {
+    /// Adds an output for each readout, after those that the scene declares.
+    pub fn read(&mut self, scene: &Scene, readouts: Vec<Readout>) -> Result<(), LowerError> {
+        let Mechanism { kinematics, reduction, state } = &self.mechanism;
+        let mut nowhere = readouts.iter().flat_map(|read| kinematics.read_without_place(scene, &read.terms, read.span));
+        if let Some(error) = nowhere.next() {
+            return Err(error);
+        }
+        let name = Name::plain(self.system.words.intern("measure"));
+        let output =
+            |Readout { terms, span }| Output { name, span, terms, dimension: Dimension::NONE, is_angle: false };
+        let outputs: Vec<Output> = readouts.into_iter().map(output).collect();
+        self.system.outputs.extend(assembly::outputs(scene, kinematics, reduction, state, &outputs));
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! What every run begins with: the text of a model to its checked scene, with everything that it solves for at the values that
+//! were found. In: the texts; out: a [`Reading`], of which the rest of the run is asked.
+
+use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameterised};
+use crate::analysis::{Modes, Poles};
+use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sources, Span};
+use crate::dynamics::{self, WrittenOut};
+use crate::model::{self, CheckedScene, Overrides, Setting};
+use crate::questions::error::AskedError;
+use crate::questions::{self, Known, Requirement, Settled, Solved, Text};
+use crate::syntax;
+use crate::syntax::tree::Tree;
+use crate::system::LinearSystem;
+
+/// A model that was read.
+pub(crate) struct Reading<'a> {
+    sources: &'a Sources,
+    overrides: &'a Overrides,
+    /// How long the motion in time is followed, where that is given, s.
+    until: Option<Number>,
+    pub tree: Tree,
+    pub scene: CheckedScene,
+    /// The values that parameters have by `solve` lines.
+    pub settings: Vec<Setting>,
+    pub solved: Vec<Solved>,
+}
+
+/// The tree of a text, and its scene unless there are errors. `None` where a file is no text.
+pub(crate) fn checked(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+) -> Option<(Tree, Option<CheckedScene>)> {
+    let files = [Some(model), overrides.settings, overrides.arguments];
+    diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let parsed = syntax::parse(sources, model);
+    let broken = parsed.errors.has_errors();
+    diagnostics.extend(parsed.errors);
+    // A broken declaration does not hide what is wrong with the others.
+    let checked = model::check(sources, &parsed.tree, overrides);
+    diagnostics.extend(checked.diagnostics);
+    Some((parsed.tree, checked.scene.filter(|_| !broken)))
+}
+
+/// The scene with every `solve` settled.
+pub(crate) fn settled<'a>(
+    sources: &'a Sources,
+    model: FileId,
+    overrides: &'a Overrides,
+    until: Option<&'a Number>,
+    diagnostics: &mut Diagnostics,
+) -> Option<Reading<'a>> {
+    let (tree, scene) = checked(sources, model, overrides, diagnostics)?;
+    let declared = Reading::declared(sources, overrides, tree, scene?);
+    let mut reading = Reading { until: until.cloned(), ..declared };
+    reading.settle(diagnostics)?;
+    Some(reading)
+}
+
+impl<'a> Reading<'a> {
+    /// A scene as it is declared.
+    pub fn declared(sources: &'a Sources, overrides: &'a Overrides, tree: Tree, scene: CheckedScene) -> Reading<'a> {
+        Reading { sources, overrides, until: None, tree, scene, settings: Vec::new(), solved: Vec::new() }
+    }
+
+    /// Finds a time to follow motions for, and what the model solves for. `None` after an error.
+    pub fn settle(&mut self, diagnostics: &mut Diagnostics) -> Option<()> {
+        if self.until.is_none() {
+            self.until = self.text().usual_time(&self.scene);
+        }
+        if self.scene.scene().solves.is_empty() {
+            return Some(());
+        }
+        match questions::solve(&self.text(), &self.scene) {
+            Ok(Settled { scene, settings, solved, unsettled }) => {
+                diagnostics.extend(unsettled.iter().map(AskedError::to_diagnostic));
+                (self.scene, self.settings, self.solved) = (scene, settings, solved);
+                Some(())
+            }
+            Err(errors) => {
+                diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
+                None
+            }
+        }
+    }
+
+    /// The model's name.
+    pub fn name(&self) -> String {
+        self.scene.scene().name.clone()
+    }
+
+    /// What questions are asked of.
+    pub fn text(&self) -> Text<'_> {
+        let Reading { sources, overrides, until, tree, .. } = self;
+        Text { sources, tree, overrides, until: until.as_ref() }
+    }
+
+    /// How the requirements stand. The system and its modes and poles are not computed again where they are known.
+    pub fn requirements(
+        &self,
+        system: Option<&WrittenOut>,
+        spectrum: Option<(&Modes, &Poles)>,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<Requirement> {
+        if self.scene.scene().requires.is_empty() {
+            return Vec::new();
+        }
+        let spectrum = spectrum.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
+        let known = Known { system, spectrum };
+        let (list, errors) = questions::requirements(&self.text(), &self.scene, &self.settings, known);
+        diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
+        list
+    }
+
+    /// The linear system over a parameter.
+    pub fn over_parameter(&self, name: &str) -> Result<Parameterised, String> {
+        if !self.scene.scene().solves.is_empty() {
+            return Err("the model solves for parameters, which would move with it".into());
+        }
+        let all = self.text().parameters(&[]);
+        let Some(parameter) = all.iter().find(|parameter| parameter.name == name) else {
+            let names: Vec<&str> = all.iter().map(|parameter| parameter.name.as_str()).collect();
+            return Err(format!("it is no parameter of the model; there are {}", names.join(", ")));
+        };
+        let si = &parameter.value.si;
+        if si.may_be_zero() {
+            return Err("its value is zero, so there is no range to look at".into());
+        }
+        let system = |(a, b): &(i64, i64)| {
+            let value = &(si * &Number::from(*a)) / &Number::from(*b);
+            let setting = (name.to_string(), Quantity { si: value, ..parameter.value.clone() });
+            let checked = model::check_with(self.sources, &self.tree, self.overrides, &[setting]);
+            let found = checked.scene.and_then(|scene| dynamics::written_out(&scene, &mut Diagnostics::new()));
+            Ok(found.ok_or("the model has errors at other values of it")?.lowered.system)
+        };
+        let systems: Result<Vec<LinearSystem>, String> = MULTIPLES.iter().map(system).collect();
+        parameterised(name, si, &systems?)
+    }
+}
+
+/// The files of tables that a model names, each once, as written: who calls adds them to the sources (see
+/// [`crate::base::SourceFile::beside`]) before any other step. A model that names none is not even parsed.
+pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
+    let mut files: Vec<String> = Vec::new();
+    if !sources.text(model).contains("table") {
+        return files;
+    }
+    for span in syntax::parse(sources, model).tree.texts() {
+        let file = sources.slice(span).trim_matches('"');
+        if files.len() < MOST_TABLES && files.iter().all(|known| known != file) {
+            files.push(file.to_string());
+        }
+    }
+    files
+}
+
+/// Different tables of one model; a run has room for 256 files.
+const MOST_TABLES: usize = 200;
+
+/// A byte that belongs to no character: the file is no text at all, most likely.
+const NOT_UTF8: Code = Code::model("vib::file::not_utf8");
+
+pub(crate) fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
+    let (offset, byte) = sources.file(file).first_bad_byte?;
+    // What stands for the byte is three bytes long.
+    let span = Span::new(file, offset, offset + 3);
+    let diagnostic = Diagnostic::error(NOT_UTF8, span, "this file is not UTF-8 text")
+        .label(format!("byte 0x{byte:02x} belongs to no character"))
+        .help("save the file as UTF-8 (plain ASCII is UTF-8 too); a `.vib` file of another program cannot be read");
+    Some(diagnostic)
+}
