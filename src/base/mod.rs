@@ -14,6 +14,6 @@ pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Label, Mend
 pub use dimension::{Angle, Dimension, Quantity};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
-pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven};
+pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, larger};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

@@ -149,4 +149,29 @@ mod tests {
         let [one, two, stands] = ["1", "2", "0.4905"].map(Number::from);
         assert!(buckling(&rods([&-&one, &-&two], [&-&stands, &-&stands], "0.1")).is_none());
     }
+
+    /// Rods side by side: the one that falls first counts.
+    #[test]
+    fn of_several_parts_the_weakest_buckles() {
+        let mut system = blank(2);
+        let source = system.k.source(system.coordinates[0].name);
+        for (i, spring) in ["2", "5"].into_iter().enumerate() {
+            push(&mut system.m, "1", i, None);
+            let at = || [(CoordinateId(i as u32), Number::ONE)];
+            system.k.push(source, Nature::Property, Number::from(spring), at());
+            system.k.push(source, Nature::Geometric, -&Number::from("9.81"), at());
+        }
+        check(&system, 2.0 / 9.81);
+    }
+
+    /// An eigenvalue of 2 +- 0.5 may be 2.5.
+    #[test]
+    fn what_is_not_known_of_an_eigenvalue_is_in_the_factor() {
+        use crate::analysis::answer::Route;
+        use crate::analysis::modes::eigen::Displacements;
+        let value = Eigenvalue::Near { value: 2.0.into(), radius: 0.5, positive: false };
+        let found =
+            positive(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact }).expect("positive");
+        assert!(found.mid.hi + found.rad >= 2.5, "{found:?}");
+    }
 }

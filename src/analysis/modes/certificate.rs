@@ -141,7 +141,10 @@ impl<'a> Pencil<'a> {
         let mut assumed = 0.0;
         for _ in 0..MAX_TRIALS {
             let found = self.radius_assuming(start, end, inner, assumed);
-            if found <= assumed || !found.is_finite() {
+            if !found.is_finite() {
+                return f64::INFINITY;
+            }
+            if found <= assumed {
                 return found;
             }
             // The dependence on the assumption is weak: one part in a thousand leaves room unless the modes are poor.
@@ -333,5 +336,75 @@ mod tests {
             assert!(error <= found.rad, "1e{e}: {error:e} {:e}", found.rad);
             assert!(e < -250 || found.rad <= 1e-28 * root.hi(), "1e{e}: {:e}", found.rad);
         }
+    }
+
+    /// 4 +- 1: the roots of 3 and of 5 are held.
+    #[test]
+    fn the_root_of_an_uncertain_number_holds_its_ends() {
+        let found = root(Triple::from(4.0), 1.0);
+        for end in [3.0f64, 5.0] {
+            assert!((found.to_f64() - end.sqrt()).abs() <= found.rad, "{found:?} {end}");
+        }
+    }
+
+    /// Two coordinates as pairs of what a term adds: (w, coordinate, other end).
+    type Squares<'a> = &'a [(&'a str, usize, Option<usize>)];
+
+    /// Every radius holds the eigenvalue of its place, or nothing is told.
+    fn check(k: Squares, m: Squares, x: &Matrix<Triple>, truth: &[f64]) -> Vec<Enclosure> {
+        let mut system = blank(truth.len());
+        m.iter().for_each(|&(w, i, j)| push(&mut system.m, w, i, j));
+        k.iter().for_each(|&(w, i, j)| push(&mut system.k, w, i, j));
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let found = enclose(&Gram::of(&k, x), &Gram::of(&m, x));
+        for (found, truth) in found.iter().zip(truth) {
+            let error = (found.lambda.hi() - truth).abs();
+            let nothing = found.radius == f64::INFINITY;
+            assert!(nothing || error <= found.radius + 1e-14 * truth, "{truth}: {found:?}");
+        }
+        found
+    }
+
+    fn vectors(columns: &[&[f64]]) -> Matrix<Triple> {
+        Matrix::from_fn(columns.len(), columns.len(), |i, j| Triple::from(columns[j][i]))
+    }
+
+    const UNIT_MASSES: [(&str, usize, Option<usize>); 3] = [("1", 0, None), ("1", 1, None), ("1", 2, None)];
+
+    #[test]
+    fn a_vector_of_zeros_certifies_nothing() {
+        let k = [("1", 0, None), ("2", 1, None), ("3", 2, None)];
+        let x = vectors(&[&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0; 3]]);
+        let found = check(&k, &UNIT_MASSES, &x, &[1.0, 2.0, 3.0]);
+        assert!(found.iter().all(|found| found.radius == f64::INFINITY), "{found:?}");
+    }
+
+    /// Eigenvalues 1 and 1.000001, from vectors half of one and half of the other: both quotients are 1.0000005.
+    #[test]
+    fn the_coupling_of_close_modes_is_in_their_radius() {
+        let k = [("1", 0, None), ("1.000001", 1, None), ("9", 2, None)];
+        let x = vectors(&[&[1.0, 1.0, 0.0], &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0]]);
+        let found = check(&k, &UNIT_MASSES, &x, &[1.0, 1.000001, 9.0]);
+        assert!(found[0].radius >= 5e-7 && found[0].radius < 1e-5, "{found:?}");
+    }
+
+    /// Eigenvalues 1, 10 and 12, the first and the last from vectors half of each: both quotients are 6.5, so that the exact
+    /// one of 10 would be counted as the third.
+    #[test]
+    fn modes_beside_poor_ones_are_not_counted() {
+        let k = [("1", 0, None), ("10", 1, None), ("12", 2, None)];
+        let x = vectors(&[&[1.0, 0.0, 1.0], &[0.0, 1.0, 0.0], &[1.0, 0.0, -1.0]]);
+        check(&k, &UNIT_MASSES, &x, &[1.0, 10.0, 12.0]);
+    }
+
+    /// K = [2 -0.3; -0.3 1] and M = [1 -0.2; -0.2 1], with the axes as vectors: at the upper quotient, 2, the coupling is 0.1 and
+    /// would tell 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the coupling is larger.
+    #[test]
+    fn a_radius_holds_over_all_that_was_assumed() {
+        let k = [("0.3", 0, Some(1)), ("1.7", 0, None), ("0.7", 1, None)];
+        let m = [("0.2", 0, Some(1)), ("0.8", 0, None), ("0.8", 1, None)];
+        let half = 0.96f64.sqrt() / 1.92;
+        let found = check(&k, &m, &vectors(&[&[1.0, 0.0], &[0.0, 1.0]]), &[1.5 - half, 1.5 + half]);
+        assert!(found[1].radius < 0.02, "{found:?}");
     }
 }

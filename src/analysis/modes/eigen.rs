@@ -20,7 +20,7 @@ use crate::analysis::modes::structure::{self, NullSpace};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::triple::Triple;
-use crate::base::Dd;
+use crate::base::{Dd, larger};
 use crate::system::Form;
 use std::cmp::Ordering;
 
@@ -293,7 +293,7 @@ impl<'a> Problem<'a> {
         let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
         let union = candidate.list.iter().filter(|e| e.column < known || may_be_zero(e));
-        let union = union.map(|e| (e.lambda.hi().abs() + e.radius) * SLACK).fold(0.0, f64::max);
+        let union = union.map(|e| (e.lambda.hi().abs() + e.radius) * SLACK).fold(0.0, larger);
         let pair = |e: &Enclosure| {
             let rigid = e.column < known || (certain && may_be_zero(e));
             let radius = if may_be_zero(e) { (e.lambda.hi().abs() + union) * SLACK } else { e.radius };

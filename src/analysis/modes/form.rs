@@ -9,7 +9,7 @@ use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::analysis::numeric::fused::fused;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, larger};
 use crate::system::LinearSystem;
 
 /// The modes in coordinates of their own.
@@ -164,8 +164,8 @@ pub(in crate::analysis) fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit
                 (true, true) => (entry - Ball::ONE).magnitude(),
                 (true, false) => entry.rad,
             };
-            if size > 0.0 {
-                largest = largest.max(size / (sizes[i] * sizes[j]).sqrt());
+            if size != 0.0 {
+                largest = larger(largest, size / (sizes[i] * sizes[j]).sqrt());
             }
         }
     }

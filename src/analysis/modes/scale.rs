@@ -230,4 +230,17 @@ mod tests {
         }
         assert_eq!(Scale::of(&Terms::of(&plain.k), &Terms::of(&plain.m)), None);
     }
+
+    /// Stiffnesses times 2^200: frequencies are 2^100 times as high; masses times 2^200: shapes of unit mass 2^-100 times as large.
+    #[test]
+    fn bands_and_shapes_are_scaled_with_the_numbers() {
+        use crate::analysis::answer::Route;
+        let power = 2f64.powi(100);
+        let band = Request { which: Which::Within(Band { from: 0.0, to: 3.0 }), ..Request::default() };
+        let Which::Within(found) = (Scale { masses: 0, stiffness: 200 }).request(&band).which else { panic!("a band") };
+        assert_eq!((found.from, found.to), (0.0, 3.0 * power));
+        let pair = Pair { value: Eigenvalue::Zero, x: Displacements::Plain(vec![1.0]), route: Route::Exact };
+        let found = Scale { masses: 200, stiffness: 200 }.unscaled(pair).expect("in range");
+        assert_eq!(found.x.to_f64(), [power]);
+    }
 }

@@ -1,7 +1,7 @@
 //! Complex numbers over any of our reals: `Complex<f64>` steers, `Complex<Dd>` refines, `Complex<Ball>` (a rectangle that
 //! encloses) proves. Only + - * / and the square root are used, which are the same on every machine.
 
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, larger};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the arithmetic below needs of a real number.
@@ -140,10 +140,10 @@ impl Complex<f64> {
         self.re.abs() + self.im.abs()
     }
 
-    /// The modulus, scaled against overflow.
+    /// The modulus, scaled against overflow; infinite where a part is no number.
     #[inline]
     pub fn abs(self) -> f64 {
-        let size = self.re.abs().max(self.im.abs());
+        let size = larger(self.re.abs(), self.im.abs());
         if size == 0.0 || !size.is_finite() {
             return size;
         }

@@ -1,7 +1,7 @@
 //! Small dense matrices of balls: products, solutions and triangular factors whose errors are known.
 
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, larger};
 
 /// A bound of the 2-norm of |A|: the smaller of the Frobenius norm and sqrt(norm_1 norm_inf).
 pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f64) -> f64 {
@@ -14,9 +14,9 @@ pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f6
             *row += x;
             column += x;
         }
-        largest_column = largest_column.max(column);
+        largest_column = larger(largest_column, column);
     }
-    let largest_row = row_sums.iter().copied().fold(0.0, f64::max);
+    let largest_row = row_sums.iter().copied().fold(0.0, larger);
     // A thousand rows of sums in binary64 lose less than 1e-12.
     squares.sqrt().min((largest_row * largest_column).sqrt()) * (1.0 + 1e-12)
 }
@@ -123,7 +123,7 @@ fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let nearly_one = product(&inverse, &a);
     let lacks = |i: usize| (0..n).map(|j| (nearly_one[(i, j)] - unit(i, j)).magnitude()).sum::<f64>() * UP;
     let lacks: Vec<f64> = (0..n).map(lacks).collect();
-    let gamma = lacks.iter().copied().fold(0.0, f64::max);
+    let gamma = lacks.iter().copied().fold(0.0, larger);
     // Also false where it is no number.
     let is_regular = gamma < 0.5;
     if !is_regular {
@@ -141,7 +141,7 @@ fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let off = product(&inverse, &left(&x));
     let mut solution = Matrix::none(n, b.columns());
     for j in 0..b.columns() {
-        let largest = off.column(j).iter().map(Ball::magnitude).fold(0.0, f64::max) / (1.0 - gamma) * UP;
+        let largest = off.column(j).iter().map(Ball::magnitude).fold(0.0, larger) / (1.0 - gamma) * UP;
         for i in 0..n {
             let error = (off[(i, j)].magnitude() + lacks[i] * largest) * UP;
             solution[(i, j)] = Ball::new(x[(i, j)], error) * Ball::from(by_columns[i]);

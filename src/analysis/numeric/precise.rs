@@ -9,6 +9,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Covers the roundings of a radius, and what a word of lower order may lose of a leading one.
 const UP: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 const UNDERFLOW: f64 = Triple::UNDERFLOW;
+/// What the remainders of a long division, or that of a root, lose of the number by underflow: a few dozen steps of binary64 at
+/// most, 3.2e-322, in an order in which nothing here is subnormal.
+fn lost_of_remainder(x: Triple) -> f64 {
+    3.2e-22 / (x.hi().abs().min(1e-260) * 1e300)
+}
 
 impl Precise {
     pub const ZERO: Precise = Precise { value: Triple::ZERO, radius: 0.0 };
@@ -32,7 +37,9 @@ impl Precise {
         let value = words + Triple::from(rest.hi() / (2.0 * root.hi));
         // |sqrt(x) - sqrt(m)| <= |x - m| / sqrt(m), also where x is cut off at 0; never more than sqrt(|x - m|).
         let spread = if self.radius == 0.0 { 0.0 } else { (self.radius / root.hi).min(self.radius.sqrt()) };
-        Precise { value, radius: (spread + 8.0 * Triple::ERROR * root.hi + UNDERFLOW) * UP }
+        // What underflow takes from the remainder is divided by 2r, once for the root in double-double and once for the step.
+        let lost = root.hi * lost_of_remainder(self.value);
+        Precise { value, radius: (spread + 8.0 * Triple::ERROR * root.hi + lost + UNDERFLOW) * UP }
     }
 }
 
@@ -109,9 +116,9 @@ impl Div for Precise {
             return Precise { value: Triple::ZERO, radius: f64::INFINITY };
         }
         let value = Triple::ratio(self.value, y.value);
-        // |n/d - n'/d'| <= (|dn| + |n'/d'| |dd|) / |d|
+        // |n/d - n'/d'| <= |dn| / |d| + |n'/d'| |dd| / |d|, in an order in which no product underflows that counts.
         let size = value.hi().abs() * UP;
-        let spread = (self.radius + size * y.radius) / least;
+        let spread = self.radius / least + size * (y.radius / least + lost_of_remainder(self.value));
         Precise { value, radius: (spread + 8.0 * Triple::ERROR * size + UNDERFLOW) * UP }
     }
 }
@@ -139,6 +146,42 @@ mod tests {
                 assert!(encloses(a + b, &(x + y)) && encloses(a - b, &(x - y)) && encloses(a * b, &(x * y)));
                 assert!((a * b).radius <= 1e-43 * (x * y).to_f64());
                 assert!(encloses(a / b, &(x / y)) && (a / b).radius <= 1e-43 * (x / y).to_f64());
+            }
+        }
+    }
+
+    /// Numbers near both ends of binary64, of one word and of three: a quotient times its divisor, and the square of a root,
+    /// enclose what was divided, in exact arithmetic.
+    #[test]
+    fn both_ends_of_the_range_are_held_to_their_radius() {
+        let part = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+        let value = |x: Triple| {
+            let ([a, b], c) = ([x.split().0.hi, x.split().0.lo], x.split().1);
+            &(&part(a) + &part(b)) + &part(c)
+        };
+        let ends = |x: Precise| {
+            // Splitting forgets at most 2^-159 of the value, or a step of binary64.
+            let radius = &part(x.radius) + &part(x.value.hi().abs() * 2e-48 + 1e-323);
+            [&value(x.value) - &radius, &value(x.value) + &radius]
+        };
+        let sizes = [1.1e-306, 1e-300, 7e-293, 1e-276, 3e-200, 0.3, 1e77, 1e290, 3e300];
+        let short = sizes.map(Triple::from);
+        let long = sizes.map(|a| Triple::from(Dd::new(a, a * 0.9e-16)) + Triple::from(a * 0.7e-32));
+        let numbers: Vec<Triple> = short.into_iter().chain(long).collect();
+        let exact = |value: Triple| Precise { value, radius: 0.0 };
+        for &n in &numbers {
+            let root = exact(n).sqrt();
+            let [low, high] = ends(root);
+            assert!(low.is_negative() || !(&low.square() - &value(n)).is_positive(), "{n:?}: {root:?}");
+            assert!(!(&high.square() - &value(n)).is_negative(), "{n:?}: {root:?}");
+            for &d in &numbers {
+                let quotient = exact(n) / exact(d);
+                if !(quotient.value.is_finite() && quotient.radius.is_finite()) {
+                    continue;
+                }
+                let [low, high] = ends(quotient);
+                assert!(!(&(&low * &value(d)) - &value(n)).is_positive(), "{n:?} / {d:?}: {quotient:?}");
+                assert!(!(&(&high * &value(d)) - &value(n)).is_negative(), "{n:?} / {d:?}: {quotient:?}");
             }
         }
     }

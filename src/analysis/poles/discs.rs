@@ -17,7 +17,7 @@ use crate::analysis::poles::disc_columns::{Columns, Near, U, UP, dot_products};
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, larger};
 
 /// What holds for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,7 +175,7 @@ fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbat
         // Sums of numbers that are not negative: UP covers their rounding, and the last number what is lost below binary64.
         let rest: Vec<f64> = coupled.column(p).iter().map(|sum| sum * UP + f64::MIN_POSITIVE).collect();
         // G^2 (1 - G)^-1 R is at most theta / (1 - theta) times the largest entry of G R.
-        let tail = rest.iter().copied().fold(0.0, f64::max) * (b.theta / (1.0 - b.theta)) * UP;
+        let tail = rest.iter().copied().fold(0.0, larger) * (b.theta / (1.0 - b.theta)) * UP;
         for i in 0..n {
             let bound = (scaled[(i, p)] + rest[i] + tail) * UP;
             t.set(i, at, bound);
@@ -273,7 +273,7 @@ fn union_radius(
     (0..radii.len())
         .filter(|&i| clusters[i] == cluster)
         .map(|i| ((centres[i] - centres[k]).magnitude() + radii[i]) * UP)
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! (2010), section 10). Clause: spec.md, "Transfer".
 
 use crate::analysis::numeric::complex::Complex;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, larger};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the elimination needs of its numbers; `Complex<f64>` first, `Complex<Dd>` where that is not enough.
@@ -132,7 +132,7 @@ impl<T: Scalar> Inverse<T> {
     pub fn error(&self, residual: &[Complex<Ball>]) -> Vec<f64> {
         let sizes: Vec<f64> = residual.iter().zip(&self.scale).map(|(r, d)| r.magnitude() * d).collect();
         let t = multiply(self.n, &self.sizes, &sizes);
-        let eta = t.iter().zip(&self.weights).map(|(t, w)| t / w).fold(0.0, f64::max) / (1.0 - self.contraction);
+        let eta = t.iter().zip(&self.weights).map(|(t, w)| t / w).fold(0.0, larger) / (1.0 - self.contraction);
         let rest = multiply(self.n, &self.error, &self.weights);
         (0..self.n).map(|i| (t[i] + eta * rest[i] + TINY) * self.scale[i] * UP + UNDERFLOW).collect()
     }
@@ -259,7 +259,7 @@ fn contraction(n: usize, sizes: &[f64], error: &[f64]) -> Option<(Vec<f64>, f64)
             break;
         }
         let image = multiply(n, error, &weights);
-        let theta = image.iter().zip(&weights).map(|(e, w)| e / w).fold(0.0, f64::max) * UP;
+        let theta = image.iter().zip(&weights).map(|(e, w)| e / w).fold(0.0, larger) * UP;
         if theta.is_finite() && best.as_ref().is_none_or(|(_, known)| theta < *known) {
             best = Some((weights.clone(), theta));
         }

@@ -13,7 +13,7 @@ pub mod rational;
 pub mod rounded;
 pub mod surd;
 
-pub use ball::Ball;
+pub use ball::{Ball, larger};
 pub use dd::Dd;
 pub use jet::Jet;
 pub use rational::{Literals, Rational};

@@ -5,7 +5,7 @@
 //! definiteness*, BIT 46 (2006) 433: every entry rounds by gamma of its row times the roots of two diagonal entries, here
 //! ones). What the true matrix differs by from the one eliminated is bounded by its largest row of radii.
 
-use crate::base::Ball;
+use crate::base::{Ball, larger};
 use crate::system::ldl::{Factors, Symmetric};
 
 /// A symmetric matrix S H S: one entry for each place, with what it may be wrong by.
@@ -84,7 +84,7 @@ impl Scaled {
                 rows[*j as usize] += spread;
             }
         }
-        rows.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)
+        rows.into_iter().fold(0.0, larger) * (1.0 + 1e-9)
     }
 }
 

@@ -9,7 +9,7 @@
 use super::definite::{Scaled, estimate};
 use super::proof::Proven;
 use super::survey::{Part, Survey};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, larger};
 use crate::elements::Scalar;
 use crate::lower::constraints::Reduction;
 use crate::lower::kinematics::{Index, Kinematics};
@@ -186,7 +186,7 @@ impl Squares {
         let at: Vec<Dd> = w.iter().map(|w| Dd::from(*w)).collect();
         let v: Vec<f64> = self.left(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
         let regular = Proven::positivity(&w, &v)?;
-        let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, f64::max);
+        let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, larger);
         Some((w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect(), regular))
     }
 }

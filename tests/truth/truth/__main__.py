@@ -3,6 +3,7 @@
 import argparse
 import os
 import random
+import signal
 import sys
 import time
 
@@ -39,6 +40,19 @@ def binary(options):
     sys.exit("truth: no program; build one, or name it with --program")
 
 
+class Stop:
+    """Asked for by Ctrl-C or SIGTERM: the scene at hand is finished, and the table printed of what there is."""
+
+    def __init__(self):
+        self.asked = False
+
+    def __call__(self, *_):
+        self.asked = True
+
+
+stop = Stop()
+
+
 def run_class(name, program, options):
     """All scenes of a class."""
     chosen = classes.ALL[name]
@@ -51,7 +65,7 @@ def run_class(name, program, options):
     for number in numbers:
         if options.comparisons and tally.comparisons >= options.comparisons:
             break
-        if options.seconds and time.monotonic() - start > options.seconds:
+        if stop.asked or options.seconds and time.monotonic() - start > options.seconds:
             break
         one(chosen, name, number, program, tally, options)
     return tally, time.monotonic() - start
@@ -83,6 +97,8 @@ def table(rows):
 
 def main():
     options = arguments()
+    for kind in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(kind, stop)
     program = Program(binary(options))
     names = options.classes or list(classes.ALL)
     unknown = [name for name in names if name not in classes.ALL]
@@ -99,7 +115,7 @@ def main():
             failed = True
             for kind, count in sorted(tally.kinds.items()):
                 print(f"{name}: {count} x {kind}", file=sys.stderr)
-        if tally.comparisons == 0:
+        if tally.comparisons == 0 and not stop.asked:
             failed = True
             print(f"{name}: nothing was compared", file=sys.stderr)
         for kind, count in sorted(tally.open.items()):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import emitted, extrema, extremes, large, measures, modes, motions, planar, poles, sensitivities, solving, transfer
+from . import coupled, emitted, extrema, extremes, large, measures, modal, modes, motions, planar, poles, sensitivities, solving, transfer
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,11 @@ ALL = {
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
+    "modal": Class(modal.scene, modal.check, 10000, 100),
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "solve": Class(solving.scene, solving.check, 5000, 60),
     "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
+    "coupled": Class(coupled.scene, coupled.check, 5000, 60),
     "emitted": Class(emitted.scene, emitted.check, 2000, 15),
     "planar": Class(planar.scene, planar.check, 10000, 100),
 }

@@ -2,10 +2,19 @@
 
 import json
 import os
+import resource
+import signal
 import subprocess
 import tempfile
 
-TIME_LIMIT = 10.0
+# Processor seconds of one run, so that other work on the machine makes no run too long; and seconds, for one that hangs.
+TIME_LIMIT = 10
+PATIENCE = 600.0
+
+
+def limit_time():
+    """Ends the process by SIGXCPU after its processor seconds; another process inherits nothing of it."""
+    resource.setrlimit(resource.RLIMIT_CPU, (TIME_LIMIT, TIME_LIMIT + 1))
 
 
 class Answer:
@@ -45,6 +54,9 @@ class Answer:
         return f"status {self.status}"
 
 
+TOO_LONG = Answer(-1, "", '{"code": "timeout", "severity": "error"}')
+
+
 class Program:
     """The binary, and a folder of its own for models and tables."""
 
@@ -66,7 +78,9 @@ class Program:
         self.runs += 1
         words = [self.path, command, model, *options, "--message-format", "json"]
         try:
-            done = subprocess.run(words, capture_output=True, timeout=TIME_LIMIT, check=False)
+            done = subprocess.run(words, capture_output=True, timeout=PATIENCE, check=False, preexec_fn=limit_time)
         except subprocess.TimeoutExpired:
-            return Answer(-1, "", '{"code": "timeout", "severity": "error"}')
+            return TOO_LONG
+        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+            return TOO_LONG
         return Answer(done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace"))

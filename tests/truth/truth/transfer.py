@@ -132,9 +132,11 @@ def compare(row, numerator, denominator, f, tally):
     bottom = value(denominator, s)
     if bottom.contains(0):
         return
-    truth = value(numerator, s) / bottom
-    if numerator.is_zero():
-        truth = acb(0)
+    compare_value(row, acb(0) if numerator.is_zero() else value(numerator, s) / bottom, tally)
+
+
+def compare_value(row, truth, tally):
+    """A row of the table against H."""
     if row["re"] is None:
         tally.refuse("no value")
         return

@@ -22,7 +22,7 @@ use crate::analysis::numeric::inverse_factor::inverse_factor;
 use crate::analysis::numeric::product::{View, product};
 use crate::analysis::numeric::symmetric;
 use crate::analysis::numeric::triple::Triple;
-use crate::base::{Dd, Rational};
+use crate::base::{Dd, Rational, larger};
 use crate::system::Form;
 use certificate::Reduced;
 use residual::Pencil;
@@ -223,7 +223,7 @@ impl Candidate {
         let positive =
             problem.stiffness.all_positive() && rigid.dimension == rigid.vectors.len() && rigid.dimension == 0;
         let size = |i: usize| self.pencil.theta[i].hi.abs();
-        let union = doubtful.iter().map(|&i| (size(i) + self.radii[i]) * SLACK).fold(0.0, f64::max);
+        let union = doubtful.iter().map(|&i| (size(i) + self.radii[i]) * SLACK).fold(0.0, larger);
         let motions = if known { orthonormal(&rigid.vectors, problem.masses) } else { Vec::new() };
         let mut motions = motions.into_iter();
         let pair = |i: usize| {

@@ -18,7 +18,7 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::product;
 use crate::analysis::numeric::tridiagonal::dot;
 use crate::analysis::numeric::wide::{Eight, LANES, widest};
-use crate::base::Dd;
+use crate::base::{Dd, larger};
 
 /// u^2 = 2^-106.
 const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
@@ -193,7 +193,7 @@ impl Doubt {
             let (indices, factors) = terms.row(t);
             let weight = terms.weights[t];
             let size = weight.value.hi().abs() * SLACK;
-            let doubt = factors.iter().map(|factor| factor_doubt(*factor)).fold(0.0, f64::max);
+            let doubt = factors.iter().map(|factor| factor_doubt(*factor)).fold(0.0, larger);
             let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
             let entry = |factor: &Factor| factor.to_f64().abs() * SLACK;
             let sum: f64 = indices.iter().zip(factors).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
@@ -206,11 +206,6 @@ impl Doubt {
         let floor: f64 = floors.iter().zip(scale).map(|(floor, scale)| (floor / scale) * (floor / scale)).sum();
         Doubt { kappa: kappa * SLACK, floor: floor.sqrt() * SLACK + UNDERFLOW }
     }
-}
-
-/// The larger of two; beyond all bounds where one is no number.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Relative radius of a factor.

@@ -224,3 +224,51 @@ impl Pair<'_> {
 fn sign_of(x: Ball) -> i8 {
     i8::from(x.is_positive()) - i8::from(x.is_negative())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::analysis::modes::modes;
+    use crate::analysis::poles::poles;
+    use crate::analysis::test_systems::{blank, oscillator, push};
+
+    /// m = 1, k = 1, c = 0.2: a peak at sqrt 0.98, and nothing beside it.
+    #[test]
+    fn a_bracket_without_an_extremum_gives_none() {
+        let system = oscillator("1", "0.2", "1");
+        let transfer = Transfer::of(&system);
+        let pair = Pair { transfer: &transfer, input: 0, output: 0 };
+        let found = pair.root((0.9, 1.1), FeatureKind::Peak).expect("a peak");
+        assert!((found.to_f64() - 0.98f64.sqrt()).abs() <= found.rad + 1e-15, "{found:?}");
+        assert_eq!(pair.root((0.9, 1.1), FeatureKind::Antiresonance), None);
+        for bracket in [(0.9, 0.95), (0.97, 0.985), (0.995, 1.01), (1.2, 1.4)] {
+            for kind in [FeatureKind::Peak, FeatureKind::Antiresonance] {
+                assert_eq!(pair.root(bracket, kind), None, "{bracket:?}");
+            }
+        }
+    }
+
+    /// Two oscillators that nothing joins: the receptance of the first is infinite at its own frequency, and no pole of the second
+    /// is one of it, be it far away or closer to 1 rad/s than the circle on which |H| is looked at.
+    #[test]
+    fn a_pole_that_an_output_does_not_see_is_no_peak() {
+        for (stiffness, omega) in [("4", 2.0), ("1.0000000200000001", 1.00000001)] {
+            let mut system = blank(2);
+            for (i, stiffness) in ["1", stiffness].into_iter().enumerate() {
+                push(&mut system.m, "1", i, None);
+                push(&mut system.k, stiffness, i, None);
+            }
+            let poles = poles(&system, &modes(&system).expect("modes")).expect("poles");
+            let near = |omega: f64| {
+                let at = poles.list.iter().map(|pole| pole.im).find(|im| (im.to_f64() - omega).abs() < 1e-12);
+                at.expect("a pole")
+            };
+            let transfer = Transfer::of(&system);
+            let pair = Pair { transfer: &transfer, input: 0, output: 0 };
+            assert!(!pair.sees(near(omega), &poles), "{omega}");
+            // A pole with a neighbour within the circle is not told.
+            assert_eq!(pair.sees(near(1.0), &poles), omega == 2.0);
+        }
+    }
+}

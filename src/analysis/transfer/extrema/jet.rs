@@ -123,3 +123,29 @@ fn dense(powers: &Powers, s: Complex<Ball>, order: usize, n: usize) -> Vec<Compl
     }
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::oscillator;
+
+    /// m = 1, c = 0.2, k = 1: |H|^2 = 1/D with D = (1 - w^2)^2 + 0.04 w^2, by hand.
+    #[test]
+    fn slope_and_curvature_are_those_of_the_textbook() {
+        let system = oscillator("1", "0.2", "1");
+        let transfer = Transfer::of(&system);
+        for w in [0.25, 0.5, 1.0, 1.5, 3.0f64] {
+            let d = (1.0 - w * w).powi(2) + 0.04 * w * w;
+            let (first, second) = (-4.0 * w * (1.0 - w * w) + 0.08 * w, -4.0 + 12.0 * w * w + 0.08);
+            let jet = Jet::of(&transfer, Ball::from(w), 0, 0).expect("regular");
+            let slope = -first / (2.0 * d * d);
+            let curvature = first * first / d.powi(3) - second / (2.0 * d * d);
+            for (found, truth) in [(jet.slope(), slope), (jet.curvature(), curvature)] {
+                assert!(
+                    (found.to_f64() - truth).abs() <= found.rad + 1e-12 * curvature.abs(),
+                    "{w}: {found:?} {truth}"
+                );
+            }
+        }
+    }
+}

@@ -490,9 +490,11 @@ mod tests {
         let exactly = resonance(-0.1, 1.0, 0.0);
         let within = Interval { anchor: 0, low: 0.0, high: 3.0 };
         for (at, change) in [(1.0, 1.2), (1.2, 1.2), (2.9, 2.0), (0.05, 1.0), (2.9, 2.95), (0.1, 0.05)] {
-            let found = exactly.enclosed(Dd::from(at), 0.0, within, |t| t.hi < change, |t| t.hi > change);
-            let holds = |t: Ball| (t.mid.hi - change).abs() <= t.rad;
-            assert!(found.is_none_or(holds), "{at} {change}: {found:?}");
+            for blur in [0.0, 0.2] {
+                let found = exactly.enclosed(Dd::from(at), blur, within, |t| t.hi < change, |t| t.hi > change);
+                let holds = |t: Ball| (t.mid.hi - change).abs() <= t.rad;
+                assert!(found.is_none_or(holds), "{at} {change} {blur}: {found:?}");
+            }
         }
     }
 
@@ -514,5 +516,17 @@ mod tests {
             assert!(found.width.is_none_or(|told| (told - peak.width.expect("a width")).contains_zero()), "{radius}");
             assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && told.complete.is_some()));
         }
+    }
+
+    /// Poles at -0.33 +- i: one end of the half-power width, 0.48, is nearer to rest than to the pole.
+    #[test]
+    fn a_wide_peak_has_its_width() {
+        let found = resonance(-0.33, 1.0, 0.0).extrema(Ball::from(1e-3), Ball::from(1e3));
+        let [peak] = &found.list[..] else { panic!("{found:?}") };
+        let square = 1.0 + 0.33f64 * 0.33;
+        let (near, apart) = (1.0 - 2.0 * 0.33 * 0.33 / square, 2.0 * 0.33 / square);
+        let width = (square * (near + apart)).sqrt() - (square * (near - apart)).sqrt();
+        let told = peak.width.expect("a width").to_f64() * 2.0 * std::f64::consts::PI;
+        assert!((told - width).abs() < 1e-14, "{told} {width}");
     }
 }

@@ -15,7 +15,7 @@ use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, larger};
 use crate::system::{CoordinateId, LinearSystem};
 use std::ops::RangeInclusive;
 
@@ -79,7 +79,7 @@ impl ModalSum {
         let epsilon = [(&form.m, &ones, true), (&damping, &c_size, false), (&form.k, &k_size, false)]
             .into_iter()
             .map(|(gram, sizes, unit)| off_diagonal(gram, sizes, unit))
-            .fold(LEAST_EPSILON, f64::max);
+            .fold(LEAST_EPSILON, larger);
         // Modes that do not diagonalise the damping leave an epsilon near one.
         if epsilon.is_nan() || epsilon > 1e-8 {
             return None;

@@ -19,7 +19,7 @@ use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;
 use crate::analysis::transfer::sparse::{Pattern, Symbolic};
 use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, larger};
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
 
@@ -91,7 +91,7 @@ impl<'a> TwoSided<'a> {
         if n == 0 || diagonal.iter().any(|c| !(*c > 1e-150 && *c < 1e150)) {
             return None;
         }
-        let loose = entries.iter().flat_map(|e| [e.m, e.c, e.k]).map(looseness).fold(0.0, f64::max);
+        let loose = entries.iter().flat_map(|e| [e.m, e.c, e.k]).map(looseness).fold(0.0, larger);
         let gamma = coercivity(pattern, entries, &diagonal).filter(|_| loose < LOOSEST)?;
         let plan = Plan::of(pattern, n, entries);
         let mut weights = vec![0.0; n];
