@@ -11,7 +11,7 @@ use crate::analysis::discrete::pieces::Spread;
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::enclosure::norm_bound;
-use crate::base::Dd;
+use crate::base::{Dd, larger};
 
 /// A bound of the relative error of any output after N steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl Rounding {
     pub fn after(&self, steps: u64) -> f64 {
         let doublings = (64 - steps.leading_zeros()) as usize;
         let worst = self.cells.iter().map(|(step, sums)| step * sums[doublings.min(DOUBLINGS)]);
-        self.output + worst.fold(0.0, f64::max)
+        self.output + worst.fold(0.0, larger)
     }
 }
 

@@ -1,6 +1,6 @@
 """`solve`: all roots in the range, and no other."""
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx, fmpq, fmpq_poly
 
 from . import draw, extrema, signals, transfer
 from .exact import determinant, interpolate, real_roots
@@ -155,13 +155,19 @@ def true_roots(net):
         poly = interpolate(f, count)
     else:
         m, _, k = net.matrices({"p": fmpq(1)})
-        return [x for x in [2 * arb(m[0, 0] * k[0, 0]).sqrt() * wanted] if x > low and x < high]
+        poly = fmpq_poly([-4 * m[0, 0] * k[0, 0] * wanted ** 2, 0, 1])
     if poly.is_zero():
         return None
-    found = [x for x, _ in real_roots(poly, BITS) if x > low and x < high]
+    found = [x for x, _ in real_roots(poly, BITS) if within(x, poly, low, high)]
     if net.question == "frequency":
         found = [x for x in found if index_fits(net, x, wanted)]
     return found
+
+
+def within(x, poly, low, high):
+    """Whether a root lies in the range; its ends belong to it."""
+    at_end = any(poly(end) == 0 and (x - end).contains(0) for end in (low, high))
+    return at_end or bool(x > low and x < high)
 
 
 def index_fits(net, x, wanted):
