@@ -294,6 +294,7 @@ impl<'a> Problem<'a> {
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
         let union = candidate.list.iter().filter(|e| e.column < known || may_be_zero(e));
         let union = union.map(|e| (e.lambda.hi().abs() + e.radius) * SLACK).fold(0.0, larger);
+        let x = correction::polished(&candidate.start.x, &candidate.k, &candidate.m);
         let pair = |e: &Enclosure| {
             let rigid = e.column < known || (certain && may_be_zero(e));
             let radius = if may_be_zero(e) { (e.lambda.hi().abs() + union) * SLACK } else { e.radius };
@@ -302,7 +303,7 @@ impl<'a> Problem<'a> {
                 false => Eigenvalue::Near { value: e.lambda, radius, positive },
             };
             let route = if rigid { Route::Exact } else { candidate.start.route };
-            Pair { value, x: candidate.normalised(e.column), route }
+            Pair { value, x: normalised(&x, &candidate.m, e.column), route }
         };
         let mut pairs: Vec<Pair> = candidate.list.iter().map(pair).collect();
         pairs.sort_by(|a, b| ascending(&a.value, &b.value));
@@ -315,11 +316,11 @@ impl Candidate<'_> {
         let quotients = self.list.iter().all(|e| e.lambda.is_finite());
         quotients && self.k.is_finite() && self.m.is_finite()
     }
+}
 
-    fn normalised(&self, column: usize) -> Displacements {
-        let scale = Triple::from(self.m.mid[(column, column)].sqrt().recip());
-        Displacements::Precise(self.start.x.column(column).iter().map(|&x| x * scale).collect())
-    }
+fn normalised(x: &Matrix<Triple>, m: &Gram, column: usize) -> Displacements {
+    let scale = Triple::from(m.mid[(column, column)].sqrt().recip());
+    Displacements::Precise(x.column(column).iter().map(|&x| x * scale).collect())
 }
 
 impl Eigenvalue {

@@ -68,11 +68,18 @@ impl ModalForm {
         ModalForm { m: gram(m, &shapes), k: gram(k, &shapes), shapes }
     }
 
-    /// To the last digit that counts.
+    /// Whether a step would change nothing but rounding errors.
     fn is_diagonal(&self, modes: &Modes) -> bool {
-        let ones = vec![1.0; self.shapes.columns()];
-        let sizes = sizes(&self.stiffnesses(), least_stiffness(&modes.list, &self.stiffnesses()));
-        off_diagonal(&self.m, &ones, true) <= LEAST_EPSILON && off_diagonal(&self.k, &sizes, false) <= LEAST_EPSILON
+        let k = self.stiffnesses();
+        let (ones, sizes) = (vec![1.0; k.len()], sizes(&k, least_stiffness(&modes.list, &k)));
+        let negligible = |entry: Ball, size: f64| entry.mid.hi.abs() <= entry.rad + LEAST_EPSILON * size;
+        let off = |gram: &Matrix<Ball>, sizes: &[f64], i: usize, j: usize| {
+            negligible(gram[(i, j)], (sizes[i] * sizes[j]).sqrt())
+        };
+        (0..k.len()).all(|j| {
+            negligible(self.m[(j, j)] - Ball::ONE, 1.0)
+                && (0..j).all(|i| off(&self.m, &ones, i, j) && off(&self.k, &sizes, i, j))
+        })
     }
 
     /// The diagonal of X^T K X.
@@ -170,4 +177,48 @@ pub(in crate::analysis) fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit
         }
     }
     largest * UP
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::modes::modes;
+    use crate::analysis::test_systems::{blank, push};
+
+    fn chain(n: usize) -> LinearSystem {
+        let mut system = blank(n);
+        for i in 0..n {
+            push(&mut system.m, "3", i, None);
+            push(&mut system.k, "1000", i, i.checked_sub(1));
+        }
+        system
+    }
+
+    /// Shapes that come in double-double are a basis as they are; the same from binary64 takes steps to it.
+    #[test]
+    fn precise_shapes_need_no_step() {
+        let system = chain(20);
+        let precise = modes(&system).expect("modes");
+        let mut plain = precise.clone();
+        plain.list.iter_mut().for_each(|mode| mode.precise = None);
+        let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
+        let as_it_comes = |modes: &Modes| ModalForm::with(initial(modes, 20), &m, &k, gram);
+        assert!(as_it_comes(&precise).is_diagonal(&precise));
+        assert!(!as_it_comes(&plain).is_diagonal(&plain));
+        let (a, b) = (ModalForm::of(&system, &precise, gram), ModalForm::of(&system, &plain, gram));
+        let (a, b) = (a.expect("all modes").stiffnesses(), b.expect("all modes").stiffnesses());
+        for ((a, b), mode) in a.iter().zip(&b).zip(&precise.list) {
+            assert!((*a - *b).abs().hi <= 1e-29 * a.hi, "{a:?} {b:?}");
+            assert!((*a - mode.omega_squared.mid).abs().hi <= 1e-29 * a.hi, "{a:?} {:?}", mode.omega_squared);
+        }
+    }
+
+    /// A mode keeps its sign in both forms of its shape.
+    #[test]
+    fn both_forms_of_a_shape_agree() {
+        for mode in modes(&chain(7)).expect("modes").list {
+            let precise = mode.precise.expect("a small system");
+            assert!(precise.iter().zip(&mode.shape).all(|(x, y)| x.hi == *y), "{precise:?} {:?}", mode.shape);
+        }
+    }
 }
