@@ -35,6 +35,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Simulation code: the exact discrete system in C99 or Rust
     Emit(Emit),
+    /// The equations of motion in the model's own symbols, by its energies
+    Equations(Equations),
     /// Diagnostics, and how the requirements stand
     Check(Check),
     /// The one layout of a model file
@@ -264,6 +266,32 @@ pub struct Bench {
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Equations {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = EquationsFormat::Text)]
+    pub format: EquationsFormat,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EquationsFormat {
+    Text,
+    /// A document for `article` with amsmath
+    Latex,
+    /// A Typst document
+    Typst,
+    /// A page with MathML
+    Mathml,
+    Json,
 }
 
 #[derive(Debug, Args)]

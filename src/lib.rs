@@ -19,12 +19,14 @@ pub mod bench;
 pub mod dynamics;
 pub mod editor;
 pub mod elements;
+pub mod equations;
 mod inspection;
 pub mod joints;
 pub mod lower;
 pub mod model;
 pub mod questions;
 mod reading;
+pub mod symbols;
 pub mod syntax;
 pub mod system;
 
@@ -306,6 +308,19 @@ impl Explained {
         let _ = lowered.flatten();
         Explained { model, system: lowered.system, account }
     }
+}
+
+/// From the text of a model to its equations of motion in symbols, compared with its linear system.
+pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<equations::Equations> {
+    Outcome::of(|diagnostics| {
+        let (scene, written) = reading::written(sources, model, overrides, diagnostics)?;
+        let outcome = lower::lower(&scene);
+        diagnostics.extend(outcome.diagnostics);
+        let lowered = lower::flattened(outcome.lowered?);
+        let lowered = lowered.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        let derived = equations::derive(scene.scene(), &written, &lowered);
+        derived.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+    })
 }
 
 /// From the text of a model to what was kept of it; no analysis is needed for that.

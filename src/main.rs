@@ -6,8 +6,9 @@ mod transport;
 
 use clap::{CommandFactory, Parser};
 use cli::{
-    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Emit, Fmt, Format, HoldOption, MessageFormat, Messages,
-    OverrideOptions, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
+    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Emit, Equations, EquationsFormat, Fmt, Format,
+    HoldOption, MessageFormat, Messages, OverrideOptions, SignalsOption, Simulate, StyleOption, TableFormat,
+    TargetOption, Transfer,
 };
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Emit(options) => emit(options, &cli.messages),
+        Command::Equations(options) => equations(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
         Command::Fmt(options) => format(options, &cli.messages),
         Command::Lsp(_) => language_server(),
@@ -256,6 +258,26 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
             deliver_all(folder, &files, options, &input)
         }
     }
+}
+
+fn equations(options: &Equations, messages: &Messages) -> Status {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+        Ok(input) => input,
+        Err(status) => return status,
+    };
+    let outcome = vibc::equations(&input.sources, input.model, &input.overrides);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some(equations) = &outcome.answer else { return status };
+    let document = backend::equations::document(equations);
+    let text = match options.format {
+        EquationsFormat::Text => backend::equations::text(&document),
+        EquationsFormat::Latex => backend::equations::latex(&document),
+        EquationsFormat::Typst => backend::equations::typst(&document),
+        EquationsFormat::Mathml => backend::equations::mathml(&document),
+        EquationsFormat::Json => backend::equations::json(&document),
+    };
+    deliver(options.output.as_deref(), &text).max(status)
 }
 
 fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &Messages) -> Status {

@@ -5,7 +5,7 @@ use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameteris
 use crate::analysis::{Modes, Poles};
 use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
-use crate::model::{self, CheckedScene, Overrides, Setting};
+use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
 use crate::questions::error::AskedError;
 use crate::questions::{self, Known, Requirement, Settled, Solved, Text};
 use crate::syntax;
@@ -32,6 +32,18 @@ pub(crate) fn checked(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Tree, Option<CheckedScene>)> {
+    let check = |tree: &Tree| (model::check(sources, tree, overrides), ());
+    checked_by(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
+}
+
+/// The same by a check that finds something more.
+fn checked_by<T>(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+    check: impl FnOnce(&Tree) -> (Checked, T),
+) -> Option<(Tree, Option<CheckedScene>, T)> {
     let files = [Some(model), overrides.settings, overrides.arguments];
     diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
     if diagnostics.has_errors() {
@@ -41,9 +53,28 @@ pub(crate) fn checked(
     let broken = parsed.errors.has_errors();
     diagnostics.extend(parsed.errors);
     // A broken declaration does not hide what is wrong with the others.
-    let checked = model::check(sources, &parsed.tree, overrides);
+    let (checked, more) = check(&parsed.tree);
     diagnostics.extend(checked.diagnostics);
-    Some((parsed.tree, checked.scene.filter(|_| !broken)))
+    Some((parsed.tree, checked.scene.filter(|_| !broken), more))
+}
+
+/// The scene and what its numbers were written as, with every unknown of its `solve` lines at its value.
+pub(crate) fn written(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+) -> Option<(CheckedScene, Written)> {
+    let check = |tree: &Tree| model::check_written(sources, tree, overrides, &[]);
+    let (tree, scene, written) = checked_by(sources, model, overrides, diagnostics, check)?;
+    let scene = scene?;
+    if scene.scene().solves.is_empty() {
+        return Some((scene, written?));
+    }
+    let mut reading = Reading::declared(sources, overrides, tree, scene);
+    reading.settle(diagnostics)?;
+    let (checked, written) = model::check_written(sources, &reading.tree, overrides, &reading.settings);
+    Some((checked.scene?, written?))
 }
 
 /// The scene with every `solve` settled.

@@ -5,6 +5,7 @@ pub mod bench;
 pub mod decimal;
 pub mod diagnostics;
 pub mod emit;
+pub mod equations;
 pub mod explain;
 pub mod json;
 mod json_number;

@@ -33,6 +33,7 @@ mod tables;
 mod tests;
 mod unknown;
 mod value;
+pub mod written;
 
 use crate::base::unit::Unit;
 use crate::base::{Code, Diagnostic, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words};
@@ -51,6 +52,8 @@ use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, St
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 pub use value::{Scalar, Value, Vector};
+use written::Writer;
+pub use written::Written;
 
 /// What is said about a model from outside: values of its parameters, checked like the model itself, and how it is read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -98,6 +101,22 @@ pub type Setting = (String, Quantity);
 
 /// The same with some parameters at other values, whatever the model or the overrides say.
 pub fn check_with(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Checked {
+    checking(sources, tree, overrides, values).finish()
+}
+
+/// The same, and the expressions that the numbers of the scene were written as.
+pub fn check_written(
+    sources: &Sources,
+    tree: &Tree,
+    overrides: &Overrides,
+    values: &[Setting],
+) -> (Checked, Option<Written>) {
+    let mut check = checking(sources, tree, overrides, values);
+    let written = if check.diagnostics.has_errors() { None } else { Writer::new(&mut check).run() };
+    (check.finish(), written)
+}
+
+fn checking<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, values: &[Setting]) -> Check<'a> {
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
     check.set(values);
@@ -118,7 +137,7 @@ pub fn check_with(sources: &Sources, tree: &Tree, overrides: &Overrides, values:
     check.solves();
     check.requires();
     check.unused();
-    check.finish()
+    check
 }
 
 /// Every `param` that is a number, with the value in use, in order of declaration.

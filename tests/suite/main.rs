@@ -12,6 +12,7 @@ mod emit_names;
 mod emit_signals;
 mod emit_state;
 mod emit_target;
+mod equations;
 mod exact;
 mod examples;
 mod extrema;

@@ -9,9 +9,12 @@ use vibc::backend::explain::{PAGES, explain};
 use vibc::base::{SourceFile, Sources};
 use vibc::syntax::{self, manual};
 
-/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, systems that no model gives): their
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no model gives): their
 /// pages describe the example in words.
-const IN_WORDS: [&str; 16] = [
+const IN_WORDS: [&str; 19] = [
+    "vib::equations::defect",
+    "vib::equations::no_form",
+    "vib::equations::too_large",
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",

@@ -31,6 +31,7 @@ pub const PAGES: &[Page] = pages! {
     damping: base large negative;
     direction: zero;
     element: direction_unknown equal_ends no_end_turns torsion_along zero_length;
+    equations: defect no_form too_large;
     field: duplicate missing unknown value;
     file: not_utf8;
     freedom: loose no_inertia none;

@@ -1,0 +1,236 @@
+//! Sums to formulas, in the order and form in which a textbook writes them: common factors in front of brackets, squares as squares,
+//! coefficients before sines and cosines, coordinates last, positive terms first.
+
+use super::formula::{Formula, Shown, shown};
+use crate::base::Rational;
+use crate::equations::energy::is_motion;
+use crate::equations::names::{Names, class};
+use crate::symbols::{Factor, Product, Sum, common_factors};
+
+/// Where a numerical fraction stands: `1/2 m x'^2` or `m x''/2`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fractions {
+    InFront,
+    Below,
+}
+
+/// Builds formulas with the names of a model.
+#[derive(Clone, Copy)]
+pub struct Builder<'a> {
+    pub names: &'a Names,
+    pub fractions: Fractions,
+}
+
+impl<'a> Builder<'a> {
+    pub fn new(names: &'a Names) -> Builder<'a> {
+        Builder { names, fractions: Fractions::Below }
+    }
+
+    pub fn in_front(self) -> Builder<'a> {
+        Builder { fractions: Fractions::InFront, ..self }
+    }
+
+    /// A sum, with its sign where it is a single negative term.
+    pub fn sum(&self, sum: &Sum) -> Formula {
+        let (negative, formula) = self.signed(sum);
+        if negative { formula.negated() } else { formula }
+    }
+
+    /// A sum as a factor: its sign, and what is left.
+    pub fn signed(&self, sum: &Sum) -> (bool, Formula) {
+        let sum = &sum.evaluated();
+        match sum.terms() {
+            [] => (false, Formula::zero()),
+            [(product, coefficient)] => (coefficient.signum() < 0, self.term(product, &absolute(coefficient), &[])),
+            _ => {
+                let factored = common_factors(sum);
+                if factored.squared {
+                    let square = Formula::Power(Box::new(self.plain_sum(&factored.rest)), 2);
+                    let term = self.term(&factored.product, &absolute(&factored.number), &[square]);
+                    return (factored.number.signum() < 0, term);
+                }
+                let whole = factored.rest.scaled(&factored.number);
+                let number = taken_out(&whole);
+                let mut inner = whole.scaled(&number.recip().unwrap_or(Rational::ONE));
+                let all_negative = inner.terms().iter().all(|(_, c)| c.signum() < 0);
+                if all_negative {
+                    inner = -&inner;
+                }
+                if number.is_one() && factored.product.is_one() {
+                    return (all_negative, self.plain_sum(&inner));
+                }
+                let bracket = self.plain_sum(&inner);
+                (all_negative, self.term(&factored.product, &number, &[bracket]))
+            }
+        }
+    }
+
+    /// Term by term, positive ones first.
+    fn plain_sum(&self, sum: &Sum) -> Formula {
+        let mut terms: Vec<(bool, Formula)> = Vec::new();
+        // What belongs to one product of motions is bracketed together.
+        for (moving, rest) in sum.collected(|factor| factor.mentions(&is_motion)) {
+            if moving.is_one() {
+                let parts = rest.terms().iter();
+                terms.extend(parts.map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))));
+            } else {
+                let (negative, coefficient) = self.coefficient(&rest);
+                terms.push((negative, self.with_coefficient(coefficient, &moving)));
+            }
+        }
+        terms.sort_by_key(|(negative, _)| *negative);
+        Formula::sum(terms)
+    }
+
+    /// A coefficient in front of something: its sign, and one is left out.
+    fn coefficient(&self, sum: &Sum) -> (bool, Formula) {
+        self.signed(sum)
+    }
+
+    fn with_coefficient(&self, coefficient: Formula, moving: &Product) -> Formula {
+        Formula::product(vec![coefficient, self.term(moving, &Rational::ONE, &[])])
+    }
+
+    /// Terms collected by what moves in them, in the order of `rank`; each with its sign.
+    pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+        let mut parts = sum.collected(|factor| factor.mentions(&is_dynamic));
+        parts.sort_by_key(|(moving, _)| rates(moving));
+        let terms = parts.into_iter().map(|(moving, rest)| {
+            let (negative, coefficient) = self.coefficient(&rest);
+            if moving.is_one() {
+                return (negative, coefficient);
+            }
+            (negative, self.with_coefficient(coefficient, &moving))
+        });
+        terms.collect()
+    }
+
+    /// A product of factors, with further ones behind the names of parameters.
+    pub fn term(&self, product: &Product, coefficient: &Rational, brackets: &[Formula]) -> Formula {
+        let (mut over, mut under): (Vec<(u8, Formula)>, Vec<Formula>) = Default::default();
+        let mut front = None;
+        match shown(coefficient) {
+            Shown::Whole(text) if text == "1" => {}
+            Shown::Whole(text) => over.push((0, number(&text, coefficient))),
+            Shown::Fraction(numerator, denominator) => {
+                if self.fractions == Fractions::InFront {
+                    let fraction = Formula::quotient(plain(&numerator), plain(&denominator));
+                    front = Some(fraction);
+                } else {
+                    if numerator != "1" {
+                        over.push((0, plain(&numerator)));
+                    }
+                    under.push(plain(&denominator));
+                }
+            }
+        }
+        // Coordinates and their rates stand behind a fraction bar, not on it.
+        let mut behind = Vec::new();
+        for (factor, exponent) in product.factors() {
+            let formula = self.factor(factor, exponent.unsigned_abs());
+            let rank = rank(factor);
+            if *exponent < 0 {
+                under.push(formula);
+            } else if rank >= WAVE {
+                behind.push((rank, formula));
+            } else {
+                over.push((rank, formula));
+            }
+        }
+        over.extend(brackets.iter().map(|bracket| (WAVE - 1, bracket.clone())));
+        over.sort_by_key(|(rank, _)| *rank);
+        behind.sort_by_key(|(rank, _)| *rank);
+        let coefficient = Formula::product(over.into_iter().map(|(_, formula)| formula).collect());
+        let is_one = matches!(&coefficient, Formula::Number(number) if number.is_one());
+        let mut factors: Vec<Formula> = front.into_iter().collect();
+        if !under.is_empty() {
+            // A lone denominator goes below what moves: x/2, not 1/2 x.
+            if is_one && !behind.is_empty() {
+                let moving = Formula::product(behind.drain(..).map(|(_, formula)| formula).collect());
+                factors.push(Formula::quotient(moving, Formula::product(under)));
+            } else {
+                factors.push(Formula::quotient(coefficient, Formula::product(under)));
+            }
+        } else if !is_one {
+            factors.push(coefficient);
+        }
+        factors.extend(behind.into_iter().map(|(_, formula)| formula));
+        Formula::product(factors)
+    }
+
+    fn factor(&self, factor: &Factor, exponent: u32) -> Formula {
+        let base = match factor {
+            Factor::Pi => Formula::Pi,
+            Factor::Name(symbol) => Formula::Name(self.names.label(*symbol)),
+            Factor::Call(function, arguments) => {
+                let arguments = arguments.iter().map(|argument| self.inner().sum(argument)).collect();
+                Formula::Call(function.name(), arguments)
+            }
+            Factor::Root(sum) => Formula::Root(Box::new(self.inner().sum(sum))),
+            Factor::Whole(sum) => self.inner().sum(sum),
+            Factor::Cosine(angle) => Formula::Call("cos", vec![self.inner().sum(angle)]),
+            Factor::Sine(angle) => Formula::Call("sin", vec![self.inner().sum(angle)]),
+        };
+        if exponent == 1 { base } else { Formula::Power(Box::new(base), exponent) }
+    }
+
+    /// Inside of functions fractions stand below.
+    fn inner(&self) -> Builder<'a> {
+        Builder { fractions: Fractions::Below, ..*self }
+    }
+}
+
+/// The rates in a product, each as often as it is a factor: squares and products in the order of the coordinates.
+fn rates(product: &Product) -> Vec<crate::symbols::Symbol> {
+    let of = |(factor, exponent): &(Factor, i32)| match factor {
+        Factor::Name(symbol) if symbol.class() == class::VELOCITY => vec![*symbol; exponent.unsigned_abs() as usize],
+        _ => Vec::new(),
+    };
+    product.factors().iter().flat_map(of).collect()
+}
+
+/// From here on factors stand behind a fraction bar.
+const WAVE: u8 = 4;
+
+/// The order of factors in a term.
+fn rank(factor: &Factor) -> u8 {
+    match factor {
+        Factor::Pi => 1,
+        Factor::Name(symbol) if symbol.class() < class::TENSION => 1,
+        Factor::Root(_) | Factor::Call(..) | Factor::Whole(_) => 2,
+        Factor::Name(symbol) if symbol.class() < class::COORDINATE => 2,
+        Factor::Cosine(_) | Factor::Sine(_) => WAVE,
+        Factor::Name(symbol) => WAVE + 1 + (symbol.class() - class::COORDINATE),
+    }
+}
+
+/// Whether a name is a motion, a force or a multiplier.
+pub fn is_dynamic(symbol: crate::symbols::Symbol) -> bool {
+    is_motion(symbol) || [class::FORCE, class::MULTIPLIER, class::LENGTH_RATE].contains(&symbol.class())
+}
+
+fn absolute(number: &Rational) -> Rational {
+    if number.signum() < 0 { -number } else { number.clone() }
+}
+
+fn plain(text: &str) -> Formula {
+    Formula::Decimal(text.to_string())
+}
+
+fn number(text: &str, value: &Rational) -> Formula {
+    if value.is_integer() { Formula::Number(value.clone()) } else { Formula::Decimal(text.to_string()) }
+}
+
+/// The number that is taken out of brackets: what all numerators share, over a denominator that all have.
+fn taken_out(sum: &Sum) -> Rational {
+    let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
+    let Some(fractions) = fractions else { return Rational::ONE };
+    // Decimals are no fractions to people.
+    if sum.terms().iter().any(|(_, c)| matches!(shown(&absolute(c)), Shown::Whole(_)) && !c.is_integer()) {
+        return Rational::ONE;
+    }
+    let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);
+    let denominator = fractions[0].1;
+    let same = fractions.iter().all(|(_, other)| *other == denominator);
+    Rational::new(shared, if same { denominator } else { 1 })
+}

@@ -1,0 +1,1 @@
+//! Natural frequencies and poles in closed form, for one and two coordinates.

@@ -1,0 +1,334 @@
+//! Kinetic energy, potential, dissipation and generalised forces, before anything is linearised. In: the scene's motion; out: sums over
+//! coordinates and velocities.
+//!
+//! - body: m v^2/2 of its centre, I omega^2/2 of its angle; -m g . r for its weight
+//! - spring: k (stretch)^2/2 and its tension as drawn times its stretch; the length of a line stays a name with its square beside it
+//! - damper: c (rate of stretch)^2/2
+//! - force: the work on the displacement of its point
+
+use super::motion::Motion;
+use super::names::{Label, Names, class};
+use crate::base::{Number, Span, Vec3};
+use crate::model::scene::{Attachment, Geometry, InputKind, Law, Part, Scene, SpringRest};
+use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
+use crate::symbols::{Lengths, Sum, Symbol};
+
+/// How far a spring or damper is stretched.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stretch {
+    /// A linear combination of motions, zero as drawn.
+    Plain(Sum),
+    /// The length of a line, with its square and its length as drawn.
+    Line { length: Symbol, square: Sum, drawn: Sum },
+}
+
+/// A spring or damper.
+#[derive(Clone, Debug)]
+pub struct Element {
+    /// Its place among the elements of the scene.
+    pub number: usize,
+    pub name: String,
+    pub span: Span,
+    pub is_spring: bool,
+    /// k or c.
+    pub coefficient: Sum,
+    pub stretch: Stretch,
+    /// What the stretch is counted from, so that k times the difference is the tension: the free length of a line, or what is added
+    /// to a plain stretch.
+    pub free: Sum,
+    /// Tension besides.
+    pub tension: Sum,
+}
+
+/// The energies of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Energies {
+    pub kinetic: Sum,
+    /// Of weights and constant loads, up to a constant.
+    pub weights: Sum,
+    pub elements: Vec<Element>,
+    pub lengths: Lengths,
+    /// For each input that is a force or torque: its name and the displacement that it does work on.
+    pub works: Vec<Work>,
+    /// What each body adds to the kinetic energy, for messages.
+    pub of_bodies: Vec<(usize, Sum)>,
+}
+
+/// A force and what it does work on.
+#[derive(Clone, Debug)]
+pub struct Work {
+    pub input: usize,
+    pub force: Symbol,
+    pub displacement: Sum,
+}
+
+impl Energies {
+    pub fn new(scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<Energies> {
+        let mut energies = Energies::default();
+        energies.bodies(scene, written, motion)?;
+        for (number, written) in written.elements.iter().enumerate() {
+            energies.element(scene, written, motion, number, names)?;
+        }
+        energies.inputs(scene, written, motion, names)?;
+        Some(energies)
+    }
+
+    fn bodies(&mut self, scene: &Scene, written: &Written, motion: &Motion) -> Option<()> {
+        for index in 0..scene.bodies.len() {
+            let (part, body) = (Part::Body(crate::model::scene::BodyId(index as u32)), written.bodies.get(index)?);
+            let mut own = Sum::ZERO;
+            if let Some(mass) = &body.mass {
+                let place = motion.place(part, body.centre.as_ref());
+                let velocity = place.each_ref().map(|part| motion.rate(part, &Lengths::default()));
+                own = &own + &(mass * &dot(&velocity, &velocity)).halved();
+                if let Some(gravity) = &written.gravity {
+                    self.weights = &self.weights - &(mass * &dot(gravity, &place));
+                }
+            }
+            if let (Some(inertia), Some(angle)) = (&body.inertia, motion.angle_coordinate(part)) {
+                let rate = Sum::name(motion.coordinates[angle].symbols[1]);
+                own = &own + &(inertia * &rate.square()).halved();
+            }
+            self.kinetic = &self.kinetic + &own;
+            self.of_bodies.push((index, own));
+        }
+        self.weights = varying(&self.weights);
+        Some(())
+    }
+
+    fn element(
+        &mut self,
+        scene: &Scene,
+        written: &WrittenElement,
+        motion: &Motion,
+        number: usize,
+        names: &mut Names,
+    ) -> Option<()> {
+        let element = scene.elements.get(number)?;
+        let name = scene.words.display(element.name);
+        let stretch = self.stretch(
+            &element.ends,
+            &written.ends,
+            &element.geometry,
+            motion,
+            written.along.as_ref(),
+            &name,
+            names,
+        )?;
+        let (is_spring, mut free, mut tension) = (matches!(element.law, Law::Spring { .. }), Sum::ZERO, Sum::ZERO);
+        if let Stretch::Line { drawn, .. } = &stretch {
+            free = drawn.clone();
+        }
+        if let Law::Spring { rest, .. } = &element.law {
+            match rest {
+                SpringRest::FreeLength(_) => {
+                    let given = written.free_length.clone()?;
+                    free = match (&stretch, &element.geometry) {
+                        (Stretch::Line { .. }, _) => given,
+                        (Stretch::Plain(_), Geometry::Torsion) => given,
+                        // The length as drawn along its direction is part of the stretch.
+                        (Stretch::Plain(_), _) => &given - &drawn_length(written, &element.geometry, names)?,
+                    };
+                }
+                SpringRest::Preload(_) => tension = written.preload.clone()?,
+                SpringRest::AsDrawn if scene.rest_as_drawn.is_some() => {
+                    let symbol = Symbol::new(class::TENSION, number);
+                    names.set(symbol, Label::new("T", name.clone()), None);
+                    tension = Sum::name(symbol);
+                }
+                SpringRest::AsDrawn => {}
+            }
+        }
+        let coefficient = written.coefficient.clone();
+        let idle = matches!(&stretch, Stretch::Plain(plain) if plain.is_zero());
+        if !idle {
+            let span = element.span;
+            self.elements.push(Element { number, name, span, is_spring, coefficient, stretch, free, tension });
+        }
+        Some(())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn stretch(
+        &mut self,
+        ends: &[Attachment; 2],
+        places: &[Option<Pair>; 2],
+        geometry: &Geometry,
+        motion: &Motion,
+        along: Option<&Pair>,
+        name: &str,
+        names: &mut Names,
+    ) -> Option<Stretch> {
+        if *geometry == Geometry::Torsion {
+            let angle = |end: usize| motion.angle(ends[end].part).unwrap_or_default();
+            return Some(Stretch::Plain(&angle(1) - &angle(0)));
+        }
+        let [a, b] = [0, 1].map(|end| motion.place(ends[end].part, places[end].as_ref()));
+        let apart = difference(&b, &a);
+        let drawn = match (&places[0], &places[1]) {
+            (Some(first), Some(second)) => Some(difference(second, first)),
+            _ => None,
+        };
+        if let Geometry::Along(direction) = geometry {
+            let direction = match along {
+                Some(along) => along.clone(),
+                None => exact_pair(direction)?,
+            };
+            let mut direction = names.unit(&direction);
+            let against = drawn.as_ref().and_then(|drawn| names.worth(&dot(drawn, &direction)));
+            if against.is_some_and(|value| value.is_negative()) {
+                direction = direction.map(|part| -&part);
+            }
+            let displaced = dot(&direction, &apart);
+            // Places as drawn are no motion.
+            let still = drawn_part(&displaced, motion);
+            return Some(Stretch::Plain(&displaced - &still));
+        }
+        let drawn = drawn?;
+        let moved = difference(&apart, &drawn);
+        let across = &(&drawn[0] * &moved[1]) - &(&drawn[1] * &moved[0]);
+        if across.is_zero() {
+            return Some(Stretch::Plain(dot(&names.unit(&drawn), &moved)));
+        }
+        let length = Symbol::new(class::LENGTH, self.lengths.0.len());
+        names.set(length, Label::new("l", name), None);
+        let square = dot(&apart, &apart);
+        self.lengths.0.push((length, square.clone()));
+        Some(Stretch::Line { length, square, drawn: names.length(&dot(&drawn, &drawn)) })
+    }
+
+    fn inputs(&mut self, scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<()> {
+        for (number, (input, written)) in scene.inputs.iter().zip(&written.inputs).enumerate() {
+            let name = scene.words.display(input.name);
+            let displacement = match &input.kind {
+                InputKind::Force { ends, direction } => {
+                    let direction = match &written.along {
+                        Some(along) => along.clone(),
+                        None => exact_pair(direction)?,
+                    };
+                    let direction = names.unit(&direction);
+                    let mut work = Sum::ZERO;
+                    for (place, end) in ends.iter().enumerate() {
+                        // Along a common line the ends are kept in the order in which they are pushed.
+                        let at = written_place(written, ends.len(), place);
+                        let place_of = dot(&direction, &motion.place(end.part, at.as_ref()));
+                        work = if place == 0 { &work + &place_of } else { &work - &place_of };
+                    }
+                    varying(&work)
+                }
+                InputKind::ForceBetween { ends } => {
+                    let places = [written.ends.first()?.clone(), written.ends.get(1)?.clone()];
+                    match self.stretch(ends, &places, &Geometry::Line, motion, None, &name, names)? {
+                        Stretch::Plain(stretch) => stretch,
+                        Stretch::Line { length, .. } => Sum::name(length),
+                    }
+                }
+                InputKind::Torque { ends } => {
+                    let angle = |end: &Attachment| motion.angle(end.part).unwrap_or_default();
+                    match &ends[..] {
+                        [one] => angle(one),
+                        [one, other, ..] => &angle(one) - &angle(other),
+                        [] => Sum::ZERO,
+                    }
+                }
+                InputKind::Base { .. } => continue,
+            };
+            if !written.constant.is_zero() {
+                self.weights = &self.weights - &(&written.constant * &displacement);
+            }
+            let force = Symbol::new(class::FORCE, number);
+            names.set(force, Label::new(name, ""), None);
+            self.works.push(Work { input: number, force, displacement });
+        }
+        self.weights = varying(&self.weights);
+        Some(())
+    }
+
+    /// The potential of springs and loads.
+    pub fn potential(&self) -> Sum {
+        let springs = self.elements.iter().filter(|element| element.is_spring);
+        springs.fold(self.weights.clone(), |sum, spring| &sum + &spring.energy())
+    }
+
+    /// Half the power that dampers take.
+    pub fn dissipation(&self, motion: &Motion) -> Sum {
+        let dampers = self.elements.iter().filter(|element| !element.is_spring);
+        dampers.fold(Sum::ZERO, |sum, damper| {
+            let rate = motion.rate(&damper.stretch.sum(), &self.lengths);
+            &sum + &(&damper.coefficient * &rate.square()).halved()
+        })
+    }
+
+    /// The power of the forces, each times its displacement.
+    pub fn work(&self) -> Sum {
+        self.works.iter().fold(Sum::ZERO, |sum, work| &sum + &(&Sum::name(work.force) * &work.displacement))
+    }
+}
+
+impl Stretch {
+    /// The stretch up to a constant.
+    pub fn sum(&self) -> Sum {
+        match self {
+            Stretch::Plain(sum) => sum.clone(),
+            Stretch::Line { length, .. } => Sum::name(*length),
+        }
+    }
+}
+
+impl Element {
+    /// k (e - e_free)^2/2 + T e.
+    pub fn energy(&self) -> Sum {
+        let stretched = &self.stretch.sum() - &self.free;
+        let own = (&self.coefficient * &stretched.square()).halved();
+        &own + &(&self.tension * &self.stretch.sum())
+    }
+
+    /// k (e - e_free) + T.
+    pub fn pull(&self) -> Sum {
+        &(&self.coefficient * &(&self.stretch.sum() - &self.free)) + &self.tension
+    }
+}
+
+/// The length as drawn, along the direction of the element.
+fn drawn_length(written: &WrittenElement, geometry: &Geometry, names: &Names) -> Option<Sum> {
+    let drawn = difference(written.ends[1].as_ref()?, written.ends[0].as_ref()?);
+    let along = match (geometry, &written.along) {
+        (Geometry::Along(_), Some(along)) => names.unit(along),
+        (Geometry::Along(direction), None) => names.unit(&exact_pair(direction)?),
+        _ => return Some(names.length(&dot(&drawn, &drawn))),
+    };
+    let length = dot(&drawn, &along);
+    Some(if names.worth(&length).is_some_and(|value| value.is_negative()) { -&length } else { length })
+}
+
+/// Where an end of a force is written to be.
+fn written_place(written: &WrittenInput, ends: usize, place: usize) -> Option<Pair> {
+    // `force F: a -- b` without a direction keeps its second end first.
+    let swapped = ends == 2 && written.along.is_none();
+    written.ends.get(if swapped { 1 - place } else { place }).cloned().flatten()
+}
+
+/// A direction without a name in it.
+fn exact_pair(direction: &Vec3) -> Option<Pair> {
+    let part = |number: &Number| number.exact().map(|exact| Sum::number(exact.clone()));
+    Some([part(&direction.x)?, part(&direction.y)?])
+}
+
+/// What does not move, left out: it does no work.
+pub fn varying(energy: &Sum) -> Sum {
+    let moves = |symbol: Symbol| is_motion(symbol);
+    Sum::of_terms(energy.terms().iter().filter(|(product, _)| product.mentions(&moves)).cloned().collect())
+}
+
+/// Whether a name is a coordinate, a prescribed motion, one of their derivatives, or a length that depends on them.
+pub fn is_motion(symbol: Symbol) -> bool {
+    (class::COORDINATE..=class::PRESCRIBED_ACCELERATION).contains(&symbol.class()) || symbol.class() == class::LENGTH
+}
+
+/// The part of a displaced place that is there with every coordinate as drawn.
+fn drawn_part(place: &Sum, motion: &Motion) -> Sum {
+    place.replaced(&|symbol| {
+        let coordinate = motion.coordinates.iter().find(|coordinate| coordinate.symbols[0] == symbol)?;
+        Some(-&coordinate.rest)
+    })
+}

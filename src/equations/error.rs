@@ -1,0 +1,73 @@
+//! Why there are no equations, and what to say about it.
+
+use crate::base::{Code, Diagnostic, Span};
+
+pub const TOO_LARGE: Code = Code("vib::equations::too_large");
+pub const DEFECT: Code = Code("vib::equations::defect");
+pub const NO_FORM: Code = Code("vib::equations::no_form");
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum EquationsError {
+    TooManyCoordinates {
+        span: Span,
+        coordinates: usize,
+        most: usize,
+    },
+    /// Kinetic energy would be summed from so many products.
+    TooManyProducts {
+        span: Span,
+        products: usize,
+        most: usize,
+    },
+    /// Loops of so many constraint equations are not solved in symbols.
+    LargeLoop {
+        span: Span,
+        equations: usize,
+        most: usize,
+    },
+    /// Something in the scene has no form in symbols.
+    NoForm {
+        span: Span,
+    },
+    /// The symbols and the lowering do not agree: one of them is wrong.
+    Defect {
+        span: Span,
+        what: String,
+        symbols: String,
+        lowered: String,
+    },
+}
+
+impl EquationsError {
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        match self {
+            EquationsError::TooManyCoordinates { span, coordinates, most } => {
+                let message =
+                    format!("equations of {coordinates} coordinates are not written in symbols; the most are {most}");
+                Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
+            }
+            EquationsError::TooManyProducts { span, products, most } => {
+                let message =
+                    format!("this kinetic energy would be summed from {products} products; the most are {most}");
+                Diagnostic::error(TOO_LARGE, *span, message)
+                    .help("use fewer links, or `vibc analyze --matrices` for the numbers")
+            }
+            EquationsError::LargeLoop { span, equations, most } => {
+                let message = format!(
+                    "{equations} constraint equations that depend on each other are not solved in symbols; the most are {most}"
+                );
+                Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
+            }
+            EquationsError::NoForm { span } => {
+                Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")
+                    .help("write directions with rational components, or as a pair of expressions")
+            }
+            EquationsError::Defect { span, what, symbols, lowered } => {
+                let message = format!("defect in vibc: {what} is {symbols} by the energies and {lowered} by `analyze`");
+                Diagnostic::error(DEFECT, *span, message)
+                    .label("one of the two is wrong here")
+                    .help("please report this model; neither result can be trusted until it is settled")
+            }
+        }
+    }
+}

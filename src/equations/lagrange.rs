@@ -1,0 +1,109 @@
+//! Lagrange's equations. In: energies; out: for each free coordinate q
+//!
+//!   d/dt dT/dq' - dT/dq + dV/dq + dD/dq' + sum lambda dg/dq = Q,
+//!
+//! nothing approximated. What springs and dampers along a line add stays apart, in the form pull times slope over length.
+
+use super::constraint::Constraint;
+use super::energy::{Energies, Stretch};
+use super::motion::Motion;
+use crate::symbols::{Lengths, Sum, Symbol};
+
+/// One equation of motion: `plain + lines = forces`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equation {
+    /// Its coordinate, among those of the motion.
+    pub coordinate: usize,
+    pub plain: Sum,
+    pub lines: Vec<Line>,
+    /// Reactions of constraints: the multiplier and the slope of its constraint.
+    pub reactions: Vec<(Symbol, Sum)>,
+    pub forces: Sum,
+}
+
+/// A spring or damper along a line, at work on a coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its place among the elements of the energies.
+    pub element: usize,
+    /// Half the derivative of the squared length.
+    pub slope: Sum,
+}
+
+/// All equations, in the order of the free coordinates.
+pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint]) -> Vec<Equation> {
+    let none = Lengths::default();
+    let rates: Vec<Sum> = energies.elements.iter().map(|element| plain_rate(motion, &element.stretch)).collect();
+    let equation = |index: usize| {
+        let [displacement, velocity, _] = motion.coordinates[index].symbols;
+        let momentum = energies.kinetic.derivative(velocity, &none);
+        let mut plain = &motion.rate(&momentum, &none) - &energies.kinetic.derivative(displacement, &none);
+        plain = &plain + &energies.weights.derivative(displacement, &energies.lengths);
+        let mut lines = Vec::new();
+        for (number, element) in energies.elements.iter().enumerate() {
+            match &element.stretch {
+                Stretch::Plain(stretch) => {
+                    let slope = stretch.derivative(displacement, &none);
+                    if slope.is_zero() {
+                        continue;
+                    }
+                    let force = if element.is_spring { element.pull() } else { &element.coefficient * &rates[number] };
+                    plain = &plain + &(&force * &slope);
+                }
+                Stretch::Line { square, .. } => {
+                    let slope = square.derivative(displacement, &none).halved();
+                    if !slope.is_zero() {
+                        lines.push(Line { element: number, slope });
+                    }
+                }
+            }
+        }
+        let reactions = constraints.iter().filter_map(|constraint| {
+            let slope = constraint.equation.derivative(displacement, &none);
+            (!slope.is_zero()).then_some((constraint.multiplier, slope))
+        });
+        let forces = energies.works.iter().fold(Sum::ZERO, |sum, work| {
+            let slope = work.displacement.derivative(displacement, &energies.lengths);
+            &sum + &(&Sum::name(work.force) * &slope)
+        });
+        Equation { coordinate: index, plain, lines, reactions: reactions.collect(), forces }
+    };
+    (0..motion.free).map(equation).collect()
+}
+
+/// The rate of a stretch that is no length.
+fn plain_rate(motion: &Motion, stretch: &Stretch) -> Sum {
+    match stretch {
+        Stretch::Plain(sum) => motion.rate(sum, &Lengths::default()),
+        Stretch::Line { .. } => Sum::ZERO,
+    }
+}
+
+impl Equation {
+    /// The left side less the right, everything multiplied out; lengths stay names.
+    pub fn whole(&self, motion: &Motion, energies: &Energies) -> Sum {
+        let mut whole = &self.plain - &self.forces;
+        for line in &self.lines {
+            whole = &whole + &line.force(motion, energies);
+        }
+        for (multiplier, slope) in &self.reactions {
+            whole = &whole + &(&Sum::name(*multiplier) * slope);
+        }
+        whole
+    }
+}
+
+impl Line {
+    fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
+        let element = &energies.elements[self.element];
+        let Stretch::Line { length, square, .. } = &element.stretch else { return Sum::ZERO };
+        let inverse = Sum::name(*length).inverse().unwrap_or_default();
+        let pull = if element.is_spring {
+            element.pull()
+        } else {
+            let rate = motion.rate(square, &Lengths::default()).halved();
+            &(&element.coefficient * &rate) * &inverse
+        };
+        &(&pull * &self.slope) * &inverse
+    }
+}

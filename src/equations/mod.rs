@@ -1,0 +1,212 @@
+//! Equations of motion in the model's own symbols: from the checked scene, by the energies. Clause: docs/equations.md.
+//!
+//! # Steps
+//! 1. [`motion`]: where every point is, by a joint tree of its own
+//! 2. [`energy`], [`constraint`]: kinetic energy, potential, dissipation, forces, constraint equations
+//! 3. [`lagrange`]: the equations of motion, nothing approximated
+//! 4. [`rest`]: what the rest has to fulfil, and its closed form where there is one
+//! 5. [`linear`], [`reduce`]: the linearised equations, entry by entry
+//! 6. [`verify`]: each entry against the lowered system, the equations of motion against derivatives of the energies
+//!
+//! Nothing is taken from the lowering but the values of rest and which coordinates are independent; what is found is compared with it.
+
+pub mod closed;
+pub mod constraint;
+pub mod energy;
+pub mod error;
+pub mod lagrange;
+pub mod linear;
+pub mod motion;
+pub mod names;
+pub mod reduce;
+pub mod rest;
+pub mod transfer;
+pub mod verify;
+
+use crate::base::{Dimension, Number, Span};
+use crate::lower::Lowered;
+use crate::model::scene::{Damping, Scene};
+use crate::model::written::{Named, Written, class_of};
+use crate::symbols::{Sum, Symbol};
+use constraint::Constraint;
+use energy::Energies;
+pub use error::EquationsError;
+use lagrange::Equation;
+use linear::{AtRest, Column};
+use motion::{Coordinate, Motion};
+use names::{Label, Names, class};
+use rest::Rest;
+
+/// The equations of a scene.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    pub model: String,
+    pub names: Names,
+    pub motion: Motion,
+    pub energies: Energies,
+    pub constraints: Vec<Constraint>,
+    pub nonlinear: Vec<Equation>,
+    pub rest: Rest,
+    pub linear: Linearised,
+    /// Names of the inputs and outputs of the scene.
+    pub inputs: Vec<String>,
+    pub outputs: Vec<transfer::Output>,
+    /// alpha and beta of Rayleigh damping.
+    pub rayleigh: Option<(Sum, Sum)>,
+    /// The ratio of modal damping, which has no symbols.
+    pub modal_damping: Option<Number>,
+    /// How each coordinate is described: its body.
+    pub bodies: Vec<String>,
+}
+
+/// The linearised equations over the independent coordinates, with values.
+#[derive(Clone, Debug)]
+pub struct Linearised {
+    /// Of the motion's coordinates, in the order of the lowered system.
+    pub coordinates: Vec<usize>,
+    pub mass: Vec<Vec<Entry>>,
+    pub damping: Vec<Vec<Entry>>,
+    pub stiffness: Vec<Vec<Entry>>,
+    pub inputs: Vec<Column>,
+    /// What dependent coordinates are in the independent ones and the prescribed motions, to first order.
+    pub dependent: Vec<(usize, Sum)>,
+    /// Lengths at rest that have a name, each with its square.
+    pub lengths: Vec<(Symbol, Sum)>,
+}
+
+/// An entry of a matrix, with an enclosure of its value.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub sum: Sum,
+    pub value: Number,
+}
+
+/// Coordinates that are written out in symbols at most, and products that kinetic energy is summed from.
+pub const MOST_COORDINATES: usize = 200;
+pub const MOST_PRODUCTS: usize = 60_000;
+
+/// What one pass over the scene derives.
+struct Derived {
+    motion: Motion,
+    energies: Energies,
+    constraints: Vec<Constraint>,
+    equations: Vec<Equation>,
+}
+
+/// The equations of a checked scene, compared with its lowering.
+pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equations, EquationsError> {
+    refuse_large(scene, lowered)?;
+    let mut written = written.clone();
+    name_gravity(&mut written);
+    let mut names = Names::new(&written);
+    let numbers = rest::numbers(lowered);
+    let mut derived = derived(scene, &written, &mut names, &|names, coordinate, index| {
+        rest::symbol(names, coordinate, index, &numbers)
+    })?;
+    let mut rest = Rest::new(&derived.motion, &derived.energies, &derived.equations, &mut names, &numbers);
+    tensions(scene, lowered, &mut names);
+    let closed = rest.closed_forms(&derived.motion, &names);
+    if !closed.is_empty() {
+        derived = self::derived(scene, &written, &mut names, &|names, coordinate, index| {
+            let found = closed.iter().find(|(place, _)| *place == index);
+            found.map_or_else(|| rest::symbol(names, coordinate, index, &numbers), |(_, form)| form.clone())
+        })?;
+        rest.closed = closed;
+    }
+    let Derived { motion, energies, constraints, equations } = derived;
+    let at_rest = AtRest::new(&energies, &mut names);
+    rest.settle(&at_rest);
+    let full = linear::linear(&motion, &energies, &equations, &at_rest);
+    let linear = reduce::reduced(lowered, &motion, &constraints, &equations, &full, &mut names, &mut rest, &at_rest)?;
+    let rayleigh = written.rayleigh.clone();
+    let modal_damping = match &scene.damping {
+        Some(Damping::Modal { ratio, .. }) => Some(ratio.clone()),
+        _ => None,
+    };
+    let words = |owner: &Coordinate| scene.words.display(owner.owner_name);
+    let bodies = motion.coordinates.iter().map(words).collect();
+    let inputs = lowered.system.inputs.iter().map(|input| lowered.system.display(input.name)).collect();
+    let mut equations = Equations {
+        model: scene.name.clone(),
+        names,
+        motion,
+        energies,
+        constraints,
+        nonlinear: equations,
+        rest,
+        linear,
+        inputs,
+        outputs: Vec::new(),
+        rayleigh,
+        modal_damping,
+        bodies,
+    };
+    equations.outputs = transfer::outputs(scene, &written, &equations, &at_rest);
+    verify::verify(&equations, lowered)?;
+    Ok(equations)
+}
+
+/// What is too large to be read is not written.
+fn refuse_large(scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
+    let span = scene.bodies.first().map_or_else(no_span, |body| body.span);
+    let coordinates = lowered.system.n() + lowered.rest.dependent.len();
+    if coordinates > MOST_COORDINATES {
+        return Err(EquationsError::TooManyCoordinates { span, coordinates, most: MOST_COORDINATES });
+    }
+    // Each body's velocity is a sum over the coordinates that move it, and is squared.
+    let products = lowered.system.m.terms().iter().map(|term| lowered.system.m.row(term).len().pow(2)).sum::<usize>();
+    if products > MOST_PRODUCTS {
+        return Err(EquationsError::TooManyProducts { span, products, most: MOST_PRODUCTS });
+    }
+    Ok(())
+}
+
+fn no_span() -> Span {
+    Span::new(crate::base::FileId(0), 0, 0)
+}
+
+fn derived(
+    scene: &Scene,
+    written: &Written,
+    names: &mut Names,
+    rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum,
+) -> Result<Derived, EquationsError> {
+    let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
+    let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
+    let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;
+    let constraints = constraint::constraints(scene, written, &motion, names).ok_or_else(without)?;
+    let equations = lagrange::equations(&motion, &energies, &constraints);
+    Ok(Derived { motion, energies, constraints, equations })
+}
+
+/// Free fall that is a bare number is called g, unless the model calls something else so.
+fn name_gravity(written: &mut Written) {
+    let Some(fall) = &written.free_fall else { return };
+    let Some(value) = fall.as_number() else { return };
+    if value.is_zero() || written.names.iter().any(|named| named.text == "g") {
+        return;
+    }
+    let dimension = Dimension::ACCELERATION;
+    // Behind every name of the model.
+    let symbol = Symbol::new(class_of(dimension), usize::MAX);
+    let (text, value) = ("g".to_string(), Number::from(value));
+    written.names.push(Named { symbol, text, value, dimension, definition: None, source: None });
+    written.gravity = Some([Sum::ZERO, -&Sum::name(symbol)]);
+    written.free_fall = Some(Sum::name(symbol));
+}
+
+/// The tensions that hold a drawing have their values from the lowering.
+fn tensions(scene: &Scene, lowered: &Lowered, names: &mut Names) {
+    for (number, element) in scene.elements.iter().enumerate() {
+        let found = lowered.rest.tensions.iter().find(|tension| tension.spring.name == element.name);
+        let value = found.map_or(Number::ZERO, |found| found.tension.clone());
+        names.set_value(Symbol::new(class::TENSION, number), value);
+    }
+}
+
+impl Equations {
+    /// Of an independent coordinate.
+    pub fn label(&self, place: usize) -> Label {
+        self.names.label(self.motion.coordinates[self.linear.coordinates[place]].symbols[0])
+    }
+}

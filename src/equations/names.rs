@@ -1,0 +1,174 @@
+//! The names of the equations: parameters as the model has them, coordinates as a textbook writes them, each with its value
+//! where it has one.
+
+use crate::base::{Number, Words};
+use crate::model::scene::Part;
+use crate::model::written::{Named, Pair, Written, dot};
+use crate::symbols::{Sum, Symbol};
+use std::collections::BTreeMap;
+
+use super::motion::Coordinate;
+
+/// Classes of names besides those of the model's parameters, in the order of factors.
+pub mod class {
+    /// Tensions that hold a drawing.
+    pub const TENSION: u8 = 32;
+    /// Lengths of springs and dampers.
+    pub const LENGTH: u8 = 33;
+    /// The same at rest.
+    pub const REST_LENGTH: u8 = 34;
+    /// Where a coordinate rests, measured from the drawing.
+    pub const REST: u8 = 35;
+    /// Multipliers of constraints.
+    pub const MULTIPLIER: u8 = 36;
+    pub const COORDINATE: u8 = 40;
+    pub const VELOCITY: u8 = 41;
+    pub const ACCELERATION: u8 = 42;
+    pub const PRESCRIBED: u8 = 44;
+    pub const PRESCRIBED_VELOCITY: u8 = 45;
+    pub const PRESCRIBED_ACCELERATION: u8 = 46;
+    /// Forces and torques.
+    pub const FORCE: u8 = 48;
+    /// Rates of lengths.
+    pub const LENGTH_RATE: u8 = 49;
+    /// The variable of Laplace's transform.
+    pub const LAPLACE: u8 = 50;
+}
+
+/// How a name is shown: a word, an index below it, and how often it is differentiated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    pub word: String,
+    pub index: String,
+    pub dots: u8,
+}
+
+impl Label {
+    pub fn new(word: impl Into<String>, index: impl Into<String>) -> Label {
+        Label { word: word.into(), index: index.into(), dots: 0 }
+    }
+
+    /// As the model or a plain text would write it: `x_block`.
+    pub fn plain(&self) -> String {
+        if self.index.is_empty() { self.word.clone() } else { format!("{}_{}", self.word, self.index) }
+    }
+}
+
+/// Every name that may occur.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    labels: BTreeMap<Symbol, Label>,
+    values: BTreeMap<Symbol, Number>,
+    /// The parameters, `let`s and made-up names of the model.
+    pub given: Vec<Named>,
+}
+
+impl Names {
+    pub fn new(written: &Written) -> Names {
+        let mut names = Names { given: written.names.clone(), ..Names::default() };
+        for named in &written.names {
+            names.labels.insert(named.symbol, Label::new(named.text.clone(), ""));
+            names.values.insert(named.symbol, named.value.clone());
+        }
+        names
+    }
+
+    pub fn label(&self, symbol: Symbol) -> Label {
+        self.labels.get(&symbol).cloned().unwrap_or_else(|| Label::new("?", ""))
+    }
+
+    pub fn set(&mut self, symbol: Symbol, label: Label, value: Option<Number>) {
+        self.labels.insert(symbol, label);
+        if let Some(value) = value {
+            self.values.insert(symbol, value);
+        }
+    }
+
+    pub fn set_value(&mut self, symbol: Symbol, value: Number) {
+        self.values.insert(symbol, value);
+    }
+
+    pub fn value(&self, symbol: Symbol) -> Option<&Number> {
+        self.values.get(&symbol)
+    }
+
+    /// The value of a sum of names that have values.
+    pub fn worth(&self, sum: &Sum) -> Option<Number> {
+        sum.value(&|symbol| self.values.get(&symbol).cloned())
+    }
+
+    /// Whether a word is taken by a parameter.
+    pub fn is_taken(&self, word: &str) -> bool {
+        self.labels.values().any(|label| label.plain() == word)
+    }
+
+    /// Displacement, velocity and acceleration of a coordinate; labels follow.
+    pub fn coordinate(&self, index: usize, prescribed: bool) -> [Symbol; 3] {
+        let classes = if prescribed {
+            [class::PRESCRIBED, class::PRESCRIBED_VELOCITY, class::PRESCRIBED_ACCELERATION]
+        } else {
+            [class::COORDINATE, class::VELOCITY, class::ACCELERATION]
+        };
+        classes.map(|class| Symbol::new(class, index))
+    }
+
+    /// The positive root of a square of lengths.
+    pub fn length(&self, square: &Sum) -> Sum {
+        match square.exact_root() {
+            Some(root) if self.worth(&root).is_some_and(|value| value.is_negative()) => -&root,
+            Some(root) if self.worth(&root).is_some() => root,
+            _ => square.root(),
+        }
+    }
+
+    /// A direction with the length one.
+    pub fn unit(&self, direction: &Pair) -> Pair {
+        let length = self.length(&dot(direction, direction));
+        match length.inverse() {
+            Some(inverse) => direction.each_ref().map(|part| part * &inverse),
+            None => direction.clone(),
+        }
+    }
+
+    /// Labels of coordinates: `x` and `theta` where there is one of its kind, else with the name of the body.
+    pub fn name_coordinates(&mut self, coordinates: &[Coordinate], words: &Words) {
+        for coordinate in coordinates {
+            let word = letter(coordinate);
+            let alone = coordinates.iter().filter(|other| letter(other) == word).count() == 1;
+            let label = if alone && !self.is_taken(word) {
+                Label::new(word, "")
+            } else {
+                let mut name = words.text(coordinate.owner_name.symbol).to_string();
+                let same_word = coordinates
+                    .iter()
+                    .filter(|other| letter(other) == word)
+                    .all(|other| other.owner_name.symbol == coordinate.owner_name.symbol);
+                let indices: Vec<String> = coordinate.owner_name.indices().iter().map(i32::to_string).collect();
+                if same_word && !indices.is_empty() && !self.is_taken(word) {
+                    name.clear();
+                } else if !indices.is_empty() {
+                    name.push(',');
+                }
+                Label::new(word, name + &indices.join(","))
+            };
+            for (dots, symbol) in coordinate.symbols.iter().enumerate() {
+                self.labels.insert(*symbol, Label { dots: dots as u8, ..label.clone() });
+            }
+        }
+    }
+}
+
+/// What a textbook calls a coordinate.
+fn letter(coordinate: &Coordinate) -> &'static str {
+    let prescribed = matches!(coordinate.owner, Part::Base(_));
+    match (coordinate.motion, prescribed) {
+        ("angle", false) => "theta",
+        ("angle", true) => "phi",
+        ("x", true) => "u",
+        ("y", true) => "v",
+        (_, true) => "w",
+        ("x", false) => "x",
+        ("y", false) => "y",
+        _ => "s",
+    }
+}

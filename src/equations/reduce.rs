@@ -1,0 +1,259 @@
+//! Constraints eliminated: the linearised equations over the independent coordinates. In: the equations over all coordinates and the
+//! constraints; out: entries over those that the lowered system has, in its order.
+//!
+//! With dq = N dq_i + N_u du along the constraints, M is N^T M N, C likewise, and K is N^T (K + sum lambda grad^2 g) N.
+
+use super::constraint::Constraint;
+use super::error::EquationsError;
+use super::lagrange::Equation;
+use super::linear::{AtRest, Column, Linear, Matrix, still};
+use super::motion::Motion;
+use super::names::{Names, class};
+use super::rest::Rest;
+use super::{Entry, Linearised};
+use crate::base::{Number, Span};
+use crate::lower::Lowered;
+use crate::symbols::{Lengths, Sum, Symbol};
+
+/// Constraint equations that are solved together.
+const MOST_EQUATIONS: usize = 12;
+
+#[allow(clippy::too_many_arguments)]
+pub fn reduced(
+    lowered: &Lowered,
+    motion: &Motion,
+    constraints: &[Constraint],
+    equations: &[Equation],
+    full: &Linear,
+    names: &mut Names,
+    rest: &mut Rest,
+    at_rest: &AtRest,
+) -> Result<Linearised, EquationsError> {
+    let span = motion.coordinates.first().map_or_else(super::no_span, |coordinate| coordinate.span);
+    let coordinates = independent(lowered, motion, span)?;
+    let n = motion.free;
+    let none = Lengths::default();
+    // Columns: one for each independent coordinate, then one for each prescribed motion.
+    let width = coordinates.len() + motion.coordinates.len() - n;
+    let mut follows = vec![vec![Sum::ZERO; width]; n];
+    for (column, index) in coordinates.iter().enumerate() {
+        follows[*index][column] = Sum::one();
+    }
+    let mut stiffness = full.stiffness.clone();
+    let mut dependent = Vec::new();
+    if !constraints.is_empty() {
+        let others: Vec<usize> = (0..n).filter(|index| !coordinates.contains(index)).collect();
+        if others.len() > MOST_EQUATIONS && constraints.iter().any(|constraint| !constraint.is_linear) {
+            let span = constraints[0].span;
+            return Err(EquationsError::LargeLoop { span, equations: others.len(), most: MOST_EQUATIONS });
+        }
+        let slope = |constraint: &Constraint, index: usize| {
+            still(&constraint.equation.derivative(motion.coordinates[index].symbols[0], &none))
+        };
+        let columns: Vec<usize> = coordinates.iter().copied().chain(n..motion.coordinates.len()).collect();
+        let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
+        let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
+        let rows = constraints.iter().map(|constraint| (left(constraint), right(constraint))).collect();
+        let solved = solve(rows, others.len(), names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
+        for (index, row) in others.iter().zip(solved) {
+            let symbols = columns.iter().map(|column| Sum::name(motion.coordinates[*column].symbols[0]));
+            let sum = row.iter().zip(symbols).fold(Sum::ZERO, |sum, (entry, symbol)| &sum + &(entry * &symbol));
+            dependent.push((*index, sum));
+            follows[*index] = row;
+        }
+        reactions(motion, constraints, equations, &others, names, rest, at_rest)?;
+        for constraint in constraints.iter().filter(|constraint| !constraint.is_linear) {
+            let multiplier = at_rest_multiplier(rest, constraint.multiplier);
+            for i in 0..n {
+                let first = constraint.equation.derivative(motion.coordinates[i].symbols[0], &none);
+                for j in 0..n {
+                    let second = still(&first.derivative(motion.coordinates[j].symbols[0], &none));
+                    stiffness[i][j] = &stiffness[i][j] + &(&multiplier * &second);
+                }
+            }
+        }
+    }
+    let congruent = |matrix: &Matrix| congruent(&follows, matrix, coordinates.len());
+    let (mass, damping, whole_stiffness) = (congruent(&full.mass), congruent(&full.damping), congruent(&stiffness));
+    let inputs = inputs(motion, full, &stiffness, &follows, coordinates.len());
+    let valued = |matrix: Matrix| -> Result<Vec<Vec<Entry>>, EquationsError> {
+        let entry = |sum: Sum| {
+            let value = names.worth(&sum).ok_or(EquationsError::NoForm { span })?;
+            Ok(Entry { sum, value })
+        };
+        matrix.into_iter().map(|row| row.into_iter().map(entry).collect()).collect()
+    };
+    Ok(Linearised {
+        mass: valued(mass)?,
+        damping: valued(damping)?,
+        stiffness: valued(whole_stiffness)?,
+        coordinates,
+        inputs,
+        dependent,
+        lengths: full.lengths.clone(),
+    })
+}
+
+/// The coordinates of the lowered system among those of the motion.
+fn independent(lowered: &Lowered, motion: &Motion, span: Span) -> Result<Vec<usize>, EquationsError> {
+    let place = |coordinate: &crate::system::Coordinate| {
+        motion
+            .coordinates
+            .iter()
+            .take(motion.free)
+            .position(|own| own.owner_name == coordinate.name.name && own.motion == coordinate.name.motion)
+    };
+    let places: Option<Vec<usize>> = lowered.system.coordinates.iter().map(place).collect();
+    let places = places.filter(|places| places.len() + lowered.rest.dependent.len() == motion.free);
+    places.ok_or_else(|| EquationsError::Defect {
+        span,
+        what: "the number of coordinates".into(),
+        symbols: motion.free.to_string(),
+        lowered: (lowered.system.n() + lowered.rest.dependent.len()).to_string(),
+    })
+}
+
+fn at_rest_multiplier(rest: &Rest, multiplier: Symbol) -> Sum {
+    let known = rest.reactions.iter().find(|(symbol, ..)| *symbol == multiplier);
+    match known {
+        Some((_, _, value)) if value.is_zero() => Sum::ZERO,
+        Some((_, Some(form), _)) if form.terms().len() == 1 => form.clone(),
+        Some((symbol, ..)) => Sum::name(Symbol::new(class::MULTIPLIER, symbol.place())),
+        None => Sum::ZERO,
+    }
+}
+
+/// N^T A N over the independent columns.
+fn congruent(follows: &[Vec<Sum>], matrix: &Matrix, width: usize) -> Matrix {
+    let half = product(matrix, follows, width);
+    transposed_product(follows, &half, width)
+}
+
+/// A N, of the first columns.
+fn product(matrix: &Matrix, follows: &[Vec<Sum>], width: usize) -> Matrix {
+    let entry = |row: &[Sum], column: usize| {
+        let terms = row.iter().zip(follows).filter(|(entry, follow)| !entry.is_zero() && !follow[column].is_zero());
+        terms.fold(Sum::ZERO, |sum, (entry, follow)| &sum + &(entry * &follow[column]))
+    };
+    matrix.iter().map(|row| (0..width).map(|column| entry(row, column)).collect()).collect()
+}
+
+fn transposed_product(follows: &[Vec<Sum>], half: &Matrix, width: usize) -> Matrix {
+    let columns = half.first().map_or(0, Vec::len);
+    let entry = |i: usize, j: usize| {
+        let terms = follows.iter().zip(half).filter(|(follow, row)| !follow[i].is_zero() && !row[j].is_zero());
+        terms.fold(Sum::ZERO, |sum, (follow, row)| &sum + &(&follow[i] * &row[j]))
+    };
+    (0..width).map(|i| (0..columns).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// The columns of the inputs: N^T B, less what prescribed motions move of the dependent coordinates.
+fn inputs(motion: &Motion, full: &Linear, stiffness: &Matrix, follows: &[Vec<Sum>], width: usize) -> Vec<Column> {
+    let matrices = [stiffness, &full.damping, &full.mass];
+    let column = |column: &Column| {
+        let prescribed = motion.coordinates.iter().skip(motion.free).position(|own| own.input == Some(column.input));
+        let parts = column.parts.iter().enumerate().map(|(order, part)| {
+            let mut part: Matrix = part.iter().map(|entry| vec![entry.clone()]).collect();
+            if let Some(prescribed) = prescribed {
+                let driven: Vec<Vec<Sum>> = follows.iter().map(|row| vec![row[width + prescribed].clone()]).collect();
+                for (row, moved) in part.iter_mut().zip(product(matrices[order], &driven, 1)) {
+                    row[0] = &row[0] - &moved[0];
+                }
+            }
+            transposed_product(follows, &part, width)
+                .into_iter()
+                .map(|row| row.into_iter().next().unwrap_or_default())
+                .collect()
+        });
+        Column { parts: parts.collect(), ..column.clone() }
+    };
+    full.inputs.iter().map(column).collect()
+}
+
+type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
+
+/// Solves rows of (left, right) for so many unknowns; rows that say nothing new are left out, and unknowns beyond are zero.
+fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Option<Vec<Vec<Sum>>> {
+    let mut done: Rows = Vec::new();
+    let mut pivots: Vec<usize> = Vec::new();
+    for _ in 0..unknowns {
+        let (row, column) = pivot(&rows, names)?;
+        let (left, right) = rows.swap_remove(row);
+        let inverse = left[column].inverse()?;
+        let scaled =
+            |entries: Vec<Sum>| entries.iter().map(|entry| (entry * &inverse).simplified()).collect::<Vec<Sum>>();
+        let (left, right) = (scaled(left), scaled(right));
+        for (other, values) in rows.iter_mut().chain(&mut done) {
+            let factor = other[column].clone();
+            if factor.is_zero() {
+                continue;
+            }
+            for (entry, own) in other.iter_mut().zip(&left).chain(values.iter_mut().zip(&right)) {
+                *entry = (&*entry - &(&factor * own)).simplified();
+            }
+        }
+        done.push((left, right));
+        pivots.push(column);
+    }
+    let mut solved = vec![Vec::new(); done.first().map_or(0, |(left, _)| left.len())];
+    for ((_, right), column) in done.into_iter().zip(pivots) {
+        solved[column] = right;
+    }
+    Some(solved)
+}
+
+/// The simplest entry that is certainly not zero.
+fn pivot(rows: &Rows, names: &Names) -> Option<(usize, usize)> {
+    let mut best: Option<(usize, (usize, usize))> = None;
+    for (row, (left, _)) in rows.iter().enumerate() {
+        for (column, entry) in left.iter().enumerate() {
+            let usable = names.worth(entry).is_some_and(|value| !value.may_be_zero());
+            let size = if entry.as_number().is_some() { 0 } else { entry.terms().len() };
+            if usable && best.is_none_or(|(least, _)| size < least) {
+                best = Some((size, (row, column)));
+            }
+        }
+    }
+    best.map(|(_, place)| place)
+}
+
+/// The multipliers at rest: G_d^T lambda = -f_d on the dependent coordinates, f what everything else does there.
+fn reactions(
+    motion: &Motion,
+    constraints: &[Constraint],
+    equations: &[Equation],
+    others: &[usize],
+    names: &mut Names,
+    rest: &mut Rest,
+    at_rest: &AtRest,
+) -> Result<(), EquationsError> {
+    if constraints.iter().all(|constraint| constraint.is_linear) {
+        return Ok(());
+    }
+    let none = Lengths::default();
+    let mut rows: Rows = Vec::new();
+    for index in others {
+        let slopes = constraints
+            .iter()
+            .map(|constraint| still(&constraint.equation.derivative(motion.coordinates[*index].symbols[0], &none)));
+        let equation = &equations[*index];
+        let condition = rest.conditions.iter().find(|(coordinate, _)| coordinate == index);
+        let force = condition.map_or(Sum::ZERO, |(_, condition)| without_multipliers(&at_rest.of(condition)));
+        debug_assert_eq!(equation.coordinate, *index);
+        rows.push((slopes.collect(), vec![-&force]));
+    }
+    // Constraints that depend on each other have no reactions of their own: the last ones are taken for zero.
+    let unknowns = constraints.len().min(others.len());
+    let solved = solve(rows, unknowns, names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
+    for (constraint, row) in constraints.iter().zip(solved) {
+        let form = row.into_iter().next().unwrap_or_default();
+        let value = names.worth(&form).unwrap_or(Number::ZERO);
+        names.set_value(constraint.multiplier, value.clone());
+        rest.reactions.push((constraint.multiplier, Some(form), value));
+    }
+    Ok(())
+}
+
+fn without_multipliers(sum: &Sum) -> Sum {
+    sum.replaced(&|symbol| (symbol.class() == class::MULTIPLIER).then_some(Sum::ZERO))
+}

@@ -1,0 +1,128 @@
+//! What is written is compared with what is computed: each entry with the lowered system, and the equations of motion with
+//! derivatives of the energies at random states. A difference is a defect of this program, and is reported as one.
+//!
+//! d/dt dT/dq' at a state (q, q', q'') is the mixed derivative of T(q + b q', q' + a e_i + b q'') by a and b at zero: numbers with
+//! two nilpotent parts carry it through the energies, which no formula of [`lagrange`](super::lagrange) takes part in.
+
+use super::error::EquationsError;
+use super::{Entry, Equations};
+use crate::base::{Number, Rational, Span};
+use crate::lower::Lowered;
+use crate::symbols::{Sum, Symbol};
+use crate::system::{CoordinateId, Form, Label as Source, LinearSystem};
+
+mod jets;
+
+/// Compares everything; the first difference is the error.
+pub fn verify(equations: &Equations, lowered: &Lowered) -> Result<(), EquationsError> {
+    let system = &lowered.system;
+    matrices(equations, system)?;
+    inputs(equations, system)?;
+    rests(equations)?;
+    jets::verify(equations)
+}
+
+fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {
+    let own = [&equations.linear.mass, &equations.linear.damping, &equations.linear.stiffness];
+    for ((name, form), own) in [("M", &system.m), ("C", &system.c), ("K", &system.k)].into_iter().zip(own) {
+        // Damping of the whole scene is named, and is no entry in symbols.
+        let of_scene = equations.rayleigh.is_some() || equations.modal_damping.is_some();
+        let theirs = form.entries(system.n() + system.chain.len());
+        for (i, row) in own.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let other = match (name, of_scene) {
+                    ("C", true) => continue,
+                    _ => &theirs[i][j],
+                };
+                if !agree(&entry.value, other) {
+                    let place = [i, j].map(|place| equations.label(place).plain());
+                    let what = format!("{name}[{}, {}]", place[0], place[1]);
+                    return Err(defect(place_of(system, form, i, j), what, &entry.value, other));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Where the scene makes an entry: the part whose own term is the largest there.
+fn place_of(system: &LinearSystem, form: &Form, i: usize, j: usize) -> Span {
+    let _: (Option<Source>, &Form) = (None, form);
+    let _ = j;
+    system.coordinates[i].span
+}
+
+fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {
+    for column in &equations.linear.inputs {
+        let Some(input) = system.inputs.get(column.input) else { continue };
+        for (order, theirs) in input.b.iter().enumerate() {
+            for place in 0..system.n() {
+                let zero = Sum::ZERO;
+                let own = column.parts.get(order).and_then(|part| part.get(place)).unwrap_or(&zero);
+                let value = equations.names.worth(own).unwrap_or(Number::ZERO);
+                let id = CoordinateId(place as u32);
+                let entries = theirs.iter().filter(|(coordinate, _)| *coordinate == id);
+                let other = entries.fold(Number::ZERO, |sum, (_, entry)| &sum + entry);
+                if !agree(&value, &other) {
+                    let what =
+                        format!("B{order}[{}, {}]", equations.label(place).plain(), equations.inputs[column.input]);
+                    return Err(defect(system.coordinates[place].span, what, &value, &other));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The conditions of rest hold at the rest that was found.
+fn rests(equations: &Equations) -> Result<(), EquationsError> {
+    if !equations.rest.proven {
+        return Ok(());
+    }
+    for (coordinate, condition) in &equations.rest.conditions {
+        let Some(value) = equations.names.worth(condition) else { continue };
+        if !value.may_be_zero() {
+            let coordinate = &equations.motion.coordinates[*coordinate];
+            let label = equations.names.label(coordinate.symbols[0]).plain();
+            let what = format!("the force on {label} at rest");
+            return Err(defect(coordinate.span, what, &value, &Number::ZERO));
+        }
+    }
+    Ok(())
+}
+
+/// Whether two enclosures may hold the same number.
+fn agree(a: &Number, b: &Number) -> bool {
+    (a - b).may_be_zero()
+}
+
+fn defect(span: Span, what: String, own: &Number, other: &Number) -> EquationsError {
+    let shown = |number: &Number| format!("{:?}", number.to_f64());
+    EquationsError::Defect { span, what, symbols: shown(own), lowered: shown(other) }
+}
+
+/// A fraction from -1 to 1 that looks like any other: from a linear congruence, the same in every run.
+pub(super) struct Fractions(u64);
+
+impl Fractions {
+    pub(super) fn new(seed: u64) -> Fractions {
+        Fractions(seed)
+    }
+
+    pub(super) fn next(&mut self) -> Rational {
+        // Knuth, MMIX.
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        Rational::new(((self.0 >> 33) % 129) as i64 - 64, 64)
+    }
+}
+
+/// The value of every name at a state.
+pub(super) fn value(state: &[(Symbol, Number)], equations: &Equations, symbol: Symbol) -> Option<Number> {
+    let found = state.iter().find(|(known, _)| *known == symbol);
+    found.map(|(_, value)| value.clone()).or_else(|| equations.names.value(symbol).cloned())
+}
+
+/// Entries that are not zero.
+pub fn filled(matrix: &[Vec<Entry>]) -> usize {
+    matrix.iter().flatten().filter(|entry| !entry.sum.is_zero()).count()
+}

@@ -1,0 +1,252 @@
+//! The equations of motion against derivatives of the energies: energies are evaluated on numbers with two nilpotent parts.
+
+use super::{Fractions, agree, defect};
+use crate::base::{Ball, Number, Rational};
+use crate::equations::energy::{Energies, Stretch};
+use crate::equations::{Equations, EquationsError};
+use crate::symbols::{Factor, Sum, Symbol};
+use std::collections::BTreeMap;
+
+/// x + a y + b z + a b w with a^2 = b^2 = 0.
+#[derive(Clone, Copy, Debug)]
+struct Jet {
+    value: Ball,
+    a: Ball,
+    b: Ball,
+    ab: Ball,
+}
+
+impl Jet {
+    fn constant(value: Ball) -> Jet {
+        let zero = Ball::from(0.0);
+        Jet { value, a: zero, b: zero, ab: zero }
+    }
+
+    fn plus(self, o: Jet) -> Jet {
+        Jet { value: self.value + o.value, a: self.a + o.a, b: self.b + o.b, ab: self.ab + o.ab }
+    }
+
+    fn times(self, o: Jet) -> Jet {
+        Jet {
+            value: self.value * o.value,
+            a: self.value * o.a + self.a * o.value,
+            b: self.value * o.b + self.b * o.value,
+            ab: self.value * o.ab + self.a * o.b + self.b * o.a + self.ab * o.value,
+        }
+    }
+
+    /// f of it, by f, f' and f'' at its value.
+    fn through(self, f: Ball, first: Ball, second: Ball) -> Jet {
+        Jet { value: f, a: first * self.a, b: first * self.b, ab: first * self.ab + second * self.a * self.b }
+    }
+
+    fn root(self) -> Jet {
+        let root = self.value.sqrt();
+        let first = Ball::from(0.5) / root;
+        self.through(root, first, -(first / (self.value * Ball::from(2.0))))
+    }
+
+    fn inverse(self) -> Jet {
+        let inverse = Ball::from(1.0) / self.value;
+        let first = -(inverse * inverse);
+        self.through(inverse, first, -(Ball::from(2.0) * first * inverse))
+    }
+
+    fn power(self, exponent: i32) -> Jet {
+        let base = if exponent < 0 { self.inverse() } else { self };
+        (0..exponent.unsigned_abs()).fold(Jet::constant(Ball::from(1.0)), |power, _| power.times(base))
+    }
+}
+
+/// A value for each name: motions carry nilpotent parts.
+struct Point<'a> {
+    motions: BTreeMap<Symbol, Jet>,
+    equations: &'a Equations,
+}
+
+impl Point<'_> {
+    fn sum(&self, sum: &Sum) -> Option<Jet> {
+        let mut total = Jet::constant(Ball::from(0.0));
+        for (product, coefficient) in sum.terms() {
+            let mut value = Jet::constant(coefficient.to_ball());
+            for (factor, exponent) in product.factors() {
+                value = value.times(self.factor(factor)?.power(*exponent));
+            }
+            total = total.plus(value);
+        }
+        Some(total)
+    }
+
+    fn factor(&self, factor: &Factor) -> Option<Jet> {
+        let wave = |angle: &Sum| -> Option<(Jet, Ball, Ball)> {
+            let angle = self.sum(angle)?;
+            let (sine, cosine) = Number::Ball(angle.value).sin_cos()?;
+            Some((angle, sine.to_ball(), cosine.to_ball()))
+        };
+        match factor {
+            Factor::Name(symbol) => match self.motions.get(symbol) {
+                Some(jet) => Some(*jet),
+                None => self.equations.names.value(*symbol).map(|value| Jet::constant(value.to_ball())),
+            },
+            Factor::Root(sum) => Some(self.sum(sum)?.root()),
+            Factor::Whole(sum) => self.sum(sum),
+            Factor::Cosine(angle) => {
+                let (angle, sine, cosine) = wave(angle)?;
+                Some(angle.through(cosine, -sine, -cosine))
+            }
+            Factor::Sine(angle) => {
+                let (angle, sine, cosine) = wave(angle)?;
+                Some(angle.through(sine, cosine, -sine))
+            }
+            // Nothing that moves is inside.
+            Factor::Pi | Factor::Call(..) => {
+                let value = Sum::term(crate::symbols::Product::of(factor.clone(), 1), Rational::ONE);
+                Some(Jet::constant(self.equations.names.worth(&value)?.to_ball()))
+            }
+        }
+    }
+
+    /// Lengths, from their squares.
+    fn lengths(&mut self, energies: &Energies) -> Option<()> {
+        for (length, square) in &energies.lengths.0 {
+            let square = self.sum(square)?;
+            self.motions.insert(*length, square.root());
+        }
+        Some(())
+    }
+}
+
+/// Moves every equation is looked at.
+const STATES: u64 = 2;
+/// Scenes with more coordinates are compared at some of them.
+const MOST_EQUATIONS: usize = 24;
+
+pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
+    for seed in 0..STATES {
+        let mut fractions = Fractions::new(seed);
+        // Small motions: lengths stay away from zero.
+        let size = Rational::new(1, 4);
+        let mut state: Vec<[Ball; 3]> = Vec::new();
+        for coordinate in &equations.motion.coordinates {
+            let _ = coordinate;
+            state.push([0, 1, 2].map(|_| (&fractions.next() * &size).to_ball()));
+        }
+        let forces: Vec<(Symbol, Ball)> =
+            equations.energies.works.iter().map(|work| (work.force, fractions.next().to_ball())).collect();
+        let multipliers: Vec<(Symbol, Ball)> =
+            equations.constraints.iter().map(|c| (c.multiplier, fractions.next().to_ball())).collect();
+        let free = equations.motion.free;
+        let step = free.div_ceil(MOST_EQUATIONS).max(1);
+        for index in (0..free).step_by(step) {
+            let given: Vec<(Symbol, Ball)> = forces.iter().chain(&multipliers).copied().collect();
+            let Some((written, derived)) = both(equations, &state, &given, index) else { continue };
+            if !agree(&written, &derived) {
+                let coordinate = &equations.motion.coordinates[index];
+                let label = equations.names.label(coordinate.symbols[0]).plain();
+                let what = format!("the equation of {label} at a random state");
+                return Err(defect(coordinate.span, what, &written, &derived));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The equation as written, and by derivatives of the energies; `None` where a length or a root is not above zero there.
+fn both(
+    equations: &Equations,
+    state: &[[Ball; 3]],
+    given: &[(Symbol, Ball)],
+    index: usize,
+) -> Option<(Number, Number)> {
+    let point = |a: Perturbed, b: Perturbed| -> Option<Point> {
+        let mut motions = BTreeMap::new();
+        for (number, (coordinate, values)) in equations.motion.coordinates.iter().zip(state).enumerate() {
+            for order in 0..3 {
+                let mut jet = Jet::constant(values[order]);
+                let one = |on: bool| if on { Ball::from(1.0) } else { Ball::from(0.0) };
+                jet.a = one(a.is(number, order));
+                jet.b = match b {
+                    Perturbed::AlongMotion if order < 2 => values[order + 1],
+                    other => one(other.is(number, order)),
+                };
+                motions.insert(coordinate.symbols[order], jet);
+            }
+        }
+        motions.extend(given.iter().map(|(symbol, value)| (*symbol, Jet::constant(*value))));
+        let mut point = Point { motions, equations };
+        point.lengths(&equations.energies)?;
+        Some(point)
+    };
+    let energies = &equations.energies;
+    let momentum = point(Perturbed::Velocity(index), Perturbed::AlongMotion)?;
+    let mut derived = momentum.sum(&energies.kinetic)?.ab;
+    let shifted = point(Perturbed::Displacement(index), Perturbed::AlongMotion)?;
+    derived = derived - shifted.sum(&energies.kinetic)?.a + shifted.sum(&energies.weights)?.a;
+    for element in &energies.elements {
+        let stretch = shifted.sum(&element.stretch.sum())?;
+        if stretch.a.is_zero() {
+            continue;
+        }
+        let coefficient = shifted.sum(&element.coefficient)?.value;
+        if element.is_spring {
+            let free = shifted.sum(&element.free)?.value;
+            let tension = shifted.sum(&element.tension)?.value;
+            derived = derived + (coefficient * (stretch.value - free) + tension) * stretch.a;
+        } else {
+            // The rate of the stretch is its part along the motion; its slope by the velocity that by the displacement.
+            derived = derived + coefficient * stretch.b * stretch.a;
+        }
+    }
+    for constraint in &equations.constraints {
+        let multiplier = shifted.motions.get(&constraint.multiplier)?.value;
+        derived = derived + multiplier * shifted.sum(&constraint.equation)?.a;
+    }
+    for work in &energies.works {
+        let force = shifted.motions.get(&work.force)?.value;
+        derived = derived - force * shifted.sum(&work.displacement)?.a;
+    }
+    let written = shifted.written(&equations.nonlinear[index])?;
+    (derived.is_finite() && written.is_finite()).then(|| (Number::Ball(written), Number::Ball(derived)))
+}
+
+impl Point<'_> {
+    /// The left side less the right, in the form that is printed.
+    fn written(&self, equation: &crate::equations::lagrange::Equation) -> Option<Ball> {
+        let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
+        for line in &equation.lines {
+            let element = &self.equations.energies.elements[line.element];
+            let Stretch::Line { length, square, .. } = &element.stretch else { continue };
+            let long = self.motions.get(length)?.value;
+            let pull = if element.is_spring {
+                self.sum(&element.pull())?.value
+            } else {
+                let rate = self.equations.motion.rate(square, &crate::symbols::Lengths::default()).halved();
+                self.sum(&element.coefficient)?.value * self.sum(&rate)?.value / long
+            };
+            whole = whole + pull * self.sum(&line.slope)?.value / long;
+        }
+        for (multiplier, slope) in &equation.reactions {
+            whole = whole + self.motions.get(multiplier)?.value * self.sum(slope)?.value;
+        }
+        Some(whole)
+    }
+}
+
+/// What a nilpotent part moves.
+#[derive(Clone, Copy)]
+enum Perturbed {
+    Displacement(usize),
+    Velocity(usize),
+    /// Every coordinate as the motion goes on.
+    AlongMotion,
+}
+
+impl Perturbed {
+    fn is(self, number: usize, order: usize) -> bool {
+        match self {
+            Perturbed::Displacement(index) => number == index && order == 0,
+            Perturbed::Velocity(index) => number == index && order == 1,
+            Perturbed::AlongMotion => false,
+        }
+    }
+}

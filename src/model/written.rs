@@ -1,0 +1,666 @@
+//! The expressions behind the numbers of a scene. In: a check that found no errors; out: for each item of the scene, in the same order,
+//! what its numbers were written as, over the names that the model gives. Clause: docs/equations.md.
+//!
+//! A `param` and a `let` of a number stay names; points are made of their components. What has no form here (a level in dB, a
+//! chain of definitions that is nested too deep) becomes a name of its own with the value that the check found.
+
+use super::Check;
+use super::evaluate::Stop;
+use super::scene::{JointKind, Part};
+use super::scope::{DefinitionId, DefinitionKind, Environment, Instance, State};
+use super::value::{Scalar, Value};
+use crate::base::{Dimension, Number, Rational, Span};
+use crate::symbols::{Factor, Function, Sum, Symbol};
+use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, FieldValue, Fields, Rare};
+use std::sync::Arc;
+
+/// A place or a direction.
+pub type Pair = [Sum; 2];
+
+/// What the numbers of a scene were written as; each list is in the order of the scene's.
+#[derive(Clone, Debug, Default)]
+pub struct Written {
+    pub names: Vec<Named>,
+    /// The acceleration of free fall as one number that points along -y, where it was written so.
+    pub free_fall: Option<Sum>,
+    pub gravity: Option<Pair>,
+    pub bodies: Vec<WrittenBody>,
+    pub bases: Vec<WrittenBase>,
+    pub joints: Vec<WrittenJoint>,
+    /// The coefficient of each term, and the point whose motion it takes.
+    pub couples: Vec<Vec<WrittenTerm>>,
+    pub elements: Vec<WrittenElement>,
+    pub inputs: Vec<WrittenInput>,
+    pub outputs: Vec<Vec<WrittenTerm>>,
+    /// alpha and beta of Rayleigh damping.
+    pub rayleigh: Option<(Sum, Sum)>,
+}
+
+/// A name that stands for a number.
+#[derive(Clone, Debug)]
+pub struct Named {
+    pub symbol: Symbol,
+    pub text: String,
+    pub value: Number,
+    pub dimension: Dimension,
+    /// What a `let` is made of; `None` for a `param`.
+    pub definition: Option<Sum>,
+    /// What the model says where the name was made up here.
+    pub source: Option<String>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct WrittenBody {
+    pub mass: Option<Sum>,
+    /// About the centre.
+    pub inertia: Option<Sum>,
+    pub centre: Option<Pair>,
+    /// Directions as written.
+    pub translations: Vec<Pair>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct WrittenBase {
+    pub at: Option<Pair>,
+    pub translations: Vec<Pair>,
+}
+
+#[derive(Clone, Debug)]
+pub struct WrittenJoint {
+    /// Where a pivot is.
+    pub at: Option<Pair>,
+    /// The places of both ends.
+    pub ends: [Option<Pair>; 2],
+    /// The direction of a slide.
+    pub along: Option<Pair>,
+}
+
+#[derive(Clone, Debug)]
+pub struct WrittenTerm {
+    pub coefficient: Sum,
+    pub at: Option<Pair>,
+}
+
+#[derive(Clone, Debug)]
+pub struct WrittenElement {
+    pub ends: [Option<Pair>; 2],
+    /// `k` or `c`.
+    pub coefficient: Sum,
+    pub free_length: Option<Sum>,
+    pub preload: Option<Sum>,
+    pub along: Option<Pair>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct WrittenInput {
+    pub ends: Vec<Option<Pair>>,
+    pub along: Option<Pair>,
+    /// What is constant of its signal.
+    pub constant: Sum,
+}
+
+/// Classes of names, in the order in which their factors are written: plain numbers first, then what is usually a coefficient.
+const CLASSES: [Dimension; 12] = [
+    Dimension::NONE,
+    Dimension::MASS,
+    Dimension::INERTIA,
+    Dimension::STIFFNESS,
+    Dimension::DAMPING,
+    Dimension::TORQUE,
+    Dimension::TORSIONAL_DAMPING,
+    Dimension::FORCE,
+    Dimension::ACCELERATION,
+    Dimension::VELOCITY,
+    Dimension::LENGTH,
+    Dimension::FREQUENCY,
+];
+
+/// The class of a name of this dimension.
+pub fn class_of(dimension: Dimension) -> u8 {
+    CLASSES.iter().position(|known| *known == dimension).unwrap_or(CLASSES.len()) as u8
+}
+
+/// Levels of expressions and definitions beyond which a value is taken as a number.
+const MAX_DEPTH: usize = 400;
+
+#[derive(Clone, Debug)]
+enum Form {
+    Number(Sum),
+    Pair(Pair),
+}
+
+/// The walk over the declarations of a checked model.
+pub(super) struct Writer<'c, 'a> {
+    check: &'c mut Check<'a>,
+    known: Vec<Option<Form>>,
+    depth: usize,
+    written: Written,
+}
+
+impl<'c, 'a> Writer<'c, 'a> {
+    pub(super) fn new(check: &'c mut Check<'a>) -> Writer<'c, 'a> {
+        let known = vec![None; check.definitions.len()];
+        Writer { check, known, depth: 0, written: Written::default() }
+    }
+
+    /// Everything; `None` where something has no expression after all, which no checked model has.
+    pub(super) fn run(mut self) -> Option<Written> {
+        for index in 0..self.known.len() {
+            self.definition(index);
+        }
+        for index in 0..self.check.instances.bodies.len() {
+            let body = self.body(self.check.instances.bodies[index])?;
+            self.written.bodies.push(body);
+        }
+        for index in 0..self.check.instances.bases.len() {
+            let base = self.base(self.check.instances.bases[index])?;
+            self.written.bases.push(base);
+        }
+        for index in 0..self.check.instances.joints.len() {
+            let joint = self.joint(self.check.instances.joints[index], index)?;
+            self.written.joints.push(joint);
+        }
+        for index in 0..self.check.instances.elements.len() {
+            let element = self.element(self.check.instances.elements[index])?;
+            self.written.elements.push(element);
+        }
+        for index in 0..self.check.instances.inputs.len() {
+            self.input(self.check.instances.inputs[index])?;
+        }
+        for index in 0..self.check.instances.couples.len() {
+            let Instance { decl, environment } = self.check.instances.couples[index];
+            let Rare::Couple { left, right, .. } = self.rare(decl.kind)? else { return None };
+            let mut terms = self.terms(left, environment)?;
+            let right = self.terms(right, environment)?;
+            terms.extend(right.into_iter().map(|term| WrittenTerm { coefficient: -&term.coefficient, ..term }));
+            self.written.couples.push(terms);
+        }
+        for index in 0..self.check.instances.outputs.len() {
+            let Instance { decl, environment } = self.check.instances.outputs[index];
+            let Rare::Output { value, .. } = self.rare(decl.kind)? else { return None };
+            let terms = self.terms(value, environment)?;
+            self.written.outputs.push(terms);
+        }
+        self.settings()?;
+        Some(self.written)
+    }
+
+    fn rare(&self, kind: DeclKind) -> Option<Rare> {
+        let DeclKind::Rare { index } = kind else { return None };
+        Some(self.check.tree.rare[index as usize])
+    }
+
+    /// The expression of a field by its word.
+    fn field(&self, fields: Fields, word: &str) -> Option<FieldValue> {
+        let tree = self.check.tree;
+        let found = tree.fields(fields).iter().find(|field| self.check.sources.slice(field.key) == word)?;
+        Some(found.value)
+    }
+
+    fn field_number(&mut self, fields: Fields, word: &str, environment: Environment) -> Option<Sum> {
+        match self.field(fields, word)? {
+            FieldValue::Expr(expr) => Some(self.number(expr, environment)),
+            _ => None,
+        }
+    }
+
+    fn field_pair(&mut self, fields: Fields, word: &str, environment: Environment) -> Option<Pair> {
+        match self.field(fields, word)? {
+            FieldValue::Expr(expr) => Some(self.pair(expr, environment)),
+            _ => None,
+        }
+    }
+
+    fn body(&mut self, instance: Instance<'a>) -> Option<WrittenBody> {
+        let Instance { decl, environment } = instance;
+        let DeclKind::Body { fields, .. } = decl.kind else { return None };
+        let mass = self.field_number(fields, "mass", environment);
+        let (mut centre, mut gyration) = (self.field_pair(fields, "at", environment), None);
+        if let Some(FieldValue::Expr(shape)) = self.field(fields, "shape") {
+            let (middle, squared) = self.shape(shape, environment)?;
+            centre = centre.or(middle);
+            gyration = Some(squared);
+        }
+        let inertia = match self.field(fields, "inertia") {
+            Some(FieldValue::About(list)) => {
+                let (expr, about) = self.check.tree.about(list);
+                let (given, about) = (self.number(expr, environment), self.pair(about, environment));
+                Some(about_centre(given, &about, mass.as_ref(), centre.as_ref()))
+            }
+            Some(FieldValue::Expr(expr)) => Some(self.number(expr, environment)),
+            _ => gyration.and_then(|squared| Some(mass.as_ref()? * &squared)),
+        };
+        let translations = self.translations(fields, environment);
+        Some(WrittenBody { mass, inertia, centre, translations })
+    }
+
+    fn translations(&mut self, fields: Fields, environment: Environment) -> Vec<Pair> {
+        let axes = [[Sum::one(), Sum::ZERO], [Sum::ZERO, Sum::one()]];
+        if self.field(fields, "free").is_some() {
+            return axes.to_vec();
+        }
+        match self.field(fields, "moves") {
+            Some(FieldValue::Moves(words)) => {
+                let tree = self.check.tree;
+                let is_named = |axis: &str| {
+                    tree.list(words).iter().any(|word| self.check.sources.slice(tree.expr(*word).span) == axis)
+                };
+                let named = [is_named("x"), is_named("y")];
+                axes.into_iter().zip(named).filter(|(_, named)| *named).map(|(axis, _)| axis).collect()
+            }
+            Some(FieldValue::MovesAlong(expr)) => vec![self.direction(expr, environment)],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Centre, and inertia about it for each mass.
+    fn shape(&mut self, expr: ExprId, environment: Environment) -> Option<(Option<Pair>, Sum)> {
+        let tree = self.check.tree;
+        let node = *tree.expr(expr);
+        let ExprKind::Call { name_len, arguments } = node.kind else { return None };
+        let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
+        Some(match (self.check.sources.slice(word), tree.list(arguments)) {
+            ("rod", &[a, b]) => {
+                let (a, b) = (self.pair(a, environment), self.pair(b, environment));
+                let along = difference(&b, &a);
+                let squared = dot(&along, &along).scaled(&Rational::new(1, 12));
+                (Some(sum(&a, &b).map(|part| part.halved())), squared)
+            }
+            ("disk", &[radius]) => (None, self.number(radius, environment).square().halved()),
+            ("ring", &[radius]) => (None, self.number(radius, environment).square()),
+            ("box", &[width, height]) => {
+                let (width, height) = (self.number(width, environment), self.number(height, environment));
+                (None, (&width.square() + &height.square()).scaled(&Rational::new(1, 12)))
+            }
+            _ => return None,
+        })
+    }
+
+    fn base(&mut self, instance: Instance<'a>) -> Option<WrittenBase> {
+        let Rare::Base { fields, .. } = self.rare(instance.decl.kind)? else { return None };
+        let at = self.field_pair(fields, "at", instance.environment);
+        Some(WrittenBase { at, translations: self.translations(fields, instance.environment) })
+    }
+
+    fn end(&mut self, id: EndId, part: Part, environment: Environment) -> Option<Pair> {
+        match self.check.tree.end(id).at {
+            Some(at) => Some(self.pair(at, environment)),
+            None => self.own_place(part),
+        }
+    }
+
+    fn own_place(&self, part: Part) -> Option<Pair> {
+        match part {
+            Part::Ground => None,
+            Part::Body(body) => self.written.bodies.get(body.index())?.centre.clone(),
+            Part::Base(base) => self.written.bases.get(base.index())?.at.clone(),
+        }
+    }
+
+    fn joint(&mut self, instance: Instance<'a>, index: usize) -> Option<WrittenJoint> {
+        let Instance { decl, environment } = instance;
+        let Rare::Joint { ends, along, .. } = self.rare(decl.kind)? else { return None };
+        let parts = [0, 1].map(|end| self.check.scene.joints[index].ends[end].part);
+        let ids = [ends, EndId(ends.0 + 1)];
+        let written = ids.map(|id| self.check.tree.end(id).at.is_some());
+        let mut places = [self.end(ids[0], parts[0], environment), self.end(ids[1], parts[1], environment)];
+        let is_pivot = matches!(self.check.scene.joints[index].kind, JointKind::Pivot { .. });
+        let at =
+            is_pivot.then(|| if written[1] && !written[0] { places[1].clone() } else { places[0].clone() }).flatten();
+        if is_pivot {
+            places = [at.clone(), at.clone()];
+        }
+        let along = along.map(|along| self.direction(along, environment));
+        Some(WrittenJoint { at, ends: places, along })
+    }
+
+    fn element(&mut self, instance: Instance<'a>) -> Option<WrittenElement> {
+        let Instance { decl, environment } = instance;
+        let DeclKind::Element { ends, fields, .. } = decl.kind else { return None };
+        let parts = [0, 1].map(|end| self.check.scene.elements[self.written.elements.len()].ends[end].part);
+        let places = [self.end(ends, parts[0], environment), self.end(EndId(ends.0 + 1), parts[1], environment)];
+        let coefficient = self.field_number(fields, "k", environment);
+        let coefficient = coefficient.or_else(|| self.field_number(fields, "c", environment))?;
+        let along = match self.field(fields, "along") {
+            Some(FieldValue::Expr(expr)) => Some(self.direction(expr, environment)),
+            _ => None,
+        };
+        Some(WrittenElement {
+            ends: places,
+            coefficient,
+            free_length: self.field_number(fields, "free_length", environment),
+            preload: self.field_number(fields, "preload", environment),
+            along,
+        })
+    }
+
+    fn input(&mut self, instance: Instance<'a>) -> Option<()> {
+        let Instance { decl, environment } = instance;
+        match self.rare(decl.kind)? {
+            Rare::Force { from, to, along, signal, .. } => {
+                let constant = self.constant(signal, environment);
+                let along = along.map(|along| self.direction(along, environment));
+                self.push_input((from, to), along, constant, environment)
+            }
+            Rare::Torque { from, to, signal, .. } => {
+                let constant = self.constant(signal, environment);
+                self.push_input((from, to), None, constant, environment)
+            }
+            Rare::Base { signal, .. } => {
+                let constant = self.constant(signal, environment);
+                // One input for each motion of the base.
+                let name = self.check.scene.inputs.get(self.written.inputs.len())?.name;
+                while self.check.scene.inputs.get(self.written.inputs.len()).is_some_and(|input| input.name == name) {
+                    self.written.inputs.push(WrittenInput { constant: constant.clone(), ..WrittenInput::default() });
+                }
+                Some(())
+            }
+            _ => None,
+        }
+    }
+
+    fn push_input(
+        &mut self,
+        (from, to): (EndId, Option<EndId>),
+        along: Option<Pair>,
+        constant: Sum,
+        environment: Environment,
+    ) -> Option<()> {
+        let mut ends = Vec::new();
+        for id in [Some(from), to].into_iter().flatten() {
+            let ident = self.check.tree.end(id).part;
+            let part = self.check.part(ident, environment).ok()?;
+            ends.push(self.end(id, part, environment));
+        }
+        self.written.inputs.push(WrittenInput { ends, along, constant });
+        Some(())
+    }
+
+    /// The constant part of a signal.
+    fn constant(&mut self, signal: Option<ExprId>, environment: Environment) -> Sum {
+        let Some(expr) = signal else { return Sum::ZERO };
+        let tree = self.check.tree;
+        let node = *tree.expr(expr);
+        match node.kind {
+            ExprKind::Binary { operator: Binary::Add, left, right } => {
+                &self.constant(Some(left), environment) + &self.constant(Some(right), environment)
+            }
+            ExprKind::Call { name_len, arguments } => {
+                let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
+                match (self.check.sources.slice(word), tree.list(arguments)) {
+                    ("constant", &[value]) => self.number(value, environment),
+                    _ => Sum::ZERO,
+                }
+            }
+            _ => Sum::ZERO,
+        }
+    }
+
+    fn settings(&mut self) -> Option<()> {
+        for index in 0..self.check.instances.settings.len() {
+            let Instance { decl, environment } = self.check.instances.settings[index];
+            match decl.kind {
+                DeclKind::Gravity { value } => match self.form(value, environment) {
+                    Form::Pair(pair) => self.written.gravity = Some(pair),
+                    Form::Number(number) => {
+                        self.written.gravity = Some([Sum::ZERO, -&number]);
+                        self.written.free_fall = Some(number);
+                    }
+                },
+                DeclKind::Rare { .. } => {
+                    if let Some(Rare::DampingRayleigh { arguments }) = self.rare(decl.kind) {
+                        let &[alpha, beta] = self.check.tree.list(arguments) else { return None };
+                        self.written.rayleigh = Some((self.number(alpha, environment), self.number(beta, environment)));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Some(())
+    }
+
+    /// The coefficients of a linear combination of motions, from left to right.
+    fn terms(&mut self, expr: ExprId, environment: Environment) -> Option<Vec<WrittenTerm>> {
+        let tree = self.check.tree;
+        if !self.check.has_motion(expr) {
+            return Some(Vec::new());
+        }
+        let scaled = |terms: Vec<WrittenTerm>, by: &Sum| -> Vec<WrittenTerm> {
+            terms.into_iter().map(|term| WrittenTerm { coefficient: &term.coefficient * by, ..term }).collect()
+        };
+        match tree.expr(expr).kind {
+            ExprKind::Member { base, .. } => {
+                let at = match tree.expr(base).kind {
+                    ExprKind::At { point, .. } => Some(self.pair(point, environment)),
+                    _ => None,
+                };
+                Some(vec![WrittenTerm { coefficient: Sum::one(), at }])
+            }
+            ExprKind::Negate { operand } => Some(scaled(self.terms(operand, environment)?, &Sum::fraction(-1, 1))),
+            ExprKind::Binary { operator, left, right } => {
+                let (a, b) = (self.terms(left, environment)?, self.terms(right, environment)?);
+                Some(match operator {
+                    Binary::Add => a.into_iter().chain(b).collect(),
+                    Binary::Subtract => a.into_iter().chain(scaled(b, &Sum::fraction(-1, 1))).collect(),
+                    Binary::Multiply if b.is_empty() => scaled(a, &self.number(right, environment)),
+                    Binary::Multiply => scaled(b, &self.number(left, environment)),
+                    Binary::Divide => scaled(a, &self.number(right, environment).inverse()?),
+                    _ => return None,
+                })
+            }
+            _ => None,
+        }
+    }
+
+    // ---- Expressions ----
+
+    fn number(&mut self, expr: ExprId, environment: Environment) -> Sum {
+        match self.form(expr, environment) {
+            Form::Number(number) => number,
+            Form::Pair(_) => Sum::ZERO,
+        }
+    }
+
+    fn pair(&mut self, expr: ExprId, environment: Environment) -> Pair {
+        match self.form(expr, environment) {
+            Form::Pair(pair) => pair,
+            Form::Number(_) => [Sum::ZERO, Sum::ZERO],
+        }
+    }
+
+    /// `x`, `-y` or a pair.
+    fn direction(&mut self, expr: ExprId, environment: Environment) -> Pair {
+        let node = *self.check.tree.expr(expr);
+        match node.kind {
+            ExprKind::Name { .. } if self.check.sources.slice(node.span) == "x" => [Sum::one(), Sum::ZERO],
+            ExprKind::Name { .. } if self.check.sources.slice(node.span) == "y" => [Sum::ZERO, Sum::one()],
+            ExprKind::Negate { operand } => self.direction(operand, environment).map(|part| -&part),
+            _ => self.pair(expr, environment),
+        }
+    }
+
+    fn form(&mut self, expr: ExprId, environment: Environment) -> Form {
+        self.depth += 1;
+        let walked = if self.depth > MAX_DEPTH { None } else { self.walked(expr, environment) };
+        self.depth -= 1;
+        walked.unwrap_or_else(|| self.valued(expr, environment))
+    }
+
+    /// The value that the check finds, as far as it has a form; else a name for it.
+    fn valued(&mut self, expr: ExprId, environment: Environment) -> Form {
+        let span = self.check.tree.expr(expr).span;
+        match self.check.evaluate(expr, environment) {
+            Ok(Value::Scalar(Scalar { quantity, .. })) => {
+                Form::Number(self.of_value(&quantity.si, quantity.dimension, span))
+            }
+            Ok(Value::Vector(vector)) => {
+                let dimension = vector.dimension.unwrap_or(Dimension::NONE);
+                let parts = [&vector.si.x, &vector.si.y];
+                Form::Pair(parts.map(|part| self.of_value(part, dimension, span)))
+            }
+            Err(Stop::Reported | Stop::Deep) => Form::Number(Sum::ZERO),
+        }
+    }
+
+    fn of_value(&mut self, value: &Number, dimension: Dimension, span: Span) -> Sum {
+        match value {
+            Number::Exact(exact) => Sum::number(exact.clone()),
+            Number::OfPi(turns) => Sum::pi().scaled(turns),
+            Number::PerPi(times) => Sum::pi().inverse().unwrap_or_default().scaled(times),
+            Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => {
+                let place = self.known.len() + self.written.names.len();
+                let symbol = Symbol::new(class_of(dimension), place);
+                let count = self.written.names.iter().filter(|name| name.source.is_some()).count();
+                let (text, source) = (format!("c_{}", count + 1), Some(self.check.sources.slice(span).to_string()));
+                self.written.names.push(Named {
+                    symbol,
+                    text,
+                    value: value.clone(),
+                    dimension,
+                    definition: None,
+                    source,
+                });
+                Sum::name(symbol)
+            }
+        }
+    }
+
+    fn walked(&mut self, expr: ExprId, environment: Environment) -> Option<Form> {
+        let node = *self.check.tree.expr(expr);
+        match node.kind {
+            ExprKind::Literal { .. } => None,
+            ExprKind::Name { indices } => self.named(node.span, indices, environment),
+            ExprKind::Negate { operand } => {
+                if matches!(self.check.tree.expr(operand).kind, ExprKind::Literal { .. }) {
+                    return None;
+                }
+                Some(match self.form(operand, environment) {
+                    Form::Number(number) => Form::Number(-&number),
+                    Form::Pair(pair) => Form::Pair(pair.map(|part| -&part)),
+                })
+            }
+            ExprKind::Binary { operator, left, right } => self.binary(operator, left, right, environment),
+            ExprKind::Call { name_len, arguments } => self.call(node.span, name_len, arguments, environment),
+            ExprKind::Tuple { items } => {
+                let &[x, y] = self.check.tree.list(items) else { return None };
+                Some(Form::Pair([self.number(x, environment), self.number(y, environment)]))
+            }
+            ExprKind::Member { .. } | ExprKind::At { .. } | ExprKind::Text => None,
+        }
+    }
+
+    fn named(&mut self, span: Span, indices: ExprList, environment: Environment) -> Option<Form> {
+        let word = if indices.is_empty() { span } else { self.check.word_of(span) };
+        if indices.is_empty() && self.check.sources.slice(word) == "pi" {
+            return Some(Form::Number(Sum::pi()));
+        }
+        let symbol = self.check.words.get(self.check.sources.slice(word))?;
+        if indices.is_empty()
+            && let Some(index) = self.check.environments.value(environment, symbol)
+        {
+            return Some(Form::Number(Sum::number(Rational::from(i64::from(index)))));
+        }
+        let name = self.check.indexed(symbol, indices, environment).ok()?;
+        let DefinitionId(id) = self.check.values.get(name)?;
+        self.definition(id as usize)
+    }
+
+    /// The name of a number, or the components of a point.
+    fn definition(&mut self, index: usize) -> Option<Form> {
+        if let Some(known) = &self.known[index] {
+            return Some(known.clone());
+        }
+        let definition = &self.check.definitions[index];
+        let State::Settled(Ok(value)) = &definition.state else { return None };
+        let (kind, name, expr, environment) =
+            (definition.kind, definition.name, definition.expr, definition.environment);
+        let form = match value.clone() {
+            Value::Scalar(Scalar { quantity, .. }) => {
+                let symbol = Symbol::new(class_of(quantity.dimension), index);
+                let text = self.check.words.display(name);
+                let definition = match kind {
+                    DefinitionKind::Let => Some(self.number(expr, environment)),
+                    DefinitionKind::Param | DefinitionKind::Point => None,
+                };
+                let (value, dimension) = (quantity.si, quantity.dimension);
+                self.written.names.push(Named { symbol, text, value, dimension, definition, source: None });
+                Form::Number(Sum::name(symbol))
+            }
+            Value::Vector(_) => Form::Pair(self.pair(expr, environment)),
+        };
+        self.known[index] = Some(form.clone());
+        Some(form)
+    }
+
+    fn binary(&mut self, operator: Binary, left: ExprId, right: ExprId, environment: Environment) -> Option<Form> {
+        if operator == Binary::Power {
+            return self.power(left, right, environment);
+        }
+        let (a, b) = (self.form(left, environment), self.form(right, environment));
+        Some(match (operator, a, b) {
+            (Binary::Add, Form::Number(a), Form::Number(b)) => Form::Number(&a + &b),
+            (Binary::Add, Form::Pair(a), Form::Pair(b)) => Form::Pair(sum(&a, &b)),
+            (Binary::Subtract, Form::Number(a), Form::Number(b)) => Form::Number(&a - &b),
+            (Binary::Subtract, Form::Pair(a), Form::Pair(b)) => Form::Pair(difference(&a, &b)),
+            (Binary::Multiply, Form::Number(a), Form::Number(b)) => Form::Number(&a * &b),
+            (Binary::Multiply, Form::Pair(pair), Form::Number(by))
+            | (Binary::Multiply, Form::Number(by), Form::Pair(pair)) => Form::Pair(pair.map(|part| &part * &by)),
+            (Binary::Divide, Form::Number(a), Form::Number(b)) => Form::Number(a.over(&b)?),
+            (Binary::Divide, Form::Pair(pair), Form::Number(by)) => {
+                let inverse = by.inverse()?;
+                Form::Pair(pair.map(|part| &part * &inverse))
+            }
+            _ => return None,
+        })
+    }
+
+    fn power(&mut self, left: ExprId, right: ExprId, environment: Environment) -> Option<Form> {
+        /// Powers that are multiplied out.
+        const MOST: i64 = 8;
+        let (base, exponent) = (self.number(left, environment), self.number(right, environment));
+        let Some(twice) = exponent.as_number().and_then(|n| (&n + &n).to_i64()).filter(|twice| twice.abs() <= 2 * MOST)
+        else {
+            return Some(Form::Number(call(Function::Power, [base, exponent].into())));
+        };
+        let of = if twice % 2 == 0 { base } else { base.root() };
+        let exponent = if twice % 2 == 0 { twice / 2 } else { twice };
+        Some(Form::Number(of.power(exponent as i32)?))
+    }
+
+    fn call(&mut self, span: Span, name_len: u16, arguments: ExprList, environment: Environment) -> Option<Form> {
+        let word = Span::new(span.file(), span.start(), span.start() + usize::from(name_len));
+        let name = self.check.sources.slice(word);
+        let given: Vec<ExprId> = self.check.tree.list(arguments).to_vec();
+        let values: Vec<Sum> = given.iter().map(|argument| self.number(*argument, environment)).collect();
+        let first = values.first()?;
+        Some(Form::Number(match name {
+            "sqrt" => first.root(),
+            "sin" => first.sine(),
+            "cos" => first.cosine(),
+            _ => call(Function::named(name)?, values.into()),
+        }))
+    }
+}
+
+fn call(function: Function, arguments: Arc<[Sum]>) -> Sum {
+    Sum::term(crate::symbols::Product::of(Factor::Call(function, arguments), 1), Rational::ONE)
+}
+
+/// I - m d^2.
+fn about_centre(given: Sum, about: &Pair, mass: Option<&Sum>, centre: Option<&Pair>) -> Sum {
+    let (Some(mass), Some(centre)) = (mass, centre) else { return given };
+    let d = difference(centre, about);
+    &given - &(mass * &dot(&d, &d))
+}
+
+pub fn sum(a: &Pair, b: &Pair) -> Pair {
+    [&a[0] + &b[0], &a[1] + &b[1]]
+}
+
+pub fn difference(a: &Pair, b: &Pair) -> Pair {
+    [&a[0] - &b[0], &a[1] - &b[1]]
+}
+
+pub fn dot(a: &Pair, b: &Pair) -> Sum {
+    &(&a[0] * &b[0]) + &(&a[1] * &b[1])
+}

@@ -1,0 +1,110 @@
+//! Common factors of the terms of a sum: what a textbook writes in front of brackets.
+
+use super::{Factor, Product, Sum};
+use crate::base::Rational;
+
+/// A sum as `number * product * rest`, the rest without common factors; `squared` where the rest is the root of what it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factored {
+    pub number: Rational,
+    pub product: Product,
+    pub rest: Sum,
+    /// The rest is squared.
+    pub squared: bool,
+}
+
+/// Takes out what all terms share.
+pub fn common_factors(sum: &Sum) -> Factored {
+    let (content, rest) = content(sum.terms());
+    let (product, number) = content.terms.into_iter().next().unwrap_or((Product::default(), Rational::ZERO));
+    match rest.exact_root() {
+        Some(root) if root.terms.len() > 1 => Factored { number, product, rest: root, squared: true },
+        _ => Factored { number, product, rest, squared: false },
+    }
+}
+
+/// The number and the powers that all terms share, as one term, and what is left of the sum. The first term that is left is positive.
+pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
+    let Some(((first, leading), others)) = terms.split_first() else { return (Sum::ZERO, Sum::ZERO) };
+    if others.is_empty() && first.wave().is_none() {
+        return (Sum::term(first.clone(), leading.clone()), Sum::one());
+    }
+    let mut shared: Vec<(Factor, i32)> = first.0.iter().filter(|(factor, _)| !factor.is_wave()).cloned().collect();
+    // A factor that only some terms are divided by is taken out too: nobody writes quotients within quotients.
+    for (product, _) in others {
+        for (factor, exponent) in &product.0 {
+            if *exponent < 0 && !shared.iter().any(|(known, _)| known == factor) && first.exponent(factor) == 0 {
+                shared.push((factor.clone(), 0));
+            }
+        }
+    }
+    for (factor, least) in &mut shared {
+        let exponents = terms.iter().map(|(product, _)| product.exponent(factor));
+        *least = exponents.min().unwrap_or(0).min(*least);
+    }
+    shared.retain(|(_, exponent)| *exponent != 0);
+    shared.sort_by(|a, b| a.0.cmp(&b.0));
+    let mut number = terms.iter().skip(1).fold(absolute(leading), |all, (_, c)| common(&all, &absolute(c)));
+    if leading.signum() < 0 {
+        number = -&number;
+    }
+    let inverse: Vec<(Factor, i32)> = shared.iter().map(|(factor, exponent)| (factor.clone(), -exponent)).collect();
+    let (inverse, per) = (Product(inverse), number.recip().unwrap_or(Rational::ONE));
+    let rest = Sum::of_terms(terms.iter().map(|(product, c)| (product.merged(&inverse), c * &per)).collect());
+    (Sum::term(Product(shared), number), rest)
+}
+
+impl Sum {
+    /// Divided by the sums that it is divided by, where that leaves no remainder.
+    pub fn simplified(&self) -> Sum {
+        let divisors = self.terms.iter().flat_map(|(product, _)| product.factors());
+        let whole = divisors.filter_map(|(factor, _)| match factor {
+            Factor::Whole(whole) => Some(whole.clone()),
+            _ => None,
+        });
+        for whole in whole.collect::<std::collections::BTreeSet<_>>() {
+            let factor = Factor::Whole(whole.clone());
+            let most = self.terms.iter().map(|(product, _)| -product.exponent(&factor)).max().unwrap_or(0);
+            let multiplied = whole.power(most).map(|power| self * &power);
+            if let Some(quotient) = multiplied.and_then(|numerator| numerator.divided(&whole)) {
+                let left = whole.power(1 - most).unwrap_or_default();
+                return (&quotient * &left).simplified();
+            }
+        }
+        self.clone()
+    }
+
+    /// The quotient of two sums where nothing is left over and no sine or cosine takes part in the divisor.
+    fn divided(&self, by: &Sum) -> Option<Sum> {
+        /// Terms of a quotient that are looked for.
+        const MOST_TERMS: usize = 64;
+        let greatest = |sum: &Sum| sum.terms.iter().max_by(|a, b| a.0.by_degree(&b.0)).cloned();
+        if by.terms.iter().any(|(product, _)| product.wave().is_some()) {
+            return None;
+        }
+        let inverse = Sum { terms: vec![greatest(by)?] }.inverse()?;
+        let (mut left, mut quotient) = (self.clone(), Sum::ZERO);
+        for _ in 0..MOST_TERMS {
+            let Some(term) = greatest(&left) else { return Some(quotient) };
+            let next = &Sum { terms: vec![term] } * &inverse;
+            left = &left - &(&next * by);
+            quotient = &quotient + &next;
+        }
+        None
+    }
+}
+
+fn absolute(number: &Rational) -> Rational {
+    if number.signum() < 0 { -number } else { number.clone() }
+}
+
+/// The greatest common divisor of two positive fractions: of the numerators, over the least common multiple of the denominators.
+fn common(a: &Rational, b: &Rational) -> Rational {
+    match (a.to_fraction(), b.to_fraction()) {
+        (Some((n, d)), Some((m, e))) => {
+            let multiple = (d / num_integer::gcd(d, e)).checked_mul(e);
+            multiple.map_or(Rational::ONE, |multiple| Rational::new(num_integer::gcd(n, m), multiple))
+        }
+        _ => Rational::ONE,
+    }
+}

@@ -1,0 +1,91 @@
+//! Square roots: of squares, of numbers, and what is left of them.
+
+use super::{Factor, Product, Sum};
+use crate::base::Rational;
+use std::sync::Arc;
+
+/// Factors of numbers that are looked for below this.
+const MOST_FACTOR: i64 = 1000;
+
+impl Sum {
+    /// The square root. Squares of numbers are taken out; those of names are not, whose sign nobody knows here.
+    pub fn root(&self) -> Sum {
+        if self.is_zero() {
+            return Sum::ZERO;
+        }
+        let (content, rest) = super::factors::content(&self.terms);
+        let number = match &content.terms[..] {
+            [(_, coefficient)] => coefficient.clone(),
+            _ => Rational::ONE,
+        };
+        if number.signum() < 0 {
+            return Sum::factor(Factor::Root(Arc::new(self.clone())));
+        }
+        let (outside, inside) = split_square(&number);
+        let product = content.terms.first().map_or_else(Product::default, |(product, _)| product.clone());
+        let inside = &Sum::term(product, inside) * &rest;
+        let root = if inside.as_number().is_some_and(|n| n.is_one()) {
+            Sum::one()
+        } else {
+            Sum::factor(Factor::Root(Arc::new(inside)))
+        };
+        root.scaled(&outside)
+    }
+
+    /// The root of a perfect square, up to its sign; `None` where the sum is none.
+    pub fn exact_root(&self) -> Option<Sum> {
+        match &self.terms[..] {
+            [] => Some(Sum::ZERO),
+            [(product, coefficient)] => {
+                let root = coefficient.exact_sqrt()?;
+                let halves = product
+                    .0
+                    .iter()
+                    .map(|(factor, exponent)| (exponent % 2 == 0).then(|| (factor.clone(), exponent / 2)));
+                Some(Sum::term(Product(halves.collect::<Option<Vec<_>>>()?), root))
+            }
+            terms => root_of_several(self, terms),
+        }
+    }
+}
+
+/// Term by term: the first is a square, each further one is what is left over twice the first.
+fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
+    /// Roots of so many terms are looked for.
+    const MOST_TERMS: usize = 6;
+    // The greatest product is the square of the greatest.
+    let greatest = |terms: &[(Product, Rational)]| terms.iter().max_by(|a, b| a.0.by_degree(&b.0)).cloned();
+    let leading = Sum { terms: vec![greatest(terms)?] }.exact_root()?;
+    let twice = leading.scaled(&Rational::from(2)).inverse()?;
+    let mut root = leading;
+    for _ in 0..MOST_TERMS {
+        let left = square - &root.square();
+        let Some(next) = greatest(&left.terms) else { return Some(root) };
+        let next = &Sum { terms: vec![next] } * &twice;
+        let sound = next.terms.iter().all(|(product, _)| product.0.iter().all(|(_, exponent)| *exponent > 0));
+        if !sound || next.terms.len() != 1 {
+            return None;
+        }
+        root = &root + &next;
+    }
+    (square - &root.square()).is_zero().then_some(root)
+}
+
+/// A positive number as a^2 b, b free of small squares: (a, b), b whole.
+fn split_square(number: &Rational) -> (Rational, Rational) {
+    if let Some(root) = number.exact_sqrt() {
+        return (root, Rational::ONE);
+    }
+    let Some((numerator, denominator)) = number.to_fraction() else { return (Rational::ONE, number.clone()) };
+    let Some(mut left) = numerator.checked_mul(denominator) else { return (Rational::ONE, number.clone()) };
+    let mut outside = Rational::new(1, denominator);
+    let mut factor = 2;
+    while factor <= MOST_FACTOR && factor * factor <= left {
+        while left % (factor * factor) == 0 {
+            left /= factor * factor;
+            outside = &outside * &Rational::from(factor);
+        }
+        factor += 1;
+    }
+    (outside, Rational::from(left))
+}
