@@ -9,9 +9,10 @@
 use super::motion::Motion;
 use super::names::{Label, Names, class};
 use crate::base::{Number, Span, Vec3};
-use crate::model::scene::{Attachment, Geometry, InputKind, Law, Part, Scene, SpringRest};
+use crate::model::scene::{Attachment, BaseId, BodyId, Geometry, InputKind, Law, Part, Scene, SpringRest};
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
 use crate::symbols::{Lengths, Sum, Symbol};
+use std::collections::BTreeMap;
 
 /// How far a spring or damper is stretched.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +51,8 @@ pub struct Energies {
     pub lengths: Lengths,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
+    /// The own place of each part that has one.
+    pub centres: BTreeMap<Part, Option<Pair>>,
     /// What each body adds to the kinetic energy, for messages.
     pub of_bodies: Vec<(usize, Sum)>,
 }
@@ -66,6 +69,9 @@ impl Energies {
     pub fn new(scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<Energies> {
         let mut energies = Energies::default();
         energies.bodies(scene, written, motion)?;
+        for (index, base) in written.bases.iter().enumerate() {
+            energies.centres.insert(Part::Base(BaseId(index as u32)), base.at.clone());
+        }
         for (number, written) in written.elements.iter().enumerate() {
             energies.element(scene, written, motion, number, names)?;
         }
@@ -75,7 +81,8 @@ impl Energies {
 
     fn bodies(&mut self, scene: &Scene, written: &Written, motion: &Motion) -> Option<()> {
         for index in 0..scene.bodies.len() {
-            let (part, body) = (Part::Body(crate::model::scene::BodyId(index as u32)), written.bodies.get(index)?);
+            let (part, body) = (Part::Body(BodyId(index as u32)), written.bodies.get(index)?);
+            self.centres.insert(part, body.centre.clone());
             let mut own = Sum::ZERO;
             if let Some(mass) = &body.mass {
                 let place = motion.place(part, body.centre.as_ref());

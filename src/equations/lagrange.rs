@@ -2,10 +2,10 @@
 //!
 //!   d/dt dT/dq' - dT/dq + dV/dq + dD/dq' + sum lambda dg/dq = Q,
 //!
-//! nothing approximated. What springs and dampers along a line add stays apart, in the form pull times slope over length.
+//! nothing approximated. Where the lever of a spring or damper turns with the motion, what it adds stays apart as pull times lever.
 
 use super::constraint::Constraint;
-use super::energy::{Energies, Stretch};
+use super::energy::{Energies, Stretch, is_motion};
 use super::motion::Motion;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -21,12 +21,12 @@ pub struct Equation {
     pub forces: Sum,
 }
 
-/// A spring or damper along a line, at work on a coordinate.
+/// A spring or damper at work on a coordinate by a lever that the motion changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its place among the elements of the energies.
     pub element: usize,
-    /// Half the derivative of the squared length.
+    /// The derivative of the stretch; of a length half that of its square.
     pub slope: Sum,
 }
 
@@ -45,6 +45,10 @@ pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint
                 Stretch::Plain(stretch) => {
                     let slope = stretch.derivative(displacement, &none);
                     if slope.is_zero() {
+                        continue;
+                    }
+                    if slope.mentions(&is_motion) {
+                        lines.push(Line { element: number, slope });
                         continue;
                     }
                     let force = if element.is_spring { element.pull() } else { &element.coefficient * &rates[number] };
@@ -96,7 +100,14 @@ impl Equation {
 impl Line {
     fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
         let element = &energies.elements[self.element];
-        let Stretch::Line { length, square, .. } = &element.stretch else { return Sum::ZERO };
+        let (length, square) = match &element.stretch {
+            Stretch::Line { length, square, .. } => (length, square),
+            Stretch::Plain(_) if element.is_spring => return &element.pull() * &self.slope,
+            Stretch::Plain(stretch) => {
+                let rate = motion.rate(stretch, &Lengths::default());
+                return &(&element.coefficient * &rate) * &self.slope;
+            }
+        };
         let inverse = Sum::name(*length).inverse().unwrap_or_default();
         let pull = if element.is_spring {
             element.pull()

@@ -131,8 +131,15 @@ fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: 
 /// k g_i g_j / l^2 and P/l (g_ij - g_i g_j/l^2) of a line for another coordinate.
 fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_rest: &AtRest) -> (Sum, Sum) {
     let element = &energies.elements[line.element];
-    let Stretch::Line { length, square, .. } = &element.stretch else { return Default::default() };
     let none = Lengths::default();
+    let (length, square) = match &element.stretch {
+        Stretch::Line { length, square, .. } => (length, square),
+        Stretch::Plain(stretch) => {
+            let own = &still(&line.slope) * &still(&stretch.derivative(by, &none));
+            let pull = if element.is_spring { at_rest.of(&element.pull()) } else { Sum::ZERO };
+            return (&element.coefficient * &own, &pull * &still(&line.slope.derivative(by, &none)));
+        }
+    };
     let length = at_rest.length(*length);
     let Some(per_square) = length.square().inverse() else { return Default::default() };
     let (own, other) = (still(&line.slope), still(&square.derivative(by, &none).halved()));

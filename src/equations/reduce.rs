@@ -117,7 +117,8 @@ fn at_rest_multiplier(rest: &Rest, multiplier: Symbol) -> Sum {
     let known = rest.reactions.iter().find(|(symbol, ..)| *symbol == multiplier);
     match known {
         Some((_, _, value)) if value.is_zero() => Sum::ZERO,
-        Some((_, Some(form), _)) if form.terms().len() == 1 => form.clone(),
+        // A short reaction is written out.
+        Some((_, Some(form), _)) if form.terms().len() <= 3 => form.clone(),
         Some((symbol, ..)) => Sum::name(Symbol::new(class::MULTIPLIER, symbol.place())),
         None => Sum::ZERO,
     }
@@ -227,9 +228,6 @@ fn reactions(
     rest: &mut Rest,
     at_rest: &AtRest,
 ) -> Result<(), EquationsError> {
-    if constraints.iter().all(|constraint| constraint.is_linear) {
-        return Ok(());
-    }
     let none = Lengths::default();
     let mut rows: Rows = Vec::new();
     for index in others {
@@ -250,6 +248,13 @@ fn reactions(
         let value = names.worth(&form).unwrap_or(Number::ZERO);
         names.set_value(constraint.multiplier, value.clone());
         rest.reactions.push((constraint.multiplier, Some(form), value));
+    }
+    if rest.reactions.iter().all(|(_, form, _)| form.as_ref().is_some_and(Sum::is_zero)) {
+        // Nothing is held against anything.
+        let is_multiplier = |symbol: Symbol| symbol.class() == class::MULTIPLIER;
+        rest.conditions
+            .retain(|(_, condition)| !without_multipliers(condition).is_zero() || !condition.mentions(&is_multiplier));
+        rest.reactions.clear();
     }
     Ok(())
 }

@@ -4,11 +4,11 @@
 //! d/dt dT/dq' at a state (q, q', q'') is the mixed derivative of T(q + b q', q' + a e_i + b q'') by a and b at zero: numbers with
 //! two nilpotent parts carry it through the energies, which no formula of [`lagrange`](super::lagrange) takes part in.
 
+use super::Equations;
 use super::error::EquationsError;
-use super::{Entry, Equations};
 use crate::base::{Number, Rational, Span};
 use crate::lower::Lowered;
-use crate::symbols::{Sum, Symbol};
+use crate::symbols::Sum;
 use crate::system::{CoordinateId, Form, Label as Source, LinearSystem};
 
 mod jets;
@@ -114,15 +114,4 @@ impl Fractions {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         Rational::new(((self.0 >> 33) % 129) as i64 - 64, 64)
     }
-}
-
-/// The value of every name at a state.
-pub(super) fn value(state: &[(Symbol, Number)], equations: &Equations, symbol: Symbol) -> Option<Number> {
-    let found = state.iter().find(|(known, _)| *known == symbol);
-    found.map(|(_, value)| value.clone()).or_else(|| equations.names.value(symbol).cloned())
-}
-
-/// Entries that are not zero.
-pub fn filled(matrix: &[Vec<Entry>]) -> usize {
-    matrix.iter().flatten().filter(|entry| !entry.sum.is_zero()).count()
 }

@@ -107,7 +107,7 @@ pub struct Base {
 }
 
 /// What an end is attached to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     Ground,
     Body(BodyId),

@@ -2,6 +2,7 @@
 
 use super::{Factor, Product, Sum};
 use crate::base::Rational;
+use std::sync::Arc;
 
 /// A sum as `number * product * rest`, the rest without common factors; `squared` where the rest is the root of what it stands for.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,13 +66,24 @@ impl Sum {
         for whole in whole.collect::<std::collections::BTreeSet<_>>() {
             let factor = Factor::Whole(whole.clone());
             let most = self.terms.iter().map(|(product, _)| -product.exponent(&factor)).max().unwrap_or(0);
-            let multiplied = whole.power(most).map(|power| self * &power);
-            if let Some(quotient) = multiplied.and_then(|numerator| numerator.divided(&whole)) {
+            if let Some(quotient) = self.times_whole(&whole, most).and_then(|numerator| numerator.divided(&whole)) {
                 let left = whole.power(1 - most).unwrap_or_default();
                 return (&quotient * &left).simplified();
             }
         }
         self.clone()
+    }
+
+    /// The sum times a power of what it is divided by, no term left with that divisor.
+    fn times_whole(&self, whole: &Arc<Sum>, power: i32) -> Option<Sum> {
+        let factor = Factor::Whole(whole.clone());
+        let mut sum = Sum::ZERO;
+        for (product, coefficient) in &self.terms {
+            let (_, others) = product.split(|known| *known == factor);
+            let multiple = whole.power(power + product.exponent(&factor))?;
+            sum = &sum + &(&Sum::term(others, coefficient.clone()) * &multiple);
+        }
+        Some(sum)
     }
 
     /// The quotient of two sums where nothing is left over and no sine or cosine takes part in the divisor.

@@ -104,3 +104,13 @@ fn common_factors_are_taken_out() {
     let factored = common_factors(&square);
     assert!(factored.squared && factored.rest == &a + &b);
 }
+
+#[test]
+fn quotients_without_remainder_are_sums() {
+    let (a, b) = (name(0), name(1));
+    let sum = &a + &b;
+    let quotient = (&(&sum.square() * &a) * &sum.inverse().unwrap()).simplified();
+    assert_eq!(quotient, &sum * &a);
+    let left = (&(&a + &Sum::one()) * &sum.inverse().unwrap()).simplified();
+    assert!((&(&left * &sum) - &(&a + &Sum::one())).vanishes());
+}

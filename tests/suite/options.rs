@@ -30,7 +30,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 36] = [
+const VALUES: [Values; 37] = [
     (
         "*",
         "set",
@@ -135,6 +135,19 @@ const VALUES: [Values; 36] = [
         ],
         &[],
     ),
+    (
+        "equations",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
     ("bench", "file", &[Ends("@/missing.vib", 3), Ends("@", 3), Ends("@/settings.toml", 1), Ends("-", 1)], &[]),
     (
         "check",
@@ -181,7 +194,7 @@ const VALUES: [Values; 36] = [
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
-        "analyze" | "transfer" | "bench" if option != "file" => vec![file],
+        "analyze" | "transfer" | "bench" | "equations" if option != "file" => vec![file],
         "simulate" if option != "file" => vec![file],
         "emit" if option != "file" => vec![file],
         "check" | "fmt" if option != "files" => vec![file],

@@ -93,8 +93,7 @@ impl<'a> Builder<'a> {
 
     /// Terms collected by what moves in them, in the order of `rank`; each with its sign.
     pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
-        let mut parts = sum.collected(|factor| factor.mentions(&is_dynamic));
-        parts.sort_by_key(|(moving, _)| rates(moving));
+        let parts = sum.collected(|factor| factor.mentions(&is_dynamic));
         let terms = parts.into_iter().map(|(moving, rest)| {
             let (negative, coefficient) = self.coefficient(&rest);
             if moving.is_one() {
@@ -103,6 +102,21 @@ impl<'a> Builder<'a> {
             (negative, self.with_coefficient(coefficient, &moving))
         });
         terms.collect()
+    }
+
+    /// Terms collected by the rates in them: squares and products in the order of the coordinates.
+    pub fn by_rates(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+        let is_rate = |factor: &Factor| {
+            let classes = [class::VELOCITY, class::PRESCRIBED_VELOCITY];
+            matches!(factor, Factor::Name(symbol) if classes.contains(&symbol.class()))
+        };
+        let mut parts = sum.collected(is_rate);
+        parts.sort_by_key(|(moving, _)| rates(moving));
+        let term = |(moving, rest): (Product, Sum)| {
+            let (negative, coefficient) = self.coefficient(&rest);
+            (negative, self.with_coefficient(coefficient, &moving))
+        };
+        parts.into_iter().map(term).collect()
     }
 
     /// A product of factors, with further ones behind the names of parameters.
@@ -183,7 +197,9 @@ impl<'a> Builder<'a> {
 /// The rates in a product, each as often as it is a factor: squares and products in the order of the coordinates.
 fn rates(product: &Product) -> Vec<crate::symbols::Symbol> {
     let of = |(factor, exponent): &(Factor, i32)| match factor {
-        Factor::Name(symbol) if symbol.class() == class::VELOCITY => vec![*symbol; exponent.unsigned_abs() as usize],
+        Factor::Name(symbol) if [class::VELOCITY, class::PRESCRIBED_VELOCITY].contains(&symbol.class()) => {
+            vec![*symbol; exponent.unsigned_abs() as usize]
+        }
         _ => Vec::new(),
     };
     product.factors().iter().flat_map(of).collect()
@@ -221,6 +237,9 @@ fn number(text: &str, value: &Rational) -> Formula {
     if value.is_integer() { Formula::Number(value.clone()) } else { Formula::Decimal(text.to_string()) }
 }
 
+/// Common denominators that are still read at a glance.
+const MOST_COMMON: i64 = 60;
+
 /// The number that is taken out of brackets: what all numerators share, over a denominator that all have.
 fn taken_out(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
@@ -230,7 +249,12 @@ fn taken_out(sum: &Sum) -> Rational {
         return Rational::ONE;
     }
     let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);
-    let denominator = fractions[0].1;
-    let same = fractions.iter().all(|(_, other)| *other == denominator);
-    Rational::new(shared, if same { denominator } else { 1 })
+    // A common denominator, unless a term has none of its own: (4 m + M)/12, but m + M/3.
+    let all_have = fractions.iter().all(|(_, denominator)| *denominator > 1);
+    let common = fractions.iter().fold(1i64, |all, (_, denominator)| num_integer::lcm(all, *denominator));
+    let denominator = if all_have && common <= MOST_COMMON { common } else { 1 };
+    let number = Rational::new(shared, denominator);
+    // A number that leaves no bare name in the brackets is taken out by nobody: 3100 + 210 r^2, not 10 (310 + 21 r^2).
+    let bares = sum.terms().iter().any(|(product, c)| !product.is_one() && absolute(c) == number);
+    if bares || denominator > 1 { number } else { Rational::ONE }
 }

@@ -3,7 +3,7 @@
 use super::build::{Builder, is_dynamic};
 use super::formula::Formula;
 use crate::backend::decimal::{certain_number, certain_whole};
-use crate::base::Number;
+use crate::base::{Dimension, Number};
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::Equation;
 use crate::equations::linear::still;
@@ -44,32 +44,39 @@ pub enum Inline {
 
 /// Matrices of more coordinates are not shown as matrices.
 const MOST_MATRIX: usize = 8;
-const DIGITS: usize = 6;
+pub const DIGITS: usize = 6;
 
 pub fn document(equations: &Equations) -> Document {
     let writer = Writer { equations, build: Builder::new(&equations.names) };
-    let sections =
-        [writer.assumptions(), writer.energies(), writer.nonlinear(), writer.rest(), writer.linear(), writer.values()];
+    let sections = [
+        writer.assumptions(),
+        writer.energies(),
+        writer.nonlinear(),
+        writer.rest(),
+        writer.linear(),
+        writer.values(),
+        writer.solutions(),
+    ];
     let n = equations.linear.coordinates.len();
     let title =
         format!("{} · equations of motion, {n} {}", equations.model, if n == 1 { "freedom" } else { "freedoms" });
     Document { title, sections: sections.into_iter().filter(|section| !section.items.is_empty()).collect() }
 }
 
-struct Writer<'a> {
-    equations: &'a Equations,
-    build: Builder<'a>,
+pub struct Writer<'a> {
+    pub equations: &'a Equations,
+    pub build: Builder<'a>,
 }
 
-fn words(text: impl Into<String>) -> Inline {
+pub fn words(text: impl Into<String>) -> Inline {
     Inline::Text(text.into())
 }
 
-fn paragraph(text: impl Into<String>) -> Item {
+pub fn paragraph(text: impl Into<String>) -> Item {
     Item::Paragraph(vec![words(text)])
 }
 
-fn display(formula: Formula) -> Item {
+pub fn display(formula: Formula) -> Item {
     Item::Formula { formula, note: Vec::new() }
 }
 
@@ -136,7 +143,10 @@ impl Writer<'_> {
             let name = self.name(named.symbol);
             if let Some(definition) = &named.definition {
                 let value = format!("= {}", certain_number(&named.value, DIGITS));
-                let unit = named.dimension.usual_unit();
+                let unit = match named.dimension {
+                    Dimension::FREQUENCY => "1/s".to_string(),
+                    dimension => dimension.usual_unit(),
+                };
                 let note = if definition.as_number().is_some() { unit } else { format!("{value} {unit}") };
                 items.push(Item::Formula {
                     formula: name.equal(self.build.sum(definition)),
@@ -174,9 +184,8 @@ impl Writer<'_> {
         look(&energies.weights);
         for element in &energies.elements {
             [&element.coefficient, &element.free, &element.tension].into_iter().for_each(&mut look);
-            if let Stretch::Plain(sum) | Stretch::Line { square: sum, .. } = &element.stretch {
-                look(sum);
-            }
+            let (Stretch::Plain(sum) | Stretch::Line { square: sum, .. }) = &element.stretch;
+            look(sum);
         }
         self.equations.energies.works.iter().for_each(|work| look(&work.displacement));
         self.equations.constraints.iter().for_each(|constraint| look(&constraint.equation));
@@ -200,7 +209,7 @@ impl Writer<'_> {
     fn energies(&self) -> Section {
         let energies = &self.equations.energies;
         let build = self.build.in_front();
-        let mut items = vec![display(self.letter("T", None).equal(Formula::sum(build.collected(&energies.kinetic))))];
+        let mut items = vec![display(self.letter("T", None).equal(Formula::sum(build.by_rates(&energies.kinetic))))];
         let mut potential = build.collected(&energies.weights);
         for spring in energies.elements.iter().filter(|element| element.is_spring) {
             potential.extend(self.spring_energy(spring));
@@ -219,7 +228,7 @@ impl Writer<'_> {
         for equation in &self.equations.nonlinear {
             if !equation.forces.is_zero() {
                 let index = self.name(self.coordinate(equation.coordinate).symbols[0]);
-                let force = Formula::sum(self.build.collected(&equation.forces));
+                let force = Formula::sum(self.ordered(&equation.forces));
                 items.push(display(self.letter("Q", Some(index)).equal(force)));
             }
         }
@@ -284,10 +293,8 @@ impl Writer<'_> {
     fn nonlinear(&self) -> Section {
         let mut items = Vec::new();
         for constraint in &self.equations.constraints {
-            let note = vec![
-                words(format!("{} with the multiplier ", constraint.name)),
-                Inline::Formula(self.name(constraint.multiplier)),
-            ];
+            let multiplier = Inline::Formula(self.name(constraint.multiplier));
+            let note = vec![words(format!("held by {}, with the multiplier ", constraint.name)), multiplier];
             let formula = Formula::sum(self.build.collected(&constraint.equation)).equal(Formula::zero());
             items.push(Item::Formula { formula, note });
         }
@@ -346,52 +353,55 @@ impl Writer<'_> {
 
     /// Terms collected by acceleration, then by products of rates, then by position.
     fn ordered(&self, sum: &Sum) -> Vec<(bool, Formula)> {
-        let is_acceleration =
-            |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::ACCELERATION);
-        let mut terms = Vec::new();
-        let mut others = Sum::ZERO;
-        for (acceleration, coefficient) in sum.collected(is_acceleration) {
-            if acceleration.is_one() {
-                others = coefficient;
-                continue;
-            }
-            let (negative, front) = self.build.signed(&coefficient);
-            let behind = self.build.term(&acceleration, &crate::base::Rational::ONE, &[]);
-            terms.push((negative, Formula::product(vec![front, behind])));
+        let mut terms: Vec<(u8, bool, Formula)> = Vec::new();
+        for (quick, part) in sum.collected(is_quick) {
+            let behind = self.build.term(&quick, &crate::base::Rational::ONE, &[]);
+            let order = match quick.factors() {
+                [] => {
+                    let places = self.build.collected(&part);
+                    terms.extend(places.into_iter().map(|(negative, formula)| (3, negative, formula)));
+                    continue;
+                }
+                [(factor, 1)] if !is_rate(factor) => 0,
+                [(_, 1)] => 2,
+                _ => 1,
+            };
+            let (negative, front) = self.build.signed(&part);
+            terms.push((order, negative, Formula::product(vec![front, behind])));
         }
-        let mut parts: Vec<(u8, bool, Formula)> = Vec::new();
-        for (moving, coefficient) in others.collected(|factor| factor.mentions(&is_dynamic)) {
-            let rates: i32 =
-                moving.factors().iter().map(|(factor, exponent)| if is_rate(factor) { *exponent } else { 0 }).sum();
-            let (negative, front) = self.build.signed(&coefficient);
-            let behind = self.build.term(&moving, &crate::base::Rational::ONE, &[]);
-            let formula = if moving.is_one() { front } else { Formula::product(vec![front, behind]) };
-            parts.push((
-                if rates >= 2 {
-                    0
-                } else if rates == 1 {
-                    1
-                } else {
-                    2
-                },
-                negative,
-                formula,
-            ));
-        }
-        parts.sort_by_key(|(order, ..)| *order);
-        terms.extend(parts.into_iter().map(|(_, negative, formula)| (negative, formula)));
-        terms
+        terms.sort_by_key(|(order, ..)| *order);
+        terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
     }
 
     /// `k (1 - l_0/l) slope`.
     fn line(&self, line: &crate::equations::lagrange::Line) -> (bool, Formula) {
         let element = &self.equations.energies.elements[line.element];
-        let Stretch::Line { length, .. } = &element.stretch else { return (false, Formula::zero()) };
-        let name = self.name(*length);
         let (mut negative, slope) = self.build.signed(&line.slope);
+        let name = match &element.stretch {
+            Stretch::Line { length, .. } => self.name(*length),
+            Stretch::Plain(stretch) => {
+                let pull = if element.is_spring {
+                    if element.tension.is_zero() {
+                        let (opposite, front) = self.build.signed(&element.coefficient);
+                        let (other, stretched) = self.build.signed(&(stretch - &element.free));
+                        negative ^= opposite != other;
+                        Formula::product(vec![front, stretched])
+                    } else {
+                        self.build.sum(&element.pull())
+                    }
+                } else {
+                    let rate = self.equations.motion.rate(stretch, &Lengths::default());
+                    let (opposite, front) = self.build.signed(&element.coefficient);
+                    let (other, rate) = self.build.signed(&rate);
+                    negative ^= opposite != other;
+                    Formula::product(vec![front, rate])
+                };
+                return (negative, Formula::product(vec![pull, slope]));
+            }
+        };
         if !element.is_spring {
-            let label = self.equations.names.label(*length);
-            let rate = Formula::Name(Label { dots: 1, ..label });
+            let Formula::Name(label) = &name else { return (false, Formula::zero()) };
+            let rate = Formula::Name(Label { dots: 1, ..label.clone() });
             let (opposite, coefficient) = self.build.signed(&element.coefficient);
             let pull = Formula::quotient(Formula::product(vec![coefficient, rate]), name);
             return (negative != opposite, Formula::product(vec![pull, slope]));
@@ -555,8 +565,15 @@ impl Writer<'_> {
     }
 }
 
+/// Accelerations, rates and forces: what coefficients stand before.
+fn is_quick(factor: &Factor) -> bool {
+    let forces = [class::ACCELERATION, class::PRESCRIBED_ACCELERATION, class::FORCE];
+    is_rate(factor) || matches!(factor, Factor::Name(symbol) if forces.contains(&symbol.class()))
+}
+
 fn is_rate(factor: &Factor) -> bool {
-    matches!(factor, Factor::Name(symbol) if symbol.class() == class::VELOCITY || symbol.class() == class::PRESCRIBED_VELOCITY)
+    let rates = [class::VELOCITY, class::PRESCRIBED_VELOCITY];
+    matches!(factor, Factor::Name(symbol) if rates.contains(&symbol.class()))
 }
 
 fn is_driving(factor: &Factor) -> bool {

@@ -8,6 +8,8 @@ use crate::equations::names::Label;
 pub enum Formula {
     Number(Rational),
     Pi,
+    /// The root of -1.
+    Imaginary,
     Name(Label),
     /// Terms with their signs, true for minus.
     Sum(Vec<(bool, Formula)>),

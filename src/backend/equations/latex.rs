@@ -127,6 +127,7 @@ fn written(of: &Formula) -> (String, Tight) {
             Shown::Fraction(over, under) => (format!("\\frac{{{over}}}{{{under}}}"), Tight::Product),
         },
         Formula::Decimal(text) => (decimal(text), Tight::Power),
+        Formula::Imaginary => ("\\mathrm{i}".into(), Tight::Power),
         Formula::Pi => ("\\pi".into(), Tight::Power),
         Formula::Name(label) => (name(label), Tight::Power),
         Formula::Sum(terms) => {

@@ -92,6 +92,7 @@ fn written(of: &Formula) -> (String, Tight) {
             }
             None => (format!("<mn>{}</mn>", escaped(text)), Tight::Power),
         },
+        Formula::Imaginary => ("<mi mathvariant=\"normal\">i</mi>".into(), Tight::Power),
         Formula::Pi => ("<mi>π</mi>".into(), Tight::Power),
         Formula::Name(label) => (name(label), Tight::Power),
         Formula::Sum(terms) => {

@@ -6,6 +6,7 @@ mod formula;
 mod json;
 pub mod latex;
 pub mod mathml;
+mod solutions;
 pub mod text;
 pub mod typst;
 

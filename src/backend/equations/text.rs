@@ -84,6 +84,7 @@ fn written(formula: &Formula) -> (String, Tight) {
             Shown::Fraction(numerator, denominator) => (format!("{numerator}/{denominator}"), Tight::Quotient),
         },
         Formula::Decimal(text) => (text.clone(), Tight::Power),
+        Formula::Imaginary => ("i".into(), Tight::Power),
         Formula::Pi => ("pi".into(), Tight::Power),
         Formula::Name(label) => (name(label), Tight::Power),
         Formula::Sum(terms) => {

@@ -95,6 +95,7 @@ fn written(of: &Formula) -> (String, Tight) {
             Some((number, power)) => (format!("{number} dot 10^({power})"), Tight::Product),
             None => (text.clone(), Tight::Power),
         },
+        Formula::Imaginary => ("upright(i)".into(), Tight::Power),
         Formula::Pi => ("pi".into(), Tight::Power),
         Formula::Name(label) => (name(label), Tight::Power),
         Formula::Sum(terms) => {

@@ -215,7 +215,19 @@ impl Point<'_> {
         let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
         for line in &equation.lines {
             let element = &self.equations.energies.elements[line.element];
-            let Stretch::Line { length, square, .. } = &element.stretch else { continue };
+            let (length, square) = match &element.stretch {
+                Stretch::Line { length, square, .. } => (length, square),
+                Stretch::Plain(stretch) => {
+                    let pull = if element.is_spring {
+                        self.sum(&element.pull())?.value
+                    } else {
+                        let rate = self.equations.motion.rate(stretch, &crate::symbols::Lengths::default());
+                        self.sum(&element.coefficient)?.value * self.sum(&rate)?.value
+                    };
+                    whole = whole + pull * self.sum(&line.slope)?.value;
+                    continue;
+                }
+            };
             let long = self.motions.get(length)?.value;
             let pull = if element.is_spring {
                 self.sum(&element.pull())?.value
