@@ -314,10 +314,8 @@ impl Explained {
 pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<equations::Equations> {
     Outcome::of(|diagnostics| {
         let (scene, written) = reading::written(sources, model, overrides, diagnostics)?;
-        let outcome = lower::lower(&scene);
-        diagnostics.extend(outcome.diagnostics);
-        let lowered = lower::flattened(outcome.lowered?);
-        let lowered = lowered.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        let mut lowered = dynamics::lowered(&scene, diagnostics)?;
+        lowered.flatten().map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         let derived = equations::derive(scene.scene(), &written, &lowered);
         derived.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
     })

@@ -2,9 +2,9 @@
 
 use crate::base::{Code, Diagnostic, Span};
 
-pub const TOO_LARGE: Code = Code("vib::equations::too_large");
-pub const DEFECT: Code = Code("vib::equations::defect");
-pub const NO_FORM: Code = Code("vib::equations::no_form");
+pub const TOO_LARGE: Code = Code::limit("vib::equations::too_large");
+pub const DEFECT: Code = Code::model("vib::equations::defect");
+pub const NO_FORM: Code = Code::model("vib::equations::no_form");
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum EquationsError {

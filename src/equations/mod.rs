@@ -197,8 +197,8 @@ fn name_gravity(written: &mut Written) {
 
 /// The tensions that hold a drawing have their values from the lowering.
 fn tensions(scene: &Scene, lowered: &Lowered, names: &mut Names) {
-    for (number, element) in scene.elements.iter().enumerate() {
-        let found = lowered.rest.tensions.iter().find(|tension| tension.spring.name == element.name);
+    for number in 0..scene.elements.len() {
+        let found = lowered.rest.tensions.iter().find(|tension| tension.element.index() == number);
         let value = found.map_or(Number::ZERO, |found| found.tension.clone());
         names.set_value(Symbol::new(class::TENSION, number), value);
     }
