@@ -2,6 +2,8 @@
 //! and Kutta's and Newmark's methods at equal error; then the ratio for every size up to 40. `cargo bench --bench emit`; the last
 //! numbers are in benches/README.md.
 
+#![allow(clippy::disallowed_methods)]
+
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;

@@ -4,6 +4,8 @@
 //!
 //! `cargo bench --bench report -- WORD...` runs the scenes whose names contain one of the words.
 
+#![allow(clippy::disallowed_methods)]
+
 #[allow(dead_code)]
 mod clock;
 

@@ -1,4 +1,4 @@
-//! The command line, as clap reads it. Clause: spec.md, "Report" 12.8.
+//! The command line, as clap reads it. See docs/cli.md#streams-and-exit-status.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};

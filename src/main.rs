@@ -1,5 +1,5 @@
 //! The program `vibc`: reads files, calls the library, writes what it returns. Nothing else touches the disk, the standard
-//! streams or the exit status. Clause: spec.md, "Report" 12.8.
+//! streams or the exit status. See docs/cli.md#streams-and-exit-status.
 
 mod cli;
 mod transport;

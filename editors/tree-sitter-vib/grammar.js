@@ -64,7 +64,7 @@ module.exports = grammar({
     moves: ($) => seq('moves', choice($._along, repeat1(alias(choice('x', 'y'), $.axis)))),
     flag: ($) => $.word,
 
-    // ---- Expressions, from loose to tight (spec.md 1.6)
+    // ---- Expressions, from loose to tight (spec.md#expressions)
 
     expression: ($) => choice(
       $.comparison, $.path, $.sum, $.product, $.minus, $.power,

@@ -1,5 +1,5 @@
 //! Whether the answers are as accurate as was asked. In: certified modes and poles, the request. Out: the worst number that
-//! is not, with the bound that was reached. Clause: spec.md 10.14.
+//! is not, with the bound that was reached. See docs/method/modes.md#requested-accuracy.
 
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::error::place;

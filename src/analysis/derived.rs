@@ -1,6 +1,6 @@
 //! Quantities that follow from an answer: frequencies in hertz, periods, decay times, half-lives, levels and angles, and the
 //! bounds of the binary64 numbers that are printed for them. Measures, reports and JSON take them from here, so that none of
-//! them chooses or computes one again. Clauses: spec.md 12.1, 12.2.
+//! them chooses or computes one again. See docs/method/report.md#numbers and docs/method/report.md#error-bounds.
 
 use crate::analysis::answer::{Mode, ModeKind, Pole, PoleKind};
 use crate::analysis::modes::buckling::Buckling;

@@ -1,5 +1,5 @@
 //! Single numbers that a model asks for or requires, by their definitions on the language page, each a ball. In: answers;
-//! out: a value, or why there is none. Clause: spec.md, "Response".
+//! out: a value, or why there is none. See docs/method/response.md.
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;

@@ -1,6 +1,6 @@
 //! Linear system to answers: modes, poles, transfer, response, and what they say about stability. Each answer carries its
-//! error bound and the route that found it. Nothing here knows the language or the scene. Clause: spec.md, "Modes", "Poles",
-//! "Transfer", "Response".
+//! error bound and the route that found it. Nothing here knows the language or the scene.
+//! See docs/method/modes.md, docs/method/poles.md, docs/method/transfer.md and docs/method/response.md.
 
 pub mod accuracy;
 pub mod answer;

@@ -2,7 +2,7 @@
 //!
 //! Where all modes are cheap, or where damping that joins the modes needs them all, everything is computed and what was asked
 //! for is cut out. Else the modes asked for are computed, and the poles are those of these modes, or followed from them one by
-//! one. Clauses: spec.md 10.11, 11.10.
+//! one. See docs/method/modes.md#some-of-the-modes and docs/method/poles.md#some-of-the-poles.
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::AnalysisError;
@@ -23,7 +23,7 @@ pub struct Modal {
     pub stability: Verdict,
 }
 
-/// Whether what is asked for is found with rows of M as they are chained (spec.md 9.5): some modes, and poles of these at most.
+/// Whether what is asked for is found with rows of M as they are chained (docs/method/system.md#deep-trees): some modes, and poles of these at most.
 pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
     let few = match request.which {
         Which::All => false,

@@ -1,6 +1,6 @@
 //! The independent parts of a system, and how the coordinates of each hang together: a chain, a tree, a band, or a net of
 //! another form. In: a linear system; out: the parts, in the order of their first coordinates. Cost: linear in its terms.
-//! Clause: spec.md 9.4.
+//! See docs/method/system.md#parts.
 
 use crate::analysis::answer::Mode;
 use crate::analysis::modes::parts::{independent, independent_chained};
@@ -30,7 +30,7 @@ pub enum NetForm {
         width: usize,
     },
     General,
-    /// Bodies that hang so deep that M is kept as chained rows (spec.md 9.5).
+    /// Bodies that hang so deep that M is kept as chained rows (docs/method/system.md#deep-trees).
     Linkage,
 }
 

@@ -1,5 +1,5 @@
 //! Measures of the motion in time: the largest |output| between the samples too, and the root of its mean square. In: the
-//! system, signals, an output, a time. Out: a ball that holds the true number. Clause: spec.md, "Measures, `solve`, `require`".
+//! system, signals, an output, a time. Out: a ball that holds the true number. See docs/method/measures.md.
 
 use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;

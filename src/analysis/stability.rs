@@ -1,6 +1,6 @@
 //! What modes and poles say about the rest: unstable if anything certainly grows; neutral if a rigid motion is left; stable if
 //! it is proved that nothing grows; undetermined otherwise. In: the system, its certified modes and poles. Out: a verdict
-//! that only a proof makes. Clause: spec.md 11.8.
+//! that only a proof makes. See docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::modes::parts::{Part, independent};

@@ -1,6 +1,6 @@
 //! The steady state under harmonic signals: for each frequency the motion that repeats, y = |a| sin(2 pi f t + arg a), a the sum
 //! of H(i 2 pi f) times the signals' complex amplitudes. In: a transfer function and signals. Out: one complex amplitude for
-//! each frequency and output. Clause: spec.md, "Response" 11b.6a.
+//! each frequency and output. See docs/method/response.md#steady-state.
 //!
 //! It is what remains where damping takes every other motion away; without damping the motion from rest never comes to it.
 

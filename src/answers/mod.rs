@@ -1,5 +1,5 @@
 //! Answers as one value: what the stages and the questions found out about a model, for back ends to lay out. Nothing is
-//! computed or rounded here. Clause: spec.md, "Report".
+//! computed or rounded here. See docs/method/report.md.
 
 #[cfg(test)]
 pub(crate) mod samples;

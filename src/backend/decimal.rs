@@ -3,7 +3,7 @@
 //! A double-double is a fraction too, with a power of two below. The fraction is scaled by a power of ten and divided as
 //! integers, so the digits are those of the exact value, rounded half to even: the same on every machine. Rounding happens
 //! nowhere else.
-//! Clause: spec.md, "Report" 12.1.
+//! See docs/method/report.md#numbers.
 
 use crate::base::{Ball, Dd, Number, Rational};
 use num_bigint::{BigInt, BigUint, Sign};

@@ -1,10 +1,10 @@
 //! The modal report for programs: one JSON object. SI units, angles in radians, numbers in full double precision in the
 //! shortest form that reads back the same; `null` for what is infinite or unknown. Fields may be added, never renamed.
-//! Clause: spec.md, "Report".
+//! See docs/method/report.md.
 
-use super::ReportOptions;
 use super::decimal::{certain, certain_digits};
 use super::json_number::JsonNumber;
+use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
     Buckling, Mode, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
 };
@@ -31,6 +31,7 @@ pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
 #[derive(serde::Serialize)]
 struct Report<'a> {
     vibc: &'static str,
+    schema: u32,
     model: &'a str,
     coordinates: &'a [String],
     /// What closed loops and couplings make follow from the coordinates.
@@ -283,6 +284,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
     let wanted = options.matrices || answer.system.n() <= MATRICES_UP_TO;
     Report {
         vibc: env!("CARGO_PKG_VERSION"),
+        schema: SCHEMA,
         model: &answer.model,
         coordinates: names,
         dependent_coordinates: dependent,

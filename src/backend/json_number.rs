@@ -1,6 +1,6 @@
 //! Numbers as fields of JSON. A field holds what was made from an enclosure, a bound, or what is marked as unproven: a bare
 //! binary64 number has no way in, so that no result can be written without the question whether it has a bound
-//! (`tests/suite/house.rs` looks for such fields). Clause: spec.md, "Report".
+//! (`tests/suite/house.rs` looks for such fields). See docs/method/report.md.
 
 use crate::base::{Ball, Number, Rounded, Unproven};
 use serde::Serialize;

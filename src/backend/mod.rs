@@ -1,5 +1,5 @@
 //! Answers and systems to text and JSON; diagnostics to what people and programs read. Nothing is computed here that an
-//! analysis could have computed, and rounding happens nowhere else. Clause: spec.md, "Report" and "Diagnostics".
+//! analysis could have computed, and rounding happens nowhere else. See docs/method/report.md and docs/diagnostics.
 
 pub mod bench;
 pub mod decimal;
@@ -15,6 +15,9 @@ pub mod transfer;
 
 use crate::analysis::Normalise;
 use crate::base::readable::escaped;
+
+/// Version of the JSON forms, described in docs/json.md: fields may be added within one, nothing else.
+const SCHEMA: u32 = 1;
 
 /// A value as JSON that steers no terminal.
 fn json_text(value: &impl serde::Serialize) -> String {

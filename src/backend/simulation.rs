@@ -1,4 +1,4 @@
-//! The motion in time as CSV, JSON and text. Clause: spec.md, "Response".
+//! The motion in time as CSV, JSON and text. See docs/method/response.md.
 
 use super::decimal::{Decimal, certain, certain_digits, certain_number, upper};
 use super::json_number::JsonNumber;
@@ -79,6 +79,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
         .collect();
     let report = JsonHistory {
         vibc: env!("CARGO_PKG_VERSION"),
+        schema: super::SCHEMA,
         model,
         time_s: history.times.iter().map(JsonNumber::number).collect(),
         outputs,
@@ -90,6 +91,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
 #[derive(serde::Serialize)]
 struct JsonHistory<'a> {
     vibc: &'static str,
+    schema: u32,
     model: &'a str,
     time_s: Vec<JsonNumber>,
     outputs: Vec<JsonOutput>,

@@ -1,6 +1,7 @@
 //! Transfer tables as text, CSV and JSON. Text tells the interesting points of each pair (peaks, antiresonances, half-power
-//! widths), or the rows that were asked for; CSV and JSON hold every row. Clause: spec.md, "Transfer".
+//! widths), or the rows that were asked for; CSV and JSON hold every row. See docs/method/transfer.md.
 
+use super::SCHEMA;
 use super::decimal::{Decimal, certain, certain_number, upper};
 use super::json_number::JsonNumber;
 use super::report::table::{Align, Table as Columns};
@@ -14,8 +15,6 @@ const DIGITS: usize = 6;
 const MOST_ROWS: usize = 40;
 /// Intervals that the text names where something is not proved.
 const MOST_INTERVALS: usize = 3;
-/// Of the JSON's fields.
-const SCHEMA: u32 = 1;
 const INDENT: usize = 2;
 
 /// A row: one frequency, one pair. What is infinite or unknown is `null`.

@@ -1,6 +1,6 @@
 //! Dimensions and quantities: a number in SI with the exponents of kilogram, metre, second and kelvin.
 //!
-//! The angle is no dimension (spec.md, "Units": `rad` counts as 1 in arithmetic), but it is remembered where it matters:
+//! The angle is no dimension (spec.md#units: `rad` counts as 1 in arithmetic), but it is remembered where it matters:
 //! a frequency may have been written in cycles (`Hz`) or in radians (`rad/s`), and where a frequency is expected a value
 //! that is neither (such as `sqrt(k/m)`) is refused.
 

@@ -1,5 +1,5 @@
 //! The unit table and the reading of unit expressions such as `N*s/m`: text in; exact factor to SI, dimension and kind
-//! of angle out. Clause: spec.md, "Units".
+//! of angle out. See spec.md#units.
 //!
 //! Factors are exact fractions, also those of the inch-pound units (NIST SP 811, appendix B.8: the inch, the pound and
 //! the standard acceleration are defined, the others follow), or such a fraction of pi.

@@ -1,6 +1,6 @@
 //! Speed against error: for one system every road to its frequencies, poles, transfer function and motion, ours and those of
 //! an ordinary program, each with its time, its true error and its bound. In: a system, its signals, a clock. Out: a table of
-//! entries. Clause: spec.md, "Bench".
+//! entries. See docs/method/bench.md.
 //!
 //! The true error is that of the binary64 number that would be printed, the worst of the answer, against our result in
 //! double-double (which carries its own bound). Times come from a clock that the caller hands in; everything else is the

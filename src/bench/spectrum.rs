@@ -106,12 +106,12 @@ pub fn distance(reference: &Reference, other: &LinearSystem) -> Option<f64> {
 pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) -> Vec<Entry> {
     let question = Question::Poles;
     let truth: Vec<(Dd, Dd)> = reference.poles.list.iter().map(|pole| (pole.re.mid, pole.im.mid)).collect();
-    let size = |&(re, im): &(Dd, Dd)| re.to_f64().hypot(im.to_f64());
+    let size = |&(re, im): &(Dd, Dd)| libm::hypot(re.to_f64(), im.to_f64());
     let floor = truth.iter().map(size).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
     let floor = if floor.is_finite() { floor } else { 1.0 };
     let off = |(re, im): (f64, f64), truth: &(Dd, Dd)| {
         let (re, im) = ((Dd::from(re) - truth.0).to_f64(), (Dd::from(im) - truth.1).to_f64());
-        re.hypot(im) / size(truth).max(if size(truth) == 0.0 { floor } else { 0.0 })
+        libm::hypot(re, im) / size(truth).max(if size(truth) == 0.0 { floor } else { 0.0 })
     };
     let (poles, seconds) = timed(clock, || {
         let modes = analysis::modes(system).ok()?;

@@ -82,8 +82,8 @@ fn ours(road: &str, gains: &[Gain], truth: &[Gain], seconds: f64) -> Entry {
 
 /// Relative error of a value in the complex plane.
 fn off((re, im): (f64, f64), true_re: Dd, true_im: Dd) -> f64 {
-    let difference = (Dd::from(re) - true_re).to_f64().hypot((Dd::from(im) - true_im).to_f64());
-    let size = true_re.to_f64().hypot(true_im.to_f64());
+    let difference = libm::hypot((Dd::from(re) - true_re).to_f64(), (Dd::from(im) - true_im).to_f64());
+    let size = libm::hypot(true_re.to_f64(), true_im.to_f64());
     if difference == 0.0 { 0.0 } else { difference / size }
 }
 

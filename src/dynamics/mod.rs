@@ -1,6 +1,6 @@
 //! Checked scene to damped linear system: lowering, then the damping that is declared for the whole of it. In: a checked
 //! scene; out: its linear system with all of C, and what was worked out on the way. Everything that asks something of a
-//! scene begins here. Clause: spec.md, "Rest", "Linearisation", "Response".
+//! scene begins here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
 
 use crate::analysis::damping;
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};

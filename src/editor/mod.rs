@@ -1,7 +1,7 @@
 //! What an editor asks for: the one layout of a model file, and what is known of the text at a place, while it is typed.
 //!
 //! [`document`] is a text with all that the stages made of it; each of the others answers one kind of question from it, in
-//! bytes and plain words. [`server`] alone knows the protocol. Clauses: spec.md, "Layout" and "Editors".
+//! bytes and plain words. [`server`] alone knows the protocol. See spec.md#layout and docs/editors.md.
 
 pub mod completion;
 pub mod document;

@@ -1,4 +1,4 @@
-//! Names: where one is declared, where it is used, and what it may be renamed to. Clause: spec.md 4.1.
+//! Names: where one is declared, where it is used, and what it may be renamed to. See spec.md#names.
 
 use super::document::Document;
 use super::roles::{Role, Space};

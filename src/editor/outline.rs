@@ -1,5 +1,5 @@
 //! Tokens to statements: where each declaration of a text starts and ends, and which `repeat` it stands in, whether it is
-//! in the grammar or not. Clause: spec.md 1.2.
+//! in the grammar or not. See spec.md#declarations.
 //!
 //! As the parser's own cutting (`syntax::split`), but never refusing: where a bracket stays open, the next line that
 //! starts like a declaration starts one.

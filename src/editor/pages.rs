@@ -269,6 +269,25 @@ mod tests {
     use super::*;
     use crate::base::Dimension;
 
+    /// Words of the models that spec.md shows.
+    fn shown() -> Vec<&'static str> {
+        let blocks = include_str!("../../spec.md").split("```vib\n").skip(1);
+        let models = blocks.filter_map(|rest| rest.split("```").next());
+        models.flat_map(|model| model.split(|c: char| !c.is_alphanumeric() && c != '_')).collect()
+    }
+
+    #[test]
+    fn the_language_page_shows_every_word() {
+        let shown = shown();
+        let keywords = manual::ENTRIES.iter().map(|entry| entry.keyword);
+        let fields = manual::ENTRIES.iter().flat_map(|entry| fields(entry.keyword)).map(|(name, ..)| *name);
+        let functions = FUNCTIONS.iter().map(|(name, ..)| *name);
+        let motions = BODY_MOTIONS.iter().chain(&ELEMENT_MOTIONS).map(|(name, _)| *name);
+        let words = keywords.chain(fields).chain(functions).chain(motions);
+        let missing: Vec<&str> = words.filter(|word| !shown.contains(word)).collect();
+        assert!(missing.is_empty(), "no model of spec.md shows {missing:?}");
+    }
+
     #[test]
     fn every_unit_that_is_offered_is_one() {
         for text in UNITS {

@@ -1,5 +1,5 @@
 //! What each word of a text is: a keyword, a name that is declared or referred to, a field, a motion, a function.
-//! Clauses: spec.md 1.3 to 1.7 and 4.1.
+//! See spec.md#keywords, spec.md#declarations and spec.md#names.
 //!
 //! Told from the tokens around it, so that names keep their meaning in text that does not parse.
 
@@ -7,7 +7,7 @@ use super::outline::{Outline, Statement};
 use super::tokens::{Token, TokenKind};
 use crate::syntax::words;
 
-/// The two name spaces (spec.md 4.1).
+/// The two name spaces (spec.md#names).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// Parameters, points and indices.

@@ -1,4 +1,4 @@
-//! A text to its words, numbers, signs and comments, whatever the text is: broken text has tokens too. Clause: spec.md 1.
+//! A text to its words, numbers, signs and comments, whatever the text is: broken text has tokens too. See spec.md#text.
 //!
 //! The parser keeps no comments and no signs, and says nothing of a declaration that it refuses; a layout and an editor
 //! need both. Tokens follow the grammar's rules of words, numbers and units to the letter; what they mean is the tree's.

@@ -1,5 +1,5 @@
 //! A damper: force c de/dt of a stretch e. At rest it does nothing, so it adds C = c (grad e)(grad e)^T and no stiffness.
-//! Clause: spec.md, "Linearisation".
+//! See docs/method/linearisation.md.
 
 use super::Stretch;
 

@@ -1,4 +1,4 @@
-//! Loads that stay as they are while the scene moves. Clause: spec.md, "Linearisation".
+//! Loads that stay as they are while the scene moves. See docs/method/linearisation.md.
 //!
 //! - a dead force F on a point u: V = -F . u, so grad^2 V = -F . grad^2 u (weight is one: F = m g)
 //! - a pull P between two points: V = P e of their stretch e: a spring of preload P without stiffness.

@@ -1,5 +1,5 @@
 //! One file a kind of element: what it adds to energy, dissipation and load, and its first and second derivatives.
-//! Clause: spec.md, "Linearisation".
+//! See docs/method/linearisation.md.
 //!
 //! An element sees the relative displacement of its two ends and nothing else; how the ends move with the coordinates is
 //! the business of `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for

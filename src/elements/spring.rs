@@ -1,7 +1,7 @@
 //! A spring: tension T = T0 + k e of a stretch e, energy V = T0 e + k e^2 / 2.
 //!
 //! grad V = T grad e; grad^2 V = k (grad e)(grad e)^T + T grad^2 e. With grad e = d / |d|, the first is the square
-//! (k / |d|^2) (d . delta)^2. Clause: spec.md, "Linearisation".
+//! (k / |d|^2) (d . delta)^2. See docs/method/linearisation.md.
 
 use super::{Scalar, Stretch, Stretched};
 

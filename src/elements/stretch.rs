@@ -1,5 +1,5 @@
 //! What a spring or damper between two ends feels: its stretch e as a function of the relative displacement delta (second
-//! end minus first) or of the relative turn of its ends. Clause: spec.md, "Linearisation".
+//! end minus first) or of the relative turn of its ends. See docs/method/linearisation.md.
 //!
 //! - line: e = |d| - |D|, d = D + delta, D the line as drawn; grad e = d / |d|, grad^2 e = (1 - d d^T / |d|^2) / |d|
 //! - along a fixed direction a: e = a . delta / |a|; grad^2 e = 0

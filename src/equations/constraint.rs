@@ -1,5 +1,5 @@
 //! Constraint equations: what joints that close loops, and couplings, hold at zero. In: the scene's motion; out: a sum for each, and a
-//! multiplier's name. Clause: spec.md 6.6.
+//! multiplier's name. See docs/method/kinematics.md#constraints.
 
 use super::motion::Motion;
 use super::names::{Label, Names, class};

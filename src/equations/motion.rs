@@ -1,4 +1,4 @@
-//! Where every point is, in the coordinates of the scene: its own joint tree, made from the scene as spec.md 6.1 says and not
+//! Where every point is, in the coordinates of the scene: its own joint tree, made from the scene as docs/method/kinematics.md#the-tree says and not
 //! from the lowering. In: the scene and what its numbers were written as; out: places of points and angles of parts as sums.
 //!
 //! A coordinate is measured from rest: at a rest away from the drawing it stands for `q_0 + q`.

@@ -1,5 +1,5 @@
 //! One file a kind of joint: the freedoms it leaves between the two parts it ties, or the constraint it closes.
-//! Clause: spec.md, "Freedoms".
+//! See docs/method/kinematics.md.
 
 pub mod pivot;
 pub mod slide;

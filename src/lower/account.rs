@@ -1,5 +1,5 @@
 //! What lowering kept of a scene, what it left out, and why. In: a checked scene and what lowering made of it; out: a list
-//! for people. Worked out on demand only: a scene that nobody asks about does not pay for it. Clause: spec.md 9.3.
+//! for people. Worked out on demand only: a scene that nobody asks about does not pay for it. See docs/method/system.md#only-what-the-scene-needs.
 //!
 //! Nothing is left out that could change an answer: a term whose row is zero, a weight that does no work, a property that no
 //! freedom uses. So results with and without are the same numbers.

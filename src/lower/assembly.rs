@@ -1,5 +1,5 @@
 //! The matrices about a rest, as sums of signed squares. In: a scene, its kinematics and a state; out: the linear system.
-//! Clause: spec.md, "Linearisation" and "The linear system".
+//! See docs/method/linearisation.md and docs/method/system.md.
 //!
 //! Rows run over all coordinates, the prescribed motions u of bases included. A square w r r^T with r = (r_q, r_u) adds
 //! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2. In a scene

@@ -1,5 +1,5 @@
 //! Chained rows: where each piece of a deep tree is held, as what its carrier's place moves and a share of its own. In: the
-//! kinematics and a state; out: one or two short rows for each piece. Clause: spec.md 9.5.
+//! kinematics and a state; out: one or two short rows for each piece. See docs/method/system.md#deep-trees.
 
 use super::kinematics::{End, Kinematics, Path, Reach, State};
 use super::tree::PieceId;

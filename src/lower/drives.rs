@@ -1,5 +1,6 @@
 //! The signals of a scene's inputs as data of the linear system. In: a scene; out: a sum of signals for each input, in the
-//! order of the system's inputs. A table is a line between its rows for a force, a cubic spline for a base. Clause: spec.md, "Response".
+//! order of the system's inputs. A table is a line between its rows for a force, a cubic spline for a base.
+//! See docs/method/response.md.
 
 use super::error::LowerError;
 use crate::model::CheckedScene;

@@ -1,5 +1,5 @@
 //! Springs, dampers and inputs that act on nothing that moves. In: what the assembly found without a part in the system; out:
-//! a warning for each declaration that says as what it was read. Clause: spec.md, 5.13b.
+//! a warning for each declaration that says as what it was read. See spec.md#springs-and-dampers.
 
 use super::assembly::Idle;
 use super::kinematics::Kinematics;

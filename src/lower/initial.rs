@@ -1,4 +1,4 @@
-//! The state at t = 0: what `initial` says of bodies, as values of the coordinates. Clause: spec.md, "The linear system".
+//! The state at t = 0: what `initial` says of bodies, as values of the coordinates. See docs/method/system.md.
 //!
 //! Each value is a linear equation for the coordinates. They are solved exactly; a coordinate that no equation mentions
 //! starts at zero, one that they leave open is an error: nothing is guessed.

@@ -1,4 +1,4 @@
-//! How points move with the coordinates, and their exact first and second derivatives. Clause: spec.md, "Freedoms".
+//! How points move with the coordinates, and their exact first and second derivatives. See docs/method/kinematics.md.
 //!
 //! Parts that do not turn against each other (welds, slides) share one angle: a *group*. The coordinate of a group is its
 //! absolute angle, so the displacement of a point from the drawing is a sum over the groups g on the way from the ground,
@@ -200,7 +200,7 @@ impl Kinematics {
         terms.iter().filter_map(point).collect()
     }
 
-    /// Whether the rows of the masses are written with each other (spec.md 9.5): where written out they would be long, and
+    /// Whether the rows of the masses are written with each other (docs/method/system.md#deep-trees): where written out they would be long, and
     /// every coordinate is free and measured in its own unit.
     pub fn hangs_deep(&self, scene: &Scene) -> bool {
         if self.prescribed > 0 || self.has_oblique() || !self.tree.closing.is_empty() || !scene.couples.is_empty() {

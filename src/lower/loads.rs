@@ -1,5 +1,5 @@
 //! What the elements of a scene do between which ends: made ready once, measured at any state.
-//! Clause: spec.md, "Linearisation".
+//! See docs/method/linearisation.md.
 
 use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
 use crate::base::{Number, Vec3};

@@ -1,6 +1,6 @@
 //! A scene's mechanism at its rest: how points move with the coordinates, which of these are independent, and where they
 //! rest. Lowering hands it on beside the linear system, so that what is asked later (what a spring carries at rest, a further
-//! output, why something was left out) needs no second lowering. Clause: spec.md, "Rest" and "Linearisation".
+//! output, why something was left out) needs no second lowering. See docs/method/rest.md and docs/method/linearisation.md.
 
 use super::constraints::Reduction;
 use super::error::LowerError;

@@ -1,5 +1,5 @@
 //! Scene to linear system: joint tree, rest, exact second-order linearisation, assembly. The only place where scene and
-//! system meet. Clause: spec.md, "Freedoms", "Rest", "Linearisation".
+//! system meet. See docs/method/kinematics.md, docs/method/rest.md and docs/method/linearisation.md.
 //!
 //! # Steps
 //! 1. [`tree`]: which part carries which

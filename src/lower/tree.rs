@@ -1,5 +1,5 @@
 //! The joint tree: which part carries which. Rooted on the ground and the bases, breadth first, without recursion.
-//! Clause: spec.md, "Freedoms".
+//! See docs/method/kinematics.md.
 //!
 //! Welded parts are one piece. A body with a freedom clause is carried by the ground; every other piece by the first
 //! joint through which the search reaches it. Joints that the search does not need close loops.

@@ -1,5 +1,5 @@
 //! Bodies and bases: mass, place, inertia, freedom clause. In: the fields of a body; out: a [`Body`] whose inertia is about
-//! its centre. Clause: spec.md, "Parts" and "Freedoms".
+//! its centre. See spec.md and docs/method/kinematics.md.
 
 use super::Check;
 use super::error::{PartError, ValueError};

@@ -1,5 +1,5 @@
 //! The first walk over the tree: every name is declared, every `repeat` unrolled. In: the tree; out: both name spaces
-//! and, for each kind of declaration, its instances in order. Clause: spec.md, "Names, parameters, `repeat`".
+//! and, for each kind of declaration, its instances in order. See spec.md#names.
 //!
 //! Top-level parameters come first, so that bounds of a `repeat` may use them wherever they stand. The instances are
 //! counted before any is made: what is too much is refused without work.

@@ -1,5 +1,5 @@
 //! Couplings and initial states: linear relations of motions, and motions at t = 0. In: `couple` and `initial`; out: sums
-//! of motions that are zero, and values for single motions. Clause: spec.md, "Parts".
+//! of motions that are zero, and values for single motions. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError};

@@ -1,5 +1,5 @@
 //! Ends of elements, joints and inputs: `block`, `block@A`, `ground@(0, 1 m)`. In: an end as written; out: the part and
-//! its drawn position. Clause: spec.md, "Parts".
+//! its drawn position. See spec.md.
 
 use super::Check;
 use super::error::NameError;

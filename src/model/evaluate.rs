@@ -1,5 +1,5 @@
 //! Expressions to values: literals exact, names looked up, parameters settled on demand in whatever order they are
-//! declared. Clause: spec.md, "Units" and "Names, parameters, `repeat`".
+//! declared. See spec.md#units and spec.md#names.
 //!
 //! The walk recurses over an expression (the parser limits its depth) and over the definitions that it refers to. Where
 //! both together would get deep, the walk stops with [`Stop::Deep`], the definitions it was in the middle of wait on a

@@ -1,6 +1,6 @@
 //! What a place of the model wants of its value: a mass, a position, a frequency. In: an expression; out: its SI number,
 //! with the dimension checked and the range of binary64 kept, or a message that names what is wanted and what is found.
-//! Clause: spec.md, "Units".
+//! See spec.md#units.
 
 use super::Check;
 use super::elements::Coefficient;

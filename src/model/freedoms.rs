@@ -1,5 +1,5 @@
 //! What can turn, and along which line what moves: from freedom clauses and joints, before any coordinate is chosen.
-//! In: bodies, bases, joints; out: answers for each part. Clause: spec.md, "Freedoms".
+//! In: bodies, bases, joints; out: answers for each part. See docs/method/kinematics.md.
 //!
 //! Slides and welds let no part turn against the other, so the parts tied by them turn together or not at all. A part's
 //! line follows from the part it is welded to, or from the slide that holds it.

@@ -1,4 +1,4 @@
-//! Forces, torques and bases as inputs. In: ends, direction and signal; out: an [`Input`]. Clause: spec.md, "Parts".
+//! Forces, torques and bases as inputs. In: ends, direction and signal; out: an [`Input`]. See spec.md.
 
 use super::Check;
 use super::error::PartError;

@@ -1,4 +1,4 @@
-//! Joints: pivots, slides, welds. In: two ends; out: a [`Joint`] whose ends coincide as drawn. Clause: spec.md, "Parts".
+//! Joints: pivots, slides, welds. In: two ends; out: a [`Joint`] whose ends coincide as drawn. See spec.md.
 
 use super::Check;
 use super::ends::are_apart;

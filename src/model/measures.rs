@@ -1,5 +1,5 @@
 //! `solve` and `require`: what is asked of the analysis. In: measures, comparisons and ranges; out: the same with every
-//! name resolved and every number in SI. Clause: spec.md, "Parts".
+//! name resolved and every number in SI. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError, ValueError};

@@ -1,4 +1,4 @@
-//! Syntax tree to the scene that was meant: names, units, freedoms. Clause: spec.md, "Units" to "Freedoms".
+//! Syntax tree to the scene that was meant: names, units, freedoms. See spec.md#units and docs/method/kinematics.md.
 //!
 //! # Steps
 //! 1. `overrides`, `collect`: values from outside; names and instances, `repeat` unrolled

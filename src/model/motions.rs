@@ -1,5 +1,5 @@
 //! Motions and their linear combinations: outputs, couplings, initial states. In: an expression such as
-//! `rod.angle` or `table.y - floor.y`; out: coefficients and motions, checked in dimension. Clause: spec.md, "Parts".
+//! `rod.angle` or `table.y - floor.y`; out: coefficients and motions, checked in dimension. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError, ValueError};

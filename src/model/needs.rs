@@ -1,5 +1,5 @@
 //! What freedoms need of a body, and what no freedom uses: mass, inertia, place. In: bodies with their freedoms; out:
-//! errors for what is missing, warnings for what is idle. Clause: spec.md, "Freedoms".
+//! errors for what is missing, warnings for what is idle. See docs/method/kinematics.md.
 //!
 //! Whether a freedom moves any inertia at all depends on everything that it carries, and is decided when the scene is
 //! lowered; here it is asked that nothing is left out by oversight.

@@ -1,5 +1,5 @@
 //! Values from outside: `--set NAME=VALUE` and a TOML file of settings. In: their texts; out: for each parameter named, a
-//! quantity like the declared one. Clause: spec.md, "Names, parameters, `repeat`".
+//! quantity like the declared one. See spec.md#names.
 
 use super::Check;
 use super::Overrides;

@@ -1,5 +1,5 @@
 //! Names: what is declared where, with a `repeat` unrolled. In: the tree; out: for each kind of declaration its instances
-//! in order, and the two name spaces (spec.md, 4.1): values (parameters, points, indices) and parts.
+//! in order, and the two name spaces (spec.md#names): values (parameters, points, indices) and parts.
 //!
 //! A scene of a million bodies is a `repeat` of a few lines: an instance is a reference to its declaration and the
 //! environment that gives the indices their values, sixteen bytes.

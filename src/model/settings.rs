@@ -1,4 +1,4 @@
-//! What a scene has once: its name, gravity, damping, and whether it rests as drawn. Clause: spec.md, "Parts".
+//! What a scene has once: its name, gravity, damping, and whether it rests as drawn. See spec.md.
 
 use super::Check;
 use super::error::{NameError, PartError, ValueError};

@@ -1,5 +1,5 @@
 //! Signals of inputs: a sum of `constant`, `step`, `harmonic` and their like. In: the expression after `=`; out: the
-//! signals in SI. Clause: spec.md, "Parts".
+//! signals in SI. See spec.md.
 
 use super::Check;
 use super::error::{PartError, ValueError};

@@ -1,5 +1,5 @@
 //! Tables of signals: CSV files with two columns, time in s and value in SI units. In: a file's text; out: its rows, or
-//! what is wrong with which line. Clause: spec.md, "Response" 11b.2.
+//! what is wrong with which line. See docs/method/response.md#signals.
 //!
 //! The first line may name the columns. Empty lines and lines that begin with `#` are passed over. A file may be anything, and
 //! the model that names it a stranger's: what stands in a file is shown only once a row of it was read.

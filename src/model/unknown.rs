@@ -1,5 +1,5 @@
 //! What to say about a word that is not known: the nearest one that is, or what it is instead. In: the word; out: an
-//! [`Error`] with the facts. Clause: spec.md, "Names, parameters, `repeat`".
+//! [`Error`] with the facts. See spec.md#names.
 
 use super::Check;
 use super::error::{Error, NameError, ValueError};

@@ -1,5 +1,5 @@
 //! Values of expressions and the arithmetic on them: quantities and plane vectors in; a value or the reason why there is
-//! none out. Nothing here knows about names, places or the tree. Clause: spec.md, "Units".
+//! none out. Nothing here knows about names, places or the tree. See spec.md#units.
 
 use crate::base::{Angle, Dimension, Number, Quantity, Rational, Vec3};
 use std::sync::Arc;

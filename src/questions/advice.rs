@@ -1,6 +1,6 @@
 //! What would make a requirement hold: a parameter, and a value of it at which the requirement was seen to hold. In: a requirement
-//! that fails. Out: the parameter that moves its measure most, with a value where one was found. Clause: spec.md, "Measures,
-//! `solve`, `require`".
+//! that fails. Out: the parameter that moves its measure most, with a value where one was found.
+//! See docs/method/measures.md.
 
 use super::answer::{Requirement, Value, few_digits, shown, told};
 use super::derivative::{slope, step};

@@ -1,5 +1,5 @@
 //! One unknown and its measure: every root in the range, and a proof that there is no other. In: a `solve` line, the text.
-//! Out: the value, with what is known of others; or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
+//! Out: the value, with what is known of others; or what was seen. See docs/method/measures.md.
 
 use super::answer::Others;
 use super::cover::{Cover, Covered, Part, Rest};

@@ -1,6 +1,6 @@
 //! The proof that a range holds no other root. In: the roots that were found, each between two numbers on different sides, and
 //! what is known of the measure over parts of the range. Out: a proof, or the parts that could not be settled, and parts where
-//! roots were missed. Clause: spec.md, "Measures, `solve`, `require`".
+//! roots were missed. See docs/method/measures.md.
 //!
 //! A part is settled where an enclosure of the measure does not hold what is asked, or where the measure only rises or only
 //! falls and lies on one side at both ends. Other parts are halved, as long as the effort allows.

@@ -1,7 +1,7 @@
 //! Derivatives of measures by parameters: central differences with exact steps. In: a function of a number. Out: the
 //! quotient [f(p + h) - f(p - h)] / 2h as a ball; by the mean value theorem it is the derivative itself at a value within h of
 //! p, and h is some 10^-10 of p. So the rest, the geometry and everything else that a parameter shifts is in it.
-//! Clause: spec.md, "Measures, `solve`, `require`".
+//! See docs/method/measures.md.
 
 use super::search::exactly;
 use crate::base::{Ball, Dd, Number};

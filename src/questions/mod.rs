@@ -1,6 +1,6 @@
 //! What a model asks: parameters that are solved for, requirements, and what moves them. In: the text, to be tried with
 //! parameters at other values. Out: the scene with what was solved, and an answer or a finding for each line.
-//! Clause: spec.md, "Measures, `solve`, `require`".
+//! See docs/method/measures.md.
 //!
 //! # Steps
 //! 1. [`trial`]: values of parameters to a scene, a system, and the measures asked

@@ -1,5 +1,6 @@
 //! Several unknowns at once: Newton's method from many places of their ranges. In: equations that depend on each other's
-//! unknowns. Out: the set of values that meets them all, proven to be the only one near by, or what was seen. Clause: spec.md, "Measures, `solve`, `require`".
+//! unknowns. Out: the set of values that meets them all, proven to be the only one near by, or what was seen.
+//! See docs/method/measures.md.
 
 use super::answer::Others;
 use super::derivative::step;

@@ -1,6 +1,6 @@
 //! A question over a whole range of a parameter: whether the measure can be what is asked anywhere in it, and whether it only
 //! rises or only falls. In: the model with a parameter that is a range; out: enclosures, or nothing where none was found.
-//! Clause: spec.md, "Measures, `solve`, `require`".
+//! See docs/method/measures.md.
 
 use super::probe::Probe;
 use crate::analysis::numeric::complex::Complex;

@@ -1,6 +1,6 @@
 //! The lines `require`: what each measure came to, whether it keeps its limit for certain, and which parameter moves it most.
 //! In: measured numbers. Out: how each requirement stands, and a finding for each that does not hold.
-//! Clause: spec.md, "Measures, `solve`, `require`".
+//! See docs/method/measures.md.
 
 use super::advice::Advice;
 use super::answer::{Requirement, Value, few_digits, shown, told};

@@ -1,6 +1,6 @@
 //! The search of one unknown: where in a range a measure becomes what it should be. In: a function that measures, and the
 //! range. Out: every root that was seen, each between two numbers at which the enclosures of the measure lie on different
-//! sides; and what the measure did elsewhere. Clause: spec.md, "Measures, `solve`, `require`".
+//! sides; and what the measure did elsewhere. See docs/method/measures.md.
 
 use crate::base::{Ball, Dd, Number, Rational};
 use std::cmp::Ordering;

@@ -1,5 +1,5 @@
 //! What moves the frequencies and damping ratios: their derivatives by each parameter. In: the text, and the modes and poles
-//! that the report shows. Out: for each parameter a slope for each of them. Clause: spec.md, "Measures, `solve`, `require`".
+//! that the report shows. Out: for each parameter a slope for each of them. See docs/method/measures.md.
 //!
 //! The derivatives of simple eigenvalues and poles are enclosed: their vectors from equations bordered to be regular, once; then
 //! the derivative of the matrices for each parameter. Where that is not found, they are seen by differences.

@@ -1,5 +1,5 @@
 //! The lines `solve`: every unknown found, alone where it can be found alone and together where not. In: the text and its
-//! scene. Out: a value for each unknown, or what is wrong. Clause: spec.md, "Measures, `solve`, `require`".
+//! scene. Out: a value for each unknown, or what is wrong. See docs/method/measures.md.
 
 use super::alone::extremes;
 use super::answer::{Derivative, Others, Shown, Solved, shown, told};

@@ -2,7 +2,8 @@
 //!
 //! In: the text of one declaration, as `split` cut it out. Out: nodes of the [`Tree`], or nothing and the tree as it was.
 //! pest gives operands and operators as they stand; they are put in order of precedence here (Dijkstra's shunting yard,
-//! so that the depth of recursion is that of the brackets, which `split` limits). Clause: spec.md 1.3 to 1.6.
+//! so that the depth of recursion is that of the brackets, which `split` limits).
+//! See spec.md#keywords and spec.md#expressions.
 
 use super::limits;
 use super::tree::*;

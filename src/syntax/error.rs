@@ -1,4 +1,5 @@
-//! What can be wrong with a text: facts with places, and how each is told. Clauses: spec.md 1 and 14, `vib::syntax::*`.
+//! What can be wrong with a text: facts with places, and how each is told.
+//! See spec.md#text and docs/diagnostics, `vib::syntax::*`.
 //!
 //! Messages say in words what was expected and what to type; rules of the grammar are not named.
 

@@ -1,4 +1,4 @@
-//! How large a model file may be. Clause: spec.md, "Limits".
+//! How large a model file may be. See spec.md#limits.
 
 /// Bytes of a file. Spans hold 32-bit places; a net of a million bodies written out in full has some 100 MiB.
 pub const FILE: usize = 256 << 20;

@@ -1,4 +1,4 @@
-//! Text to syntax tree. Clause: spec.md, "Grammar".
+//! Text to syntax tree. See spec.md#text.
 //!
 //! In: a model file. Out: the tree of every declaration that is in the grammar (`grammar/vib.pest`), and an error for
 //! every one that is not. `split` cuts the text into declarations, `build` parses them one by one, and `explain` says what

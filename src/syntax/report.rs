@@ -1,4 +1,4 @@
-//! The errors of a file: the first ones told, the others counted. Clause: spec.md 13.
+//! The errors of a file: the first ones told, the others counted. See spec.md#limits.
 
 use super::error::SyntaxError;
 use super::limits;

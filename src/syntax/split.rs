@@ -3,7 +3,7 @@
 //! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; nothing is kept but the open brackets of the
 //! declaration at hand. A declaration ends at the first line end outside all brackets; the body of a `repeat` is a list
 //! of declarations of its own. Where a bracket stays open, the next line that starts like a declaration starts one:
-//! no field and no expression has a line of the form `body b`. Clause: spec.md 1.2.
+//! no field and no expression has a line of the form `body b`. See spec.md#declarations.
 
 use super::limits;
 use super::words;

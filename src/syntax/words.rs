@@ -1,4 +1,4 @@
-//! The words that start declarations, and what a declaration of each looks like. Clause: spec.md 1.3.
+//! The words that start declarations, and what a declaration of each looks like. See spec.md#keywords.
 
 use std::ops::Range;
 

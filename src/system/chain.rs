@@ -1,6 +1,6 @@
 //! Rows of scenes that hang deep. The motion of a link is that of the one above it and its own share, so its row is written
 //! with the other's: M of N links is N short rows, not N^2 numbers. In: a system with chained rows; out: the same with
-//! rows over coordinates alone, where there is room for them. Clause: spec.md 9.5.
+//! rows over coordinates alone, where there is room for them. See docs/method/system.md#deep-trees.
 
 use super::{CoordinateId, Form, LinearSystem};
 use crate::base::Number;

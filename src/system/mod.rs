@@ -1,6 +1,6 @@
 //! The linear system M q'' + C q' + K q = (B0 + B1 s + B2 s^2) u, y = (P0 + P1 s + P2 s^2) q + (D0 + D1 s + D2 s^2) u,
 //! kept as the terms that it was assembled from. It knows neither the language nor springs: coordinates and terms have
-//! names and places to talk about, and that is all. Clause: spec.md, "The linear system".
+//! names and places to talk about, and that is all. See docs/method/system.md.
 //!
 //! Each of M, C and K is a sum of signed squares `w a a^T` with a sparse row `a`. The terms hold more digits than the
 //! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled

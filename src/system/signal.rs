@@ -1,4 +1,5 @@
-//! Signals of time that drive inputs, as plain data in SI: what a model declares, without its words. Clause: spec.md, "Response".
+//! Signals of time that drive inputs, as plain data in SI: what a model declares, without its words.
+//! See docs/method/response.md.
 
 use crate::base::Number;
 

@@ -1,4 +1,4 @@
-//! The program as a process: commands, streams, files, exit status. Clause: spec.md, "Report" 12.8.
+//! The program as a process: commands, streams, files, exit status. See docs/cli.md#streams-and-exit-status.
 
 use serde_json::Value;
 use std::fs;

@@ -1,5 +1,5 @@
-//! Emitted code: compiled as strictly as compilers can, run, and compared with the exact response. Clause: spec.md,
-//! "Simulation code".
+//! Emitted code: compiled as strictly as compilers can, run, and compared with the exact response.
+//! See docs/method/emit.md.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
 //! Emitted programs against the exact response: what C and Rust print, bit for bit the same, and both within rounding of the
-//! motion that `vibc simulate` computes with bounds. Clause: spec.md, "Simulation code".
+//! motion that `vibc simulate` computes with bounds. See docs/method/emit.md.
 
 use super::emit::{STRICT, emission, examples, options, silently, write};
 use super::systems::{Builder, HardCase, number};

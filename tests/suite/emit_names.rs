@@ -1,5 +1,5 @@
 //! Names that mean something to a target, numbers that it does not hold, files that must not be replaced, and sizes that memory does
-//! not hold: emitted code compiles or is refused. Clause: spec.md, "Simulation code".
+//! not hold: emitted code compiles or is refused. See docs/method/emit.md.
 
 use super::emit::{emission, options, silently, write};
 use super::systems::number;

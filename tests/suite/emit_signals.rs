@@ -1,5 +1,5 @@
 //! Signals built into emitted code where a step is (nearly) a whole number of periods of a signal or a mode, where a chirp or a table
-//! changes within a step, and at their ends; and the rounding that the header tells of. Clause: spec.md, "Simulation code".
+//! changes within a step, and at their ends; and the rounding that the header tells of. See docs/method/emit.md.
 
 use super::emit::{emission, options, silently, write};
 use super::emit_exact::{check_as, observed, output, printed};

@@ -1,5 +1,5 @@
 //! The state of emitted code in the model's own coordinates, what follows the rate of an input, and parameters that are set:
-//! beside the exact response of the same model. Clause: spec.md, "Simulation code".
+//! beside the exact response of the same model. See docs/method/emit.md.
 
 use super::emit::{emission, options, parameterised, silently, write};
 use super::systems::number;

@@ -1,5 +1,5 @@
 //! Emitted C on an emulated microcontroller (Cortex-M4 with hardware floats, doubles in software): the same bits as here.
-//! Clause: spec.md, "Simulation code".
+//! See docs/method/emit.md.
 
 use super::emit::{STRICT, options, silently, write};
 use super::systems::{HardCase, number};

@@ -1,5 +1,5 @@
 //! `vibc fmt`: one layout whatever the old one was, laid out once and for all, and the same scene after as before.
-//! Clause: spec.md, "Layout".
+//! See spec.md#layout.
 
 use crate::fuzzing::scene_text;
 use crate::independent::random_scenes::Random;

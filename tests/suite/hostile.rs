@@ -1,5 +1,5 @@
 //! Models, files, names and arguments from somebody who means no good: nothing hangs, fills the memory, steers a terminal
-//! or tells what stands in files that are no business of a model. Clause: spec.md, "Limits" and 5.13a.
+//! or tells what stands in files that are no business of a model. See spec.md#limits and docs/method/response.md#signals.
 
 use serde_json::Value;
 use std::fs;

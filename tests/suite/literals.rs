@@ -1,5 +1,5 @@
 //! Literals in their two readings: the decimal that is written, and the binary64 number nearest to it. Scenes in which the
-//! difference shows, against the references of tests/hardcases for each reading. Clause: spec.md 2.1.
+//! difference shows, against the references of tests/hardcases for each reading. See docs/method/numbers.md#literals.
 
 use super::systems::{error, number};
 use vibc::analysis::{Modes, Poles};

@@ -321,7 +321,7 @@ fn a_long_chain_sags_as_the_sum_of_its_weights() {
     assert!((last.to_f64() + 500.5).abs() <= last.rad && last.rad < 1e-20, "{last:?}");
 }
 
-/// `torque T: a -- b` acts on b the other way round (spec.md 5).
+/// `torque T: a -- b` acts on b the other way round (spec.md#forces-and-torques).
 #[test]
 fn a_torque_between_two_bodies_acts_on_both() {
     let text = "body a { inertia = 1 kg*m^2, turns }

@@ -1,5 +1,6 @@
 //! Motions beside closed forms, worked out to forty digits elsewhere: samples with bounds of their own, phases after 1e12 s,
-//! decays over fifty decades, peak and rms with the bounds that are told for them. Clause: spec.md, "Response", "Measures".
+//! decays over fifty decades, peak and rms with the bounds that are told for them.
+//! See docs/method/response.md and docs/method/measures.md#peak-and-rms.
 
 use vibc::analysis::{Signal, grid, respond};
 use vibc::base::{Ball, Number, Rounded, SourceFile, SourceKind, Sources};

@@ -1,6 +1,6 @@
 //! Every option of every command, from the table that the program itself reads its command line by: with values that are
 //! right and values that are wrong, each ends with the status it should and one clean message, and none is a defect. An option
-//! without a line in `VALUES` fails the test. Clause: spec.md, "Report" 12.8.
+//! without a line in `VALUES` fails the test. See docs/cli.md#streams-and-exit-status.
 
 use clap::{Arg, ArgAction, Command, CommandFactory};
 use std::fs;

@@ -1,92 +1,109 @@
-//! What the README prints is what the program prints.
+//! What the README and the tutorial print is what the program prints. `UPDATE_DOCS=1 cargo test readme` writes it anew.
 
+use super::documents::{blocks, page, root};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use vibc::base::{SourceFile, Sources};
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
+/// A piece of a document that its readers follow, in order.
+enum Step<'a> {
+    /// Text to be saved under a name: a `vib` block behind a comment `file: NAME`.
+    Save(&'a str, &'a str),
+    /// A `console` block: commands, each with what it prints.
+    Console(&'a str),
 }
 
-fn readme() -> String {
-    fs::read_to_string(root().join("README.md")).expect("README.md")
-}
+const FILE: &str = "<!-- file: ";
+const MODEL: &str = "```vib\n";
+const CONSOLE: &str = "```console\n";
+const FENCE: &str = "```";
 
-/// The fenced blocks of a kind.
-fn blocks(readme: &str, kind: &str) -> Vec<String> {
-    let fence = format!("```{kind}\n");
-    readme.split(&fence).skip(1).filter_map(|rest| rest.split("```").next()).map(String::from).collect()
-}
-
-/// Commands of a console block, each with what the block prints after it.
-fn commands(block: &str) -> Vec<(String, String)> {
-    let mut commands: Vec<(String, String)> = Vec::new();
-    for line in block.lines() {
-        match (line.strip_prefix("$ "), commands.last_mut()) {
-            (Some(command), _) => commands.push((command.to_string(), String::new())),
-            (None, Some((_, output))) => *output += &format!("{line}\n"),
-            (None, None) => panic!("a console block begins with a command: {line}"),
+/// The steps of a document, each with where its block begins.
+fn steps(document: &str) -> Vec<(usize, Step<'_>)> {
+    let mut steps = Vec::new();
+    let mut name = None;
+    let mut at = 0;
+    while let Some(line) = document[at..].split_inclusive('\n').next() {
+        let start = at + line.len();
+        let block = || document[start..].find(FENCE).map_or("", |end| &document[start..start + end]);
+        at = start;
+        if let Some(rest) = line.strip_prefix(FILE) {
+            name = rest.split(' ').next();
+        } else if line == MODEL {
+            at += block().len() + FENCE.len();
+            steps.extend(name.take().map(|name| (start, Step::Save(name, block()))));
+        } else if line == CONSOLE {
+            at += block().len() + FENCE.len();
+            steps.push((start, Step::Console(block())));
         }
     }
-    commands
+    steps
+}
+
+/// A console block as the program fills it now.
+fn filled(block: &str, folder: &Path) -> String {
+    let mut text = String::new();
+    for command in block.lines().filter_map(|line| line.strip_prefix("$ ")) {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        assert_eq!(words[0], "vibc", "{command}");
+        let output = Command::new(env!("CARGO_BIN_EXE_vibc")).args(&words[1..]).current_dir(folder).output().unwrap();
+        let printed = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+        text += &format!("$ {command}\n{printed}");
+    }
+    text
+}
+
+/// Follows a document in a folder, and compares each console block, or writes it anew.
+fn follow(path: &str, folder: &Path) {
+    let document = page(path);
+    let mut written = String::new();
+    let mut copied = 0;
+    for (start, step) in steps(&document) {
+        match step {
+            Step::Save(name, text) => fs::write(folder.join(name), text).expect("a temporary file"),
+            Step::Console(block) => {
+                written += &document[copied..start];
+                written += &filled(block, folder);
+                copied = start + block.len();
+            }
+        }
+    }
+    assert!(copied > 0, "{path} has no console block");
+    written += &document[copied..];
+    match std::env::var_os("UPDATE_DOCS") {
+        Some(_) => fs::write(root().join(path), written).expect("the document is written"),
+        None => assert!(
+            written == document,
+            "{path} shows other output than the program prints; UPDATE_DOCS=1 writes it anew:\n{written}"
+        ),
+    }
 }
 
 #[test]
-fn each_console_block_is_what_the_program_prints() {
-    let blocks = blocks(&readme(), "console");
-    let commands: Vec<(String, String)> = blocks.iter().flat_map(|block| commands(block)).collect();
-    assert!(!commands.is_empty());
-    for (command, shown) in commands {
-        let words: Vec<&str> = command.split_whitespace().collect();
-        assert_eq!(words[0], "vibc", "{command}");
-        let output = Command::new(env!("CARGO_BIN_EXE_vibc")).args(&words[1..]).current_dir(root()).output().unwrap();
-        let printed = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
-        assert_eq!(printed, shown, "{command}");
-    }
+fn the_readme_shows_what_the_program_prints() {
+    follow("README.md", root());
+}
+
+#[test]
+fn the_tutorial_shows_what_the_program_prints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    follow("docs/tutorial.md", folder.path());
 }
 
 #[test]
 fn the_model_that_is_shown_is_the_example() {
     let cart = fs::read_to_string(root().join("examples/cart.vib")).unwrap();
-    assert!(blocks(&readme(), "vib").contains(&cart), "README.md shows examples/cart.vib as it is");
-}
-
-/// What the README shows of the language is in the language.
-#[test]
-fn every_model_block_is_in_the_grammar() {
-    for block in blocks(&readme(), "vib") {
-        let mut sources = Sources::new();
-        let file = sources.add(SourceFile::model("README.md", block));
-        let errors = vibc::syntax::parse(&sources, file).errors;
-        assert!(errors.is_empty(), "{:?}", errors.iter().collect::<Vec<_>>());
-    }
+    assert!(blocks(&page("README.md"), "vib").contains(&cart), "README.md shows examples/cart.vib as it is");
 }
 
 /// Two commands are the whole set-up, and the gate runs the second.
 #[test]
 fn the_gate_runs_the_test_command_of_the_readme() {
-    let set_up = blocks(&readme(), "sh");
+    let set_up = blocks(&page("README.md"), "sh");
     assert_eq!(
         set_up.first().map(String::as_str),
         Some("cargo run --release -- analyze examples/cart.vib\ncargo test --locked\n")
     );
     let gate = fs::read_to_string(root().join(".ci/run")).unwrap();
     assert!(gate.lines().any(|line| line == "cargo test --locked"));
-}
-
-/// A file that the README names is there.
-#[test]
-fn links_lead_somewhere() {
-    let readme = readme();
-    let links = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    for link in links.filter(|link| !link.contains("://")) {
-        match link.strip_prefix('#') {
-            Some(section) => {
-                let heading = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
-                assert!(readme.lines().any(|line| line.starts_with("## ") && heading(line) == section), "{link}");
-            }
-            None => assert!(root().join(link).exists(), "{link}"),
-        }
-    }
 }

@@ -614,7 +614,7 @@ fn a_rod_that_leans_does_not_stay_upright() {
     }
 }
 
-/// Upright exactly, it stays (spec.md 7.4): nothing pulls at it.
+/// Upright exactly, it stays (docs/method/rest.md#search): nothing pulls at it.
 #[test]
 fn a_rod_that_is_upright_stays() {
     let text = "gravity 9.81 m/s^2

@@ -1,4 +1,5 @@
-//! Some of the modes: the lowest, or those in a band, of small systems and of large ones. Clauses: spec.md 10.10 to 10.12.
+//! Some of the modes: the lowest, or those in a band, of small systems and of large ones.
+//! See docs/method/modes.md#large-trees and docs/method/modes.md#sparse-parts.
 
 use serde_json::Value;
 use vibc::analysis::{Band, Request, Which};
@@ -288,7 +289,7 @@ fn damping_of_a_pendulum_of_many_links_is_told() {
 }
 
 /// The bounds of a chain are those of the same chain in other units: masses and stiffnesses of any size in the range of
-/// binary64 (spec.md 3.9). A factor of both moves no frequency.
+/// binary64 (spec.md#numbers). A factor of both moves no frequency.
 #[test]
 fn chains_of_tiny_and_huge_numbers_keep_their_bounds() {
     let n = 150;

@@ -1,5 +1,5 @@
 //! Tables as signals, through the program: what a CSV file drives, and what is told of one that is no table.
-//! Clause: spec.md, "Response" 11b.2.
+//! See docs/method/response.md#signals.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-// The unit of a number: directly after it or after one space, glued together (spec.md 1.5).
+// The unit of a number: directly after it or after one space, glued together (spec.md#units).
 
 #include "tree_sitter/parser.h"
 

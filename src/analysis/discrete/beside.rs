@@ -1,7 +1,6 @@
 //! Emitted steps and the same steps in double-double, side by side: what the target's rounding, of coefficients and of operations, does
 //! to the outputs of code that needs no inputs from outside, whose run is therefore known. In: a discrete system, its
-//! coefficients before they were rounded. Out: bounds of the outputs' errors over so many steps. Clause: spec.md, "Simulation
-//! code".
+//! coefficients before they were rounded. Out: bounds of the outputs' errors over so many steps. See docs/method/emit.md.
 //!
 //! The states are those of the emitted code to the last bit: the same operations in the same order, each rounded to the target.
 //! An output's error is bounded by what the largest errors of its states add up to, and by the rounding of its own sum.

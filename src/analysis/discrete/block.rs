@@ -1,6 +1,6 @@
 //! A part of the system that moves by itself: w' = A w + B u, y = C w, with its place in the model's own coordinates.
 //! In: A, what u, u' and u'' do, and what is seen of w and w'. Out: the same without derivatives of u in the motion
-//! (w = xi + E0 u + E1 u'). Clause: spec.md, "Simulation code".
+//! (w = xi + E0 u + E1 u'). See docs/method/emit.md.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;

@@ -1,4 +1,4 @@
-//! One block made discrete: what a step does to its states, in numbers of the target. Clause: spec.md, "Simulation code".
+//! One block made discrete: what a step does to its states, in numbers of the target. See docs/method/emit.md.
 
 use crate::analysis::discrete::Hold;
 use crate::analysis::discrete::beside::ExactCell;

@@ -1,6 +1,6 @@
 //! The plain right-hand side of M q'' + C q' + K q = forces, for somebody else's integrator: stretches that springs and dampers
 //! share, tensions, forces, accelerations. In: a linear system. Out: sparse rows of numbers that a back end only prints, or
-//! the coordinate without mass that stands in the way. Clause: spec.md, "Simulation code".
+//! the coordinate without mass that stands in the way. See docs/method/emit.md.
 
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::precision::Precision;

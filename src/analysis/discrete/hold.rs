@@ -1,7 +1,7 @@
 //! One step of a block, exactly: w(t + h) = F w(t) + what an input does that is held, or runs along a line, in between.
 //! In: A and h. Out: F = exp(A h), P1 = int exp(A s) ds and P2 = int (h - s) exp(A s) ds over the step, in double-double.
-//! They are blocks of the exponential of one larger matrix (Van Loan, IEEE Trans. AC-23 (1978) 395). Clause: spec.md,
-//! "Simulation code".
+//! They are blocks of the exponential of one larger matrix (Van Loan, IEEE Trans. AC-23 (1978) 395).
+//! See docs/method/emit.md.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::enclosure::norm_bound;

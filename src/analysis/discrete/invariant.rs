@@ -1,7 +1,7 @@
 //! A system in state space, taken apart into the motions of its poles: z' = A z with A T = T diag(A_1, A_2, ...). In: the
 //! system and its poles. Out: a block of one state for a real pole, of two for a complex pair, of more for poles that lie so
-//! close together that taking them apart would lose digits; one dense block where nothing can be taken apart. Clause: spec.md,
-//! "Simulation code".
+//! close together that taking them apart would lose digits; one dense block where nothing can be taken apart.
+//! See docs/method/emit.md.
 //!
 //! Vectors are found by inverse iteration beside each pole or group of poles and corrected together: with
 //! T^-1 A T = D + E, E off the blocks, the step T (I + X) with D_i X_ij - X_ij D_j = -E_ij squares the error (Stewart 1973).

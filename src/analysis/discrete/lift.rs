@@ -5,8 +5,7 @@
 //! The determinant of the step is 1 - c and |1 - lambda|^2 is p k, whatever c, k and p are: c rounds with its own relative
 //! error, and only the product of k and p matters, so k is chosen among neighbours until p rounds well. So amplitude and
 //! phase drift by far less than rounding each entry of a rotation would make them drift (lifting: Bruekers and van den
-//! Enden, IEEE JSAC 10 (1992) 129), and near-critical and critical damping need no other form. Clause: spec.md,
-//! "Simulation code".
+//! Enden, IEEE JSAC 10 (1992) 129), and near-critical and critical damping need no other form. See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::turn::Turn;

@@ -1,7 +1,7 @@
 //! The exact discrete system that emitted code runs: the states of independent blocks, what one step does to each, what
 //! inputs add and what outputs see. In: a linear system, its modes, the signals built in, a step. Out: a value that a back
-//! end only prints. Everything is computed in double-double and rounded once, to the precision of the target. Clause:
-//! spec.md, "Simulation code".
+//! end only prints. Everything is computed in double-double and rounded once, to the precision of the target. See
+//! docs/method/emit.md.
 //!
 //! # Steps
 //! 1. [`modal`] or [`invariant`]: the continuous system as independent blocks

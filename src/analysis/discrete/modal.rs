@@ -1,6 +1,6 @@
 //! A system whose damping its undamped modes diagonalise, as one oscillator a mode: eta'' + c eta' + k eta = X^T B u.
 //! In: the system and its modes. Out: blocks of two states, of one where two real rates lie well apart, or nothing where
-//! damping couples the modes. Clause: spec.md, "Simulation code".
+//! damping couples the modes. See docs/method/emit.md.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};

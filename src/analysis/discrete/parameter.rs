@@ -1,6 +1,6 @@
 //! A small system as a function of one parameter, for code that keeps it changeable. In: the system at several exact values of the
 //! parameter. Out: every entry of M, C, K and of the rows of inputs and outputs as a polynomial of degree two at most, found
-//! from three of the values and confirmed at the others; or why that cannot be. Clause: spec.md, "Simulation code".
+//! from three of the values and confirmed at the others; or why that cannot be. See docs/method/emit.md.
 
 use crate::analysis::discrete::Port;
 use crate::base::{Ball, Number};

@@ -1,6 +1,6 @@
 //! Piecewise polynomials over samples: all steps, ramps, pulses, tables and chirps of an input as one polynomial from knot to
 //! knot. In: the sources of an input, the step. Out: the polynomial's states at any sample, when these are to be set anew, and what
-//! a block does in a step in which the polynomial changes. Clause: spec.md, "Simulation code".
+//! a block does in a step in which the polynomial changes. See docs/method/emit.md.
 //!
 //! States c_k = h^k u^(k) / k! are u = sum c_k s^k, s in steps. They are set at each knot's next sample, not added to: what
 //! rounding leaves of the highest one would grow like the power of time that it stands for. Where a step is long beside the pieces,

@@ -1,5 +1,4 @@
-//! The floating-point numbers of the target: rounding to them, and what one rounding costs. Clause: spec.md, "Simulation
-//! code".
+//! The floating-point numbers of the target: rounding to them, and what one rounding costs. See docs/method/emit.md.
 
 use crate::base::{Ball, Dd, Number};
 

@@ -1,6 +1,6 @@
 //! What of a split system is worth emitting: blocks that an input (or the initial state) reaches, that an output sees, and
 //! that contribute more than the tolerance. In: the blocks, the initial state. Out: fewer of them, and why. What a dropped
-//! block does that is static goes into the feed-through. Clause: spec.md, "Simulation code".
+//! block does that is static goes into the feed-through. See docs/method/emit.md.
 
 use crate::analysis::discrete::Options;
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};

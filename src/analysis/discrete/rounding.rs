@@ -1,5 +1,5 @@
 //! What rounding in the target can do to the outputs at most. In: the cells. Out: a bound that grows with the number of
-//! steps, relative to the sum of the largest contributions of the cells to an output. Clause: spec.md, "Simulation code".
+//! steps, relative to the sum of the largest contributions of the cells to an output. See docs/method/emit.md.
 //!
 //! A step of a cell computes F w + G u with an error e, |e| <= rho unit max(|w|, |w'|), in a norm in which |F^j| <= r^j; so after N
 //! steps the error is at most rho unit (1 + r + ... + r^(N-1)) max |w|. A pair of complex poles has such a norm, the modulus of

@@ -1,6 +1,6 @@
 //! Signals built into the state, so that nothing is lost between samples: a harmonic is two states that turn, a step, a ramp or a
 //! polynomial a chain of states. In: the signals of each input. Out: cells of their own, what they do to the other blocks, and
-//! what happens between samples. Clause: spec.md, "Simulation code".
+//! what happens between samples. See docs/method/emit.md.
 //!
 //! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, whatever h is.
 

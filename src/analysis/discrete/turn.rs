@@ -1,8 +1,8 @@
 //! exp(A) of two states less plus or minus one, in closed form: with half the trace a and the angle w, w^2 = det A - a^2, it is
 //! e^a (cos w + sin w / w (A - a)), and the angle is taken less whole and half turns. So entries keep their relative error
 //! however near a step comes to a whole number of periods, where a general exponential holds only what is left of one.
-//! In: A times the step, and the angle less whole turns where it is known exactly. Out: F less plus or minus one. Clause: spec.md,
-//! "Simulation code".
+//! In: A times the step, and the angle less whole turns where it is known exactly. Out: F less plus or minus one.
+//! See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::exp_minus_one;
 use crate::analysis::numeric::dense::Matrix;

@@ -6,7 +6,7 @@
 //! - K_p positive definite: -K_g x = mu K_p x, alpha = 1 / mu for the largest mu.
 //! - Else, if K is: K_g x = rho K x, alpha = 1 - 1 / rho for the least rho, which has to be negative.
 //!
-//! Both are eigenproblems like that of the modes, with its bounds. Clause: spec.md 10.9.
+//! Both are eigenproblems like that of the modes, with its bounds. See docs/method/modes.md#buckling.
 
 use crate::analysis::modes::MAX_UNASKED;
 use crate::analysis::modes::eigen::{Eigenvalue, Failure, Pair, eigenpairs};

@@ -14,7 +14,7 @@
 //! and by Weyl's inequality the k-th eigenvalue lies within delta = e / min M^_ii of the k-th lambda^. The bound is
 //! quadratic in the errors of the modes, and it counts: nothing is missed, nothing is found twice. The quotients of a group
 //! are evaluated in triple words. X is regular because ||M^ off the diagonal||_F < min M^_ii.
-//! Clause: spec.md 10.7; compare Parlett, The Symmetric Eigenvalue Problem (1998), chapters 10 and 11.
+//! See docs/method/modes.md#certificate; compare Parlett, The Symmetric Eigenvalue Problem (1998), chapters 10 and 11.
 
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::scale::{by_power, exponent};

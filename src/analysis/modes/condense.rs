@@ -9,7 +9,7 @@
 //!   min_s sum_t w_t (p_t s + r_t . q')^2 = sum_(t < u) (w_t w_u / W) ((p_t r_u - p_u r_t) . q')^2:
 //!
 //! again a sum of squares, positive where the terms are. For springs this is the star-mesh transformation.
-//! Clause: spec.md 10.4.
+//! See docs/method/modes.md#motions-without-inertia.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Number, Rational};

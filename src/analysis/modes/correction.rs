@@ -7,7 +7,7 @@
 //! so the errors of the modes are squared (Ogita and Aishima 2018 in the form for a pencil). The entries of K^ come from the
 //! terms, so W has full relative accuracy however small it is: it takes a soft mode's spurious stretch of a stiff spring away,
 //! which is below the last bit of its displacements. Modes too close for the formula are turned among themselves until their
-//! block is diagonal. Clause: spec.md 10.6.
+//! block is diagonal. See docs/method/modes.md#refinement.
 
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};

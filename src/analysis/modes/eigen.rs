@@ -6,7 +6,7 @@
 //! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, again from 2 with
 //!    the next precision.
 //!
-//! Clauses: spec.md 10.1, 10.3 to 10.7.
+//! See docs/method/modes.md#definition, docs/method/modes.md#rigid-body-modes and docs/method/modes.md#certificate.
 
 use crate::analysis::answer::Route;
 use crate::analysis::modes::certificate::{Enclosure, enclose};

@@ -1,6 +1,6 @@
 //! The modes of a system as a basis that diagonalises M and K to double-double. In: M, K and modes as they were computed. Out:
 //! their shapes, refined where they have fewer digits, and X^T M X and X^T K X as enclosures. Whatever takes the damping of a
-//! system apart by its modes begins here: transfer functions, motions, emitted code. Clause: spec.md, "Transfer".
+//! system apart by its modes begins here: transfer functions, motions, emitted code. See docs/method/transfer.md.
 //!
 //! A step X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order squares the error (Ogita and
 //! Aishima 2018): 1e-16 becomes 1e-31 in two. Shapes that come in double-double need none.

@@ -8,7 +8,7 @@
 //!   S_i^2 = sum |w'| b'_i^2,   R_i^2 = sum |w'| r_i^2,   D_i^2 = sum v (|b'_i| + r_i)^2,
 //!
 //! where for T terms gamma = (3 T + 16) 2^-106 in double-double: two products of 5u^2 and T sums of 3u^2 (see [`Dd`]),
-//! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. Clause: spec.md 10.7.
+//! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. See docs/method/modes.md#certificate.
 
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::dense::{Matrix, dot};

@@ -1,5 +1,6 @@
 //! The numbers of a form modulo a prime: what is rational as it is, a square root as a root modulo the prime, what is known
-//! only by its enclosure as an independent unknown, equal ones as the same unknown. Clause: spec.md 10.3.
+//! only by its enclosure as an independent unknown, equal ones as the same unknown.
+//! See docs/method/modes.md#rigid-body-modes.
 
 use crate::analysis::numeric::residues::{Field, PRIMES, scramble};
 use crate::base::{Ball, Number, Rational};

@@ -1,4 +1,4 @@
-//! The modes of linkages: scenes that hang deep, whose M is kept as chained rows (spec.md 9.5).
+//! The modes of linkages: scenes that hang deep, whose M is kept as chained rows (docs/method/system.md#deep-trees).
 //!
 //! In the angles q of the links every link meets every one above it. In the displacements of the points by which they are
 //! held it meets its neighbours alone: where a chained motion is that of the carrier and one link's own share, z = z' + a q,
@@ -8,7 +8,7 @@
 //! motion of its centre. The change of coordinates is exact, and so are the terms: it moves no eigenvalue.
 //!
 //! In: a system with chained rows. Out: M, C and K over the new coordinates, where their rows are short; modes in the angles.
-//! Clause: spec.md 10.12a.
+//! See docs/method/modes.md#linkages.
 
 use crate::analysis::answer::Modes;
 use crate::analysis::error::{AnalysisError, place};

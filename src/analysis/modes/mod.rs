@@ -3,7 +3,7 @@
 //! The system is taken apart into independent parts; motions without inertia are eliminated exactly ([`condense`]); each part
 //! is an eigenproblem ([`eigen`]); the modes of all parts, over all coordinates, are put in order, scaled and signed.
 //!
-//! Clause: spec.md 10.
+//! See docs/method/modes.md.
 
 pub mod buckling;
 pub(in crate::analysis) mod certificate;

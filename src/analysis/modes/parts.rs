@@ -1,6 +1,6 @@
 //! The independent parts of a system: coordinates that no term joins move by themselves, and each part has modes and poles of
 //! its own. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
-//! Clauses: spec.md 10.2, 11.2.
+//! See docs/method/modes.md#parts and docs/method/poles.md#parts-and-scaling.
 
 use crate::system::{CoordinateId, Form, LinearSystem};
 

@@ -3,7 +3,7 @@
 //! The bounds of the methods hold where no product leaves the range of binary64; those of trees say so outright
 //! ([`forest`](super::tree::forest)), the others lose digits. With M' = 2^m M and K' = 2^k K the vectors stay and the
 //! eigenvalues are 2^(k-m) times as large. A power of two rounds nothing on the way in, for the numbers of the model are
-//! scaled before they are rounded; what it rounds on the way back is in the bound. Clause: spec.md 10.7.
+//! scaled before they are rounded; what it rounds on the way back is in the bound. See docs/method/modes.md#certificate.
 
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Band, Request, Which};

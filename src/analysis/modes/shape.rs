@@ -1,4 +1,5 @@
-//! How a mode's shape is scaled and signed, and where its energy is. Clauses: spec.md 12.4 to 12.7.
+//! How a mode's shape is scaled and signed, and where its energy is.
+//! See docs/method/report.md#normalisation and docs/method/report.md#shares.
 
 use crate::analysis::answer::{Mode, Share};
 use crate::analysis::modes::eigen::Displacements;

@@ -2,7 +2,7 @@
 //! are close, how far they are apart, with a bound.
 //!
 //! Frequencies are known to 2^-102 of themselves, so a difference of 1e-14 of them still has 16 digits; the difference of
-//! two printed numbers would have two. Clause: spec.md 10.13.
+//! two printed numbers would have two. See docs/method/modes.md#beats.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::base::Ball;

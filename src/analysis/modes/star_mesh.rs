@@ -7,7 +7,7 @@
 //!
 //! and K = L D L^T with L_ip = -k_pi / d_p. Only positive numbers are added, so every entry of L and D is correct to a few
 //! units in its last place whatever the ratios of the springs; a part without ground ends in a pivot that is exactly zero.
-//! (Alfa, Xue and Ye, Math. Comp. 71 (2002) 217.) Clause: spec.md 10.5.
+//! (Alfa, Xue and Ye, Math. Comp. 71 (2002) 217.) See docs/method/modes.md#starting-modes.
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::numeric::dense::Matrix;

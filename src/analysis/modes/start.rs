@@ -9,7 +9,7 @@
 //!   energies (K = D (1 - S) D).
 //! - All of these again in double-double, on sqrt(k) A L^-T or on the matrix, if binary64 was not enough.
 //!
-//! Clause: spec.md 10.5.
+//! See docs/method/modes.md#starting-modes.
 
 use crate::analysis::answer::Route;
 use crate::analysis::modes::gram::Gram;

@@ -6,7 +6,7 @@
 //! Positive terms are weighted at random for the elimination (their null space does not depend on the weights), others as
 //! they are. A square root stands for a root modulo the prime, so primes that have the roots of the form are taken. Numbers
 //! known only as enclosures stand for independent unknowns, equal ones for the same unknown.
-//! Clause: spec.md 10.3.
+//! See docs/method/modes.md#rigid-body-modes.
 
 use super::image::{Image, identity};
 use crate::analysis::numeric::residues::Field;

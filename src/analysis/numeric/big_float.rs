@@ -1,5 +1,6 @@
 //! Binary floating point of any precision: m 2^e with an integer m. In and out: numbers; sums and products are exact until
-//! they are cut to a number of bits. For roots of polynomials that double-double does not tell apart. Clause: spec.md 11.9.
+//! they are cut to a number of bits. For roots of polynomials that double-double does not tell apart.
+//! See docs/method/poles.md#exact-arithmetic.
 
 use crate::base::{Ball, Dd};
 use num_bigint::{BigInt, Sign};

@@ -139,7 +139,7 @@ impl Merge {
 
     /// Turns the two columns so that `p` is decoupled, if that leaves no more than the tolerance between them.
     fn decouples(&mut self, p: usize, q: usize, tolerance: f64) -> bool {
-        let length = self.z[p].hypot(self.z[q]);
+        let length = libm::hypot(self.z[p], self.z[q]);
         let (c, s) = (self.z[q] / length, self.z[p] / length);
         let distance = self.d[q] - self.d[p];
         if (distance * c * s).abs() > tolerance {

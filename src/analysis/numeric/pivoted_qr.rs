@@ -2,7 +2,7 @@
 //!
 //! Householder's QR with column pivoting and rows sorted by size: for rows and columns of very different sizes it is stable
 //! row by row (Powell and Reid 1969; Cox and Higham 1998), and the rows of R are graded, which is what one-sided Jacobi on
-//! R^T needs (Drmac and Veselic 2008). Clause: spec.md 10.5.
+//! R^T needs (Drmac and Veselic 2008). See docs/method/modes.md#starting-modes.
 
 use crate::analysis::numeric::dense::Matrix;
 

@@ -1,5 +1,6 @@
 //! Polynomials with integer coefficients, exactly: products, division, greatest common divisors, and the factors in which
-//! every root is simple. In: coefficients. Out: the same, without any rounding. Clause: spec.md 11.9.
+//! every root is simple. In: coefficients. Out: the same, without any rounding.
+//! See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::numeric::residues::{Field, primes};
 use num_bigint::{BigInt, Sign};

@@ -1,6 +1,6 @@
 //! How many roots of a polynomial with integer coefficients are real, and how many lie on either side of the imaginary axis,
 //! counted exactly: Sturm's chain and Routh's. In: a polynomial. Out: counts that no rounding touches, or nothing where the
-//! numbers are too long. Clause: spec.md 11.9.
+//! numbers are too long. See docs/method/poles.md#exact-arithmetic.
 //!
 //! The chain of remainders is that of subresultants (Brown, JACM 18 (1971) 478), whose coefficients grow by a constant number
 //! of digits a step and divide exactly; their signs are carried beside them.

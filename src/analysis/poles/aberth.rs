@@ -1,7 +1,7 @@
 //! All poles at once, for the systems whose state matrix has lost some: the iteration of Ehrlich and Aberth on
 //! det(s^2 + C~ s + Omega^2) in modal coordinates (Bini, Noferini, LAA 439 (2013) 1130). Each value moves by Newton's step
 //! for the polynomial with the other values divided out, so no two go to the same simple pole. In: the basis and rough
-//! values. Out: better ones, in binary64; nothing here is printed. Clause: spec.md 11.5.
+//! values. Out: better ones, in binary64; nothing here is printed. See docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;

@@ -6,7 +6,7 @@
 //! ds = -y^H u / y^H v and dy = -u - v ds. At the pole itself u and v would be rounding of the vector y alone, so s0 stands a
 //! little beside it: at a relative distance d the rounding leaves 1e-16 / d of the error and the distance leaves d
 //! (Govaerts and Pryce, SIAM J. Numer. Anal. 30 (1993) 470, on bordered systems by block elimination).
-//! Clause: spec.md 11.5.
+//! See docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;

@@ -1,6 +1,7 @@
 //! Equal poles need vectors of their own. In: refined pairs, of which those of one multiple pole have any vectors of its
 //! eigenspace. Out: the same with vectors that are orthogonal in the form in which the pencil is a diagonal,
-//! B(x, y) = x^T ((s_x + s_y) M + C) y, as those of different poles are by themselves. Clause: spec.md 11.5.
+//! B(x, y) = x^T ((s_x + s_y) M + C) y, as those of different poles are by themselves.
+//! See docs/method/poles.md#general-systems.
 //!
 //! Gram and Schmidt's process, twice, with the products in double-double and the factors in binary64. Where B(x, x) vanishes
 //! the pole is defective, or the vector depends on those before it: then it is left as it is, and the discs say so.

@@ -1,6 +1,6 @@
 //! Where the poles are, roughly: eigenvalues of the state matrix in the coordinates of the undamped modes. In: modes and
 //! terms of an independent part. Out: starting values in binary64, and the basis in which they were found. Nothing here
-//! is printed: refinement and discs do not care how they were started. Clause: spec.md 11.5.
+//! is printed: refinement and discs do not care how they were started. See docs/method/poles.md#general-systems.
 //!
 //! With q = Phi y, energies e_j = |omega_j| y_j and velocities v: e' = |omega| v, v' = -sgn(omega^2) |omega| e - C~ v,
 //! C~ = Phi^T C Phi. Without damping that matrix is skew and perfectly scaled, whatever the stiffness ratios; this is what

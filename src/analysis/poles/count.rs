@@ -1,5 +1,6 @@
 //! How many poles there are. In: what each route found of a part, finite and infinite. Out: the count of a whole system, or
-//! nothing where it is not proved that every pole was found, once. Clauses: spec.md 11.1, 11.9.
+//! nothing where it is not proved that every pole was found, once.
+//! See docs/method/poles.md#definition and docs/method/poles.md#exact-arithmetic.
 
 /// Every finite pole of a system is in a list, each in an enclosure that is certain (a cluster in one that holds as many as it
 /// has members): with the infinite ones they are two for each coordinate. [`Tally`] makes it, and nothing else.

@@ -1,6 +1,6 @@
 //! The columns of the pencil in which poles are certified: approximate pairs, their conjugates, and the exact rigid
 //! motions, each scaled by a factor of binary64; and what is known of their products, with bounds of the rounding.
-//! Clause: spec.md 11.6.
+//! See docs/method/poles.md#discs.
 
 use crate::analysis::numeric::complex::{Complex, Real};
 use crate::analysis::numeric::dense::Matrix;

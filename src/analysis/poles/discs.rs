@@ -1,5 +1,5 @@
 //! Discs that certainly hold the poles. In: the terms, approximate pairs (s_j, x_j) as exact numbers, the exact rigid
-//! motions. Out: an enclosure for each pair, and which are certified only together. Clause: spec.md 11.6 derives it:
+//! motions. Out: an enclosure for each pair, and which are certified only together. docs/method/poles.md#discs derives it:
 //!
 //! With z = (x, v), v = s x, the symmetric linearisation L(s) = s [C M; M 0] + [K 0; 0 -M] has L(s) z_j =
 //! (Q(s_j) x_j, 0) + (s - s_j) [C M; M 0] z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and

@@ -1,7 +1,7 @@
 //! Poles by exact arithmetic: the roots of the polynomial det(M s^2 + C s + K) with integer coefficients. In: the terms of
 //! a small independent part, all rational. Out: every root with its multiplicity, however close to others, whether it is
 //! real, and whether it has fewer vectors than its multiplicity. For parts whose discs overlap, and for those with motions
-//! without inertia. Clause: spec.md 11.9.
+//! without inertia. See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::modes::parts::Part;
 use crate::analysis::numeric::big_float::{ComplexFloat, Float};

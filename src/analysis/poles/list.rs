@@ -1,5 +1,6 @@
 //! Poles as they are found: what is known of each becomes its kind, its damping ratio and its bound, and at the end all are
-//! put in order. In: modes, roots, discs. Out: the list. Clauses: spec.md 11.1, 11.8.
+//! put in order. In: modes, roots, discs. Out: the list.
+//! See docs/method/poles.md#definition and docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
 use crate::analysis::numeric::complex::Complex;

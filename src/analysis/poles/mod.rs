@@ -1,5 +1,5 @@
 //! The poles of M s^2 + C s + K: every one of the 2n, each with a bound that holds. In: the linear system and its undamped
-//! modes. Out: poles, ascending in |s|. Clause: spec.md 11.
+//! modes. Out: poles, ascending in |s|. See docs/method/poles.md.
 //!
 //! Independent parts are taken one by one. Without damping the poles are +-i omega; one coordinate is a quadratic; damping
 //! C = alpha M + beta K makes a quadratic of each mode; what is left is refined from the companion matrix. Where poles are

@@ -1,5 +1,6 @@
 //! What is certain of a part whatever the enclosures of its poles say: that its dampers feed nothing in, and that its springs
-//! hold it. In: terms, modes. Out: whether a sum of squares is positive, by its weights or exactly. Clause: spec.md 11.8.
+//! hold it. In: terms, modes. Out: whether a sum of squares is positive, by its weights or exactly.
+//! See docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::Part;

@@ -1,7 +1,7 @@
 //! Q(s) = M s^2 + C s + K of an independent part, applied to a vector from its terms: each term stretches x first
 //! (t = a . x) and pushes back along its row (r += w z t a, z = s^2, s or 1), so a stiff spring that is hardly stretched
 //! adds hardly anything, and no rounding of an assembled matrix. In double-double it refines, in triple words with their
-//! radius it proves. Clause: spec.md 11.5.
+//! radius it proves. See docs/method/poles.md#general-systems.
 
 use crate::analysis::modes::parts::Part;
 use crate::analysis::numeric::complex::{Complex, Real};

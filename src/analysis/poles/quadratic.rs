@@ -1,5 +1,6 @@
 //! The two roots of m s^2 + c s + k, m > 0: closed forms without cancellation. In: three numbers, exact or enclosed. Out: the
-//! poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact where the numbers are. Clause: spec.md 11.4.
+//! poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact where the numbers are.
+//! See docs/method/poles.md#quadratics.
 
 use crate::analysis::answer::PoleKind;
 use crate::analysis::numeric::complex::{Complex, Real};

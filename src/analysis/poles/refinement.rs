@@ -1,7 +1,7 @@
 //! A pole and its vector from a rough start: Newton's method for Q(s) x = 0, b^H x = const, with residuals of the terms in
 //! double-double and corrections from one binary64 factorisation in the coordinates of the undamped modes
 //! (extra-precise refinement: Demmel et al., ACM TOMS 32 (2006) 325; bordering: Keller 1977). In: pencil, basis, start.
-//! Out: s and x in double-double; how good they are is the discs' business. Clause: spec.md 11.5.
+//! Out: s and x in double-double; how good they are is the discs' business. See docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;

@@ -1,6 +1,6 @@
 //! The rigid motions of an independent part, exactly: K x = 0. Those that no damper feels either move on for ever and are a
 //! double pole at zero; the others come to rest at any place, which is a single pole at zero. In: the part as a system.
-//! Out: a basis of each kind, of rational vectors that are verified exactly. Clause: spec.md 11.7.
+//! Out: a basis of each kind, of rational vectors that are verified exactly. See docs/method/poles.md#rigid-body-modes.
 
 use crate::analysis::modes::structure::{NullSpace, eliminated, enclosed_vectors, null_space};
 use crate::base::{Ball, Number, Rational};

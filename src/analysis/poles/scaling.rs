@@ -1,6 +1,6 @@
 //! Very small and very large systems, brought near one by powers of two: exactly the same poles in another unit of time, and
 //! no word of any number falls below the range of binary64. In: a system. Out: 2^p M 4^q, 2^p C 2^q, 2^p K, whose poles are
-//! 2^-q times those of the system. Clause: spec.md 11.2.
+//! 2^-q times those of the system. See docs/method/poles.md#parts-and-scaling.
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::base::{Ball, Number, Rational};
@@ -80,7 +80,7 @@ fn halves(power: i32) -> [f64; 2] {
 
 /// The least and the largest log2 of w a^2.
 fn range(form: &Form) -> Option<(f64, f64)> {
-    let size = |x: &Number| x.to_f64().abs().log2();
+    let size = |x: &Number| libm::log2(x.to_f64().abs());
     let of_term = |term: &crate::system::Term| {
         let largest = form.row(term).iter().map(|(_, a)| size(a)).filter(|x| x.is_finite()).reduce(f64::max)?;
         Some(size(&term.weight) + 2.0 * largest).filter(|x| x.is_finite())

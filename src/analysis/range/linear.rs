@@ -1,6 +1,6 @@
 //! Linear equations over a range of a parameter. In: matrices whose entries are enclosed with their derivatives; out: the
 //! solution and its derivative, enclosed over the whole range, and a number that is zero where a symmetric matrix is singular.
-//! Clause: spec.md, "Measures, `solve`, `require`".
+//! See docs/method/measures.md.
 //!
 //! The equations are multiplied with an approximate inverse of the middle, so that elimination in balls is one of a matrix
 //! near the identity. The derivative solves A x' = b' - A' x. A matrix A is bordered by a vector v:

@@ -1,7 +1,6 @@
 //! A system over a whole range of one parameter. In: a linear system whose numbers are enclosed with their derivatives
 //! ([`Jet`]); out: enclosures of what is measured of it, and of the derivative, for every value of the parameter in the range.
-//! They say where a measure cannot be what is asked, and where it only rises or only falls. Clause: spec.md, "Measures, `solve`,
-//! `require`".
+//! They say where a measure cannot be what is asked, and where it only rises or only falls. See docs/method/measures.md.
 
 pub mod linear;
 

@@ -1,6 +1,6 @@
 //! The course of one output between the stops: Taylor polynomials that join, each with a bound of what it leaves out, so that
 //! what lies between samples is known too. In: a run, an output, a time. Out: stretch after stretch, to whoever asks, and the
-//! largest value of all. Clause: spec.md, "Measures, `solve`, `require`" 11c.6.
+//! largest value of all. See docs/method/measures.md#peak-and-rms.
 //!
 //! On a piece of length h with |A| h <= 1 the output is sum c A^j z0 t^j / j!, and the first term left out bounds the rest:
 //! |c A^K| sup|z| h^K / K!. All pieces are looked at in binary64, from a state that is exact to two words every 64 pieces;

@@ -1,6 +1,6 @@
 //! exp(A t) in double-double with a bound, by scaling and squaring. In: a matrix known to within `error` in the 2-norm, and a
 //! bound `rate` of its logarithmic norm, so that |exp(A t)| <= e^(rate t): in energy coordinates a system without sources
-//! has rate 0, and then errors do not grow from squaring to squaring but only add up. Clause: spec.md, "Response".
+//! has rate 0, and then errors do not grow from squaring to squaring but only add up. See docs/method/response.md.
 //!
 //! Scaled to |A h| <= 1/2, the Taylor polynomial of degree 24 leaves less than 2 (1/2)^25 / 25! < 1e-32. It is evaluated in
 //! eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2, and the norms of the

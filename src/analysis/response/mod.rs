@@ -1,6 +1,6 @@
 //! The motion in time under initial states and signals, exact at the times asked for: z(t + h) = exp(A h) z(t) with the
 //! states of the sources set anew at every stop, so that there is nothing to integrate numerically. In: a system, a signal
-//! for each input, times. Out: every output at every time as a ball. Clause: spec.md, "Response".
+//! for each input, times. Out: every output at every time as a ball. See docs/method/response.md.
 //!
 //! Signals are zero before t = 0, where the initial state holds; what jumps at a time has jumped at that time.
 

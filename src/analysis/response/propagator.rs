@@ -1,6 +1,6 @@
 //! A system and the sources that drive it as one linear equation z' = A z in energy coordinates, and every motion as a row
 //! over z. In: the system, the states w of the sources (w' = G w) and the forces F w. Out: A with its error, its norm and a
-//! bound of its logarithmic norm; rows for displacement, velocity and acceleration. Clause: spec.md, "Response".
+//! bound of its logarithmic norm; rows for displacement, velocity and acceleration. See docs/method/response.md.
 //!
 //! With P = K + sigma M + sqrt(sigma) C_0, S^T S near P and N^T N near M, the state is z = (S q, N q', w / W): then |z|^2 is
 //! about twice the energy, and d|z|^2/dt = -2 q'^T C q' + rest. What A has besides the dissipation L^T C L is computed with

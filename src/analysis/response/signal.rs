@@ -1,7 +1,7 @@
 //! Signals of time as solutions of linear equations: a harmonic is the state of an undamped oscillator, everything else is
 //! piecewise a polynomial, the state of a chain of integrators. Steps, ramps, pulses, harmonics and tables are exact; a
 //! chirp is a sequence of Taylor polynomials with a bounded remainder. In: what the model declares, in SI.
-//! Out: breakpoints and coefficients. Every signal is zero before t = 0. Clause: spec.md, "Response".
+//! Out: breakpoints and coefficients. Every signal is zero before t = 0. See docs/method/response.md.
 
 use crate::base::{Ball, Number};
 use crate::system::Signal;

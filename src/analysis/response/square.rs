@@ -1,7 +1,7 @@
 //! The mean square of one output, without a look at its course: between two events the integral of y^2 is z^T Q z with
 //! Q(t) = int_0^t exp(A s)^T c^T c exp(A s) ds, and Q doubles its time as exp(A t) does:
 //! Q(2 t) = Q(t) + exp(A t)^T Q(t) exp(A t). In: a run, an output, a time. Out: a ball.
-//! Clause: spec.md, "Measures, `solve`, `require`" 11c.6.
+//! See docs/method/measures.md#peak-and-rms.
 
 use super::course::{Followed, stretches};
 use super::exponential::{Exponential, Generator, growth};

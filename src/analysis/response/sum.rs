@@ -1,6 +1,6 @@
 //! Signals of one input as one: a sum of polynomials between jumps is one more of them, so a force of a thousand steps has one
 //! state, and not a thousand of which one more is on after each. In: sources. Out: fewer sources with the same sum.
-//! Clause: spec.md, "Response" 11b.2.
+//! See docs/method/response.md#signals.
 
 use super::signal::{Piece, Source, taylor};
 use crate::base::Number;

@@ -1,6 +1,6 @@
 //! What has to be said beside a motion: outputs that nothing moves, and samples whose bounds are wider than binary64.
 //! In: a system, its signals, a motion. Out: facts; who knows the places turns them into findings.
-//! Clause: spec.md, "Response" 11b.8.
+//! See docs/method/response.md#printed-samples.
 
 use super::History;
 use crate::base::{Ball, Code, Diagnostic, Number, Span};

@@ -1,5 +1,5 @@
 //! The bound of a state's error from step to step. In: what each step carries over and what it adds. Out: a bound that
-//! decays where the motion does. Clause: spec.md, "Response" 11b.4.
+//! decays where the motion does. See docs/method/response.md#matrix-exponential.
 //!
 //! One step's norm is hardly below one, however strong the damping: the energy of the least damped direction stays. The
 //! norm of many steps at once is far below it, so the error at some step (the anchor) is carried by the norm of all steps

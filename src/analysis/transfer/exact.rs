@@ -3,7 +3,7 @@
 //!
 //! With N the null vectors of Q and G = N^T M N, the input b excites the share N G^-1 N^T b: where an output sees it,
 //! H is infinite; where none does (a pole cancelled by a zero), H is what the other motions add up to, the solution of
-//! Q x = b - M N G^-1 N^T b with N^T M x = 0. Clause: spec.md, "Transfer".
+//! Q x = b - M N G^-1 N^T b with N^T M x = 0. See docs/method/transfer.md.
 
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Number, Rational};

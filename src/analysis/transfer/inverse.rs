@@ -1,7 +1,7 @@
 //! An approximate inverse R of a complex symmetric matrix Q, and the proof that it is near: with E = I - R Q, the solution
 //! of Q x = b satisfies x - y = R (b - Q y) + E (x - y) for every y. In: the entries of Q as enclosures. Out: R, a bound of
 //! |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*, Acta Numerica 19
-//! (2010), section 10). Clause: spec.md, "Transfer".
+//! (2010), section 10). See docs/method/transfer.md.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::base::{Ball, Dd, larger};

@@ -4,7 +4,7 @@
 //!
 //! Each frequency is solved by sparse elimination in double-double discs; where these get too wide, with an approximate
 //! inverse in binary64 and residuals of the terms in balls; where that inverse cannot be proven, with one in double-double;
-//! where that fails too, with exact rational numbers. Clause: spec.md, "Transfer".
+//! where that fails too, with exact rational numbers. See docs/method/transfer.md.
 
 pub(in crate::analysis) mod exact;
 pub mod extrema;

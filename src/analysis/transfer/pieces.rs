@@ -1,5 +1,5 @@
 //! Many frequencies on all cores. No frequency depends on its neighbours, so where the list is cut changes no bit of what
-//! comes out, and neither does the number of cores. Clause: spec.md 11a.5a.
+//! comes out, and neither does the number of cores. See docs/method/transfer.md#two-sided-approximation.
 
 use super::Frequency;
 use super::lanes::MOST;

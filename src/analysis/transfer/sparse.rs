@@ -2,7 +2,7 @@
 //! value, so the result is right whatever the pivots; where one is too small, the discs are wide and another road is taken.
 //! On chains and trees no number is used twice, so the discs stay as narrow as the conditioning allows (rectangles would not:
 //! each product turns and widens them). In: the pattern of
-//! M, C and K, then the entries of Q at a frequency. Out: x as discs. Clause: spec.md, "Transfer".
+//! M, C and K, then the entries of Q at a frequency. Out: x as discs. See docs/method/transfer.md.
 //!
 //! The order is that of approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards; the elimination is up-looking (Davis, *LDL*,
 //! ACM TOMS 31 (2005) 587).

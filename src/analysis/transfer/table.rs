@@ -2,7 +2,7 @@
 //! Out: rows in ascending frequency, and the peaks, antiresonances and half-power widths of each pair of input and output.
 //!
 //! The range and the grid come from the poles; every pole gets a star of points at distances of decades, so that a zero
-//! however near to it is bracketed. Extrema: see `extrema`. Clause: spec.md, "Transfer".
+//! however near to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::numeric::complex::Complex;
@@ -229,7 +229,7 @@ fn pole_size(pole: &crate::analysis::answer::Pole) -> f64 {
 
 /// 1, 2 and 5 times the powers of ten about a size, ascending.
 fn round_numbers(x: f64) -> impl DoubleEndedIterator<Item = Number> {
-    let decade = x.log10().floor().clamp(-300.0, 300.0) as i32;
+    let decade = libm::log10(x).floor().clamp(-300.0, 300.0) as i32;
     (decade - 1..decade + 3).flat_map(|exponent| {
         [1, 2, 5].map(|digit| &Number::from(digit) * &Number::from(10).powi(exponent).unwrap_or(Number::ONE))
     })

@@ -1,4 +1,4 @@
-//! Speed against error as text and CSV; the picture is in `svg`. Clause: spec.md, "Bench".
+//! Speed against error as text and CSV; the picture is in `svg`. See docs/method/bench.md.
 
 pub mod svg;
 

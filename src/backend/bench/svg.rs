@@ -1,5 +1,5 @@
 //! The work-precision picture: a panel for each question, time to the right and error upwards, both in decades; full dots for
-//! vibc, rings for what an ordinary program does, a line along what nothing beats. Clause: spec.md, "Bench".
+//! vibc, rings for what an ordinary program does, a line along what nothing beats. See docs/method/bench.md.
 
 use crate::bench::{Bench, Entry, Question};
 use std::fmt::Write;

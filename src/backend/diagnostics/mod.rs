@@ -1,5 +1,5 @@
 //! Diagnostics in three forms: for people (miette), for programs (one JSON object a line), and one short line each.
-//! Clause: spec.md, "Diagnostics".
+//! See docs/diagnostics.
 
 mod excerpt;
 mod human;

@@ -1,4 +1,4 @@
-//! C99: `NAME.h` and `NAME.c`. Clause: spec.md, "Simulation code".
+//! C99: `NAME.h` and `NAME.c`. See docs/method/emit.md.
 
 use super::plan::{Plan, Start, Style, Table};
 use super::text::{Words, decimal, line, numbers, statements};

@@ -1,5 +1,5 @@
 //! Equations of motion as statements: the right-hand side of a first-order system, and the outputs. Stretches and tensions that
-//! several forces share are computed once. Clause: spec.md, "Simulation code".
+//! several forces share are computed once. See docs/method/emit.md.
 
 use super::header::of_equations;
 use super::names::{identifiers, model_identifier};

@@ -1,5 +1,5 @@
 //! Pairs of states that are alike become loops over tables: in blocks of eight lanes, then a loop or two for what is left. In: the
-//! cells of a discrete system. Out: the groups, and the cells that stand alone. Clause: spec.md, "Simulation code".
+//! cells of a discrete system. Out: the groups, and the cells that stand alone. See docs/method/emit.md.
 
 use crate::analysis::discrete::{Cell, Decay, Form, Operand};
 

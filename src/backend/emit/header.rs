@@ -1,5 +1,5 @@
-//! The comment on top of emitted code: which model, what goes in and out, how it is computed and how well. Clause: spec.md,
-//! "Simulation code".
+//! The comment on top of emitted code: which model, what goes in and out, how it is computed and how well.
+//! See docs/method/emit.md.
 
 use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;

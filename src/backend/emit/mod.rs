@@ -1,5 +1,5 @@
 //! Simulation code: a discrete system as a source of its own, in C99 or Rust. The plan is the same for every language; a
-//! language is one file that prints it, and one line of [`Language`]. Clause: spec.md, "Simulation code".
+//! language is one file that prints it, and one line of [`Language`]. See docs/method/emit.md.
 
 mod c;
 mod equations;

@@ -1,5 +1,5 @@
 //! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out where they are few, by tables
-//! where they are many. Clause: spec.md, "Simulation code".
+//! where they are many. See docs/method/emit.md.
 
 use super::plan::{Array, Expression, Factor, Index, Statement, Table, Target, plus, product, sum, total};
 use super::planner::Slot;

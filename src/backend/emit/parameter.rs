@@ -1,6 +1,6 @@
 //! Code that keeps a parameter changeable: a dense step, and `set_parameter`, which assembles M, C and K anew, solves for the
 //! accelerations and takes the exponential by scaling and squaring E = exp - 1, in a number of operations that does not depend on
-//! the value. In: the system over the parameter. Out: a plan. Clause: spec.md, "Simulation code".
+//! the value. In: the system over the parameter. Out: a plan. See docs/method/emit.md.
 
 use super::header::of_parameter;
 use super::names::{identifiers, model_identifier};

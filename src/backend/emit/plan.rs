@@ -1,6 +1,6 @@
 //! What a target has to print: constants, the state's arrays and the statements of each function, in the order in which the
 //! operations happen, so that every target computes the same bits. In: a discrete system. Out: a plan that names no language.
-//! Clause: spec.md, "Simulation code".
+//! See docs/method/emit.md.
 
 use crate::analysis::discrete::Precision;
 use std::collections::BTreeSet;

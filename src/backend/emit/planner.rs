@@ -1,6 +1,6 @@
 //! From a discrete system to the statements of one step. Pairs of states that are alike are loops over tables, in blocks of eight
 //! and a smaller one for what is left, which compilers turn into vector instructions without changing the order of any sum;
-//! all others are written out. Clause: spec.md, "Simulation code".
+//! all others are written out. See docs/method/emit.md.
 
 use super::groups::{LANES, groups};
 use super::header::header;

@@ -1,6 +1,6 @@
 //! A program around emitted code: `main.c` or `main.rs`, which prints the CSV of `vibc simulate`. In: the plan, the step and the
 //! number of samples. Numbers are printed with the fewest digits that read back the same, in the form of that CSV; both
-//! programs print the same bytes where they compute the same bits. Clause: spec.md, "Simulation code".
+//! programs print the same bytes where they compute the same bits. See docs/method/emit.md.
 
 use super::plan::Plan;
 use super::{File, Language};

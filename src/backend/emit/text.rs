@@ -1,6 +1,6 @@
 //! Statements and expressions as text: what C, Rust and their like have in common. A language says how it writes its operands
-//! and declarations ([`Words`]); operators, their order and parentheses are the same in all of them. Clause: spec.md,
-//! "Simulation code".
+//! and declarations ([`Words`]); operators, their order and parentheses are the same in all of them.
+//! See docs/method/emit.md.
 
 use super::plan::{Expression, Index, Statement, Target};
 use crate::analysis::discrete::Precision;

@@ -1,4 +1,4 @@
-//! The page of each diagnostic: `docs/diagnostics/FAMILY/NAME.md` for the code `vib::FAMILY::NAME`, part of the program.
+//! The page of each diagnostic, part of the program: the file FAMILY/NAME.md of docs/diagnostics for the code `vib::FAMILY::NAME`.
 //! A new code is a new file there and its name here; tests compare both with the codes of the sources.
 
 /// What `vibc explain CODE` prints.

@@ -1,6 +1,6 @@
 //! The modal report as text: what the scene does first, then the numbers, each with its unit, its settled digits and the
 //! bound of its error. About a hundred columns wide; plain characters and no colour, so that a file holds what a screen
-//! shows. Clause: spec.md, "Report".
+//! shows. See docs/method/report.md.
 
 mod matrices;
 mod modes;

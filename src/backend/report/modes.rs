@@ -104,7 +104,7 @@ fn frequency_cells(number: usize, mode: &Mode, options: &ReportOptions) -> Vec<S
 
 /// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
 fn rounded(Unproven(entry): Unproven, largest: f64) -> String {
-    /// Below this part of the largest entry it is rounding, no motion (spec.md, 12.1).
+    /// Below this part of the largest entry it is rounding, no motion (docs/method/report.md#numbers).
     const NOTHING: f64 = 1e-12;
     if entry.abs() <= NOTHING * largest { "0".into() } else { Decimal::round(Dd::from(entry), SHAPE_DIGITS).text() }
 }

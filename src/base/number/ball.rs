@@ -1,6 +1,6 @@
 //! Ball arithmetic: a double-double midpoint and a radius that encloses the true value,
 //! |x - mid| <= rad. Every operation adds a rigorous bound of its own rounding (see [`Dd::EPSILON`]),
-//! so whatever is computed with balls carries an error bound that holds. Clause: spec.md, "Numbers".
+//! so whatever is computed with balls carries an error bound that holds. See docs/method/numbers.md.
 //!
 //! A ball of radius zero is exact. Zero times anything finite is exactly zero, and the sum with an exact zero is exact,
 //! so that structural zeros stay structural.

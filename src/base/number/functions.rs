@@ -245,7 +245,7 @@ fn exp(x: Ball) -> Ball {
 /// ln(x): two Newton steps y <- y + 2 (x - e^y) / (x + e^y) from binary64, then the last correction as a ball:
 /// ln x = y + 2 artanh(z), z = (x - e^y) / (x + e^y).
 fn ln(x: Ball) -> Ball {
-    let mut y = Dd::from(x.mid.hi.ln());
+    let mut y = Dd::from(libm::log(x.mid.hi));
     for _ in 0..2 {
         let e = exp(Ball::exact(y)).mid;
         y += (x.mid - e) / (x.mid + e) * 2.0;
@@ -369,7 +369,7 @@ mod wide {
 /// The angle t = atan2 in binary64, then the exact angle left over: with (u, v) = (x, y) turned back by t,
 /// atan2(y, x) = t + atan(v / u), |v / u| tiny.
 fn atan2(y: Ball, x: Ball) -> Ball {
-    let mut t = Dd::from(y.mid.hi.atan2(x.mid.hi));
+    let mut t = Dd::from(libm::atan2(y.mid.hi, x.mid.hi));
     let left_over = |t: Dd| {
         let (s, c) = sin_cos(Ball::exact(t));
         (y * c - x * s) / (x * c + y * s)

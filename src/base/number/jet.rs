@@ -1,7 +1,7 @@
 //! A number that depends on one parameter, with its derivative: both enclosed over a whole range of the parameter. In: numbers
 //! of a model in which a parameter is [`Jet::of_parameter`]. Out: for every value of the parameter in the range, the number lies
 //! in `value` and its derivative in `slope` (automatic differentiation in ball arithmetic: L. B. Rall, *Automatic
-//! Differentiation*, LNCS 120, 1981). Clause: spec.md, "Numbers".
+//! Differentiation*, LNCS 120, 1981). See docs/method/numbers.md.
 //!
 //! Where a number is turned into a plain ball its derivative is lost; [`watched`] tells whether that happened, so that what
 //! was computed from such a ball is not taken for constant.

@@ -3,7 +3,7 @@
 //! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
 //! so do fractions of pi and sums with one square root: `60 deg` is pi/3, its sine sqrt(3)/2, and 10 rad/s are 5/pi Hz. What leaves these sets is
 //! enclosed in a [`Ball`], a double-double with a rigorous radius.
-//! Clause: spec.md, "Numbers".
+//! See docs/method/numbers.md.
 
 pub mod ball;
 pub mod dd;

@@ -3,7 +3,7 @@
 //! Inside, a number is an enclosure: exact, a ball, a disc. A result has room for one binary64 number. [`Rounded`] is that
 //! number together with a bound of its own error, the rounding to binary64 included; it can be made from an enclosure
 //! only, so that no result can carry a bound that was computed for some other number. What has no proven bound leaves as
-//! [`Unproven`]. Clause: spec.md, "Numbers".
+//! [`Unproven`]. See docs/method/numbers.md.
 
 use super::{Ball, Dd, Number};
 

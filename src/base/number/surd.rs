@@ -1,6 +1,6 @@
 //! Numbers a + b sqrt(d), exact: a and b rational, b not zero, d > 1 whole and without a square in it. Drawings at 30, 45
 //! and 60 degrees and diagonals of rectangles are made of such numbers, and what cancels in them cancels exactly.
-//! Clause: spec.md 2.2.
+//! See docs/method/numbers.md#surds.
 
 use super::{Ball, Rational};
 use std::cmp::Ordering;

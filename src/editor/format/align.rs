@@ -1,4 +1,4 @@
-//! Lines to text: neighbouring declarations have their names, values and comments in columns. Clause: spec.md, "Layout".
+//! Lines to text: neighbouring declarations have their names, values and comments in columns. See spec.md#layout.
 
 use super::layout::{Content, Line, Sort};
 

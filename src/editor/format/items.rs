@@ -1,4 +1,4 @@
-//! Tokens to declarations, comments on lines of their own, and blank lines. Clause: spec.md 1.2.
+//! Tokens to declarations, comments on lines of their own, and blank lines. See spec.md#declarations.
 
 use crate::editor::tokens::{Token, TokenKind};
 use std::ops::Range;

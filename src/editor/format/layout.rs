@@ -1,4 +1,4 @@
-//! Declarations to lines: on one line where it fits, else each field on its own. Clause: spec.md, "Layout".
+//! Declarations to lines: on one line where it fits, else each field on its own. See spec.md#layout.
 
 use super::items::Item;
 use super::spacing::{Piece, Role, apart, joined, pieces};

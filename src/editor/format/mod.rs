@@ -1,4 +1,4 @@
-//! The one layout of a model file. Clause: spec.md, "Layout".
+//! The one layout of a model file. See spec.md#layout.
 //!
 //! In: a text that is in the grammar, and its tree. Out: the same declarations and comments in the same order, laid out by
 //! rules that do not ask how they were laid out before, so that laying out twice changes nothing. `items` cuts the text

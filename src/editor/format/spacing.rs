@@ -1,4 +1,4 @@
-//! Where blanks stand in a line. Clause: spec.md, "Layout".
+//! Where blanks stand in a line. See spec.md#layout.
 //!
 //! One blank around operators, after a comma and a colon and inside braces; none inside `( )` and `[ ]`, around `.`, `@`
 //! and `^`, after the sign of a value. Indices and the range of a `repeat` are written close: `m[i-1]`, `2..n-1`.

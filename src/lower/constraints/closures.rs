@@ -1,5 +1,5 @@
 //! What closing joints and couplings ask, as scalar equations. In: scene and kinematics; out: a list in order of
-//! declaration, joints first. Clause: spec.md, 6.6.
+//! declaration, joints first. See docs/method/kinematics.md#constraints.
 
 use super::equation::{Component, Equation};
 use super::{Constraint, Source};

@@ -1,6 +1,6 @@
 //! Which coordinates depend on which: elimination of the gradients of the constraints, in exact numbers where the state is
 //! exact. In: sparse rows over all coordinates; out: each dependent coordinate as a combination of independent and
-//! prescribed ones. Clause: spec.md, 6.7.
+//! prescribed ones. See docs/method/kinematics.md#independent-coordinates.
 //!
 //! Columns are measured in units of motion (a radian, a length of the loops), and the pivot of a row is its largest entry.
 //! Each row in turn is freed of the pivots of the rows before it (forward); then each, from the last to the first, is freed

@@ -1,4 +1,4 @@
-//! One scalar constraint g(q) = 0 and its exact first and second derivatives. Clause: spec.md, 6.6.
+//! One scalar constraint g(q) = 0 and its exact first and second derivatives. See docs/method/kinematics.md#constraints.
 //!
 //! g is a sum of components of displacements and of angles,
 //!

@@ -1,5 +1,6 @@
 //! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics; out: equations g(q) = 0
-//! that are independent of each other in the drawing, and what the others turned out to be. Clause: spec.md, 6.6 to 6.8.
+//! that are independent of each other in the drawing, and what the others turned out to be.
+//! See docs/method/kinematics.md#constraints and docs/method/kinematics.md#dependent-constraints.
 //!
 //! # Steps
 //! 1. [`equation`]: what a joint or a coupling asks, as scalar equations

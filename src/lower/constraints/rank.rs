@@ -1,4 +1,5 @@
-//! What it means where constraints depend on each other in the drawing. Clause: spec.md, 6.8.
+//! What it means where constraints depend on each other in the drawing.
+//! See docs/method/kinematics.md#dependent-constraints.
 //!
 //! Rows that add up to zero, sum mu_i grad g_i = 0, leave the second derivative Q = sum mu_i grad^2 g_i, taken along the
 //! motions that the rows allow. Where Q is zero the last of them follows from the others (redundant). Where Q has one sign

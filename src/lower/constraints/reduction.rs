@@ -1,5 +1,6 @@
 //! From rows over all coordinates of the joint tree to rows over the independent ones, which are the coordinates of the
-//! linear system. In: an elimination; out: a map of rows, forces and multipliers. Clause: spec.md, 6.7 and 8.4.
+//! linear system. In: an elimination; out: a map of rows, forces and multipliers.
+//! See docs/method/kinematics.md#independent-coordinates and docs/method/linearisation.md#constraint-forces.
 
 use super::elimination::{Elimination, Row};
 use super::equation::summed;

@@ -1,5 +1,5 @@
 //! The way down along constraints: from the drawing to a rest of one part whose coordinates depend on each other, in
-//! binary64. Clause: spec.md 7.8.
+//! binary64. See docs/method/rest.md#closed-loops.
 //!
 //! Sequential quadratic steps in the null space of the constraints (J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd
 //! ed. 2006, sections 15.3 and 18.1): with G the gradients of the constraints, the columns of Z a basis of G z = 0 and the

@@ -1,4 +1,5 @@
-//! The rest of a large curved part, refined with sparse factors and enclosed by strong convexity. Clause: spec.md 7.5.
+//! The rest of a large curved part, refined with sparse factors and enclosed by strong convexity.
+//! See docs/method/rest.md#proof.
 //!
 //! In z = (q - m)/s, s_i = H_ii^(-1/2), let every eigenvalue of S H(X) S be at least c > 0 for all X with |z| <= rho. On
 //! the sphere |z| = rho then grad V . z >= c rho^2 - |S g(m)| rho. Where that is not negative, |S g(m)| <= c rho, a rest

@@ -1,4 +1,4 @@
-//! Large sparse symmetric matrices in balls, and a lower bound of their least eigenvalue. Clause: spec.md 7.5.
+//! Large sparse symmetric matrices in balls, and a lower bound of their least eigenvalue. See docs/method/rest.md#proof.
 //!
 //! Where L D L^T of S H S - sigma, S scaling the diagonal to ones, comes to its end in binary64 with positive D, the least
 //! eigenvalue of S H S is above sigma - e, e = 2^-52 n (longest row + 4) (S. M. Rump, *Verification of positive

@@ -1,5 +1,6 @@
 //! `rest as drawn`: the smallest tensions of springs that hold the drawing. In: a scene and the state as drawn; out: a tension
-//! for each spring that says nothing of its own, or the coordinates that no tension can hold. Clause: spec.md 7.7.
+//! for each spring that says nothing of its own, or the coordinates that no tension can hold.
+//! See docs/method/rest.md#rest-as-drawn.
 //!
 //! With the rate t_e = T_e / |d_e| of each such spring and r_e = d_e . du_e/dq, balance is sum_e r_e t_e = f, and the least
 //! sum of T_e^2 = |d_e|^2 t_e^2 that does it is t_e = (r_e . y) / |d_e|^2 with G y = f, G = sum_e r_e r_e^T / |d_e|^2. All of

@@ -1,4 +1,4 @@
-//! The rest of a part without constraints, known: refined in double-double, then proven. Clause: spec.md, "Rest".
+//! The rest of a part without constraints, known: refined in double-double, then proven. See docs/method/rest.md.
 
 use super::convex;
 use super::exact::simplest;

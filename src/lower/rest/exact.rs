@@ -1,5 +1,5 @@
 //! The simplest fraction near a number: a rest found to thirty digits is a fraction of small numbers only if it is that
-//! fraction, which exact arithmetic then proves. Clause: spec.md, "Rest".
+//! fraction, which exact arithmetic then proves. See docs/method/rest.md.
 
 use crate::base::{Ball, Rational};
 use num_bigint::BigInt;

@@ -1,5 +1,5 @@
 //! From a solution in binary64 to one that is known: refined in double-double, then proven. In: equations F(z) = 0 with a
-//! symmetric derivative, and a start; out: a box that holds exactly one solution. Clause: spec.md, "Rest".
+//! symmetric derivative, and a start; out: a box that holds exactly one solution. See docs/method/rest.md.
 //!
 //! With Y near the inverse of F', the Krawczyk operator m - Y F(m) + (1 - Y F'(Z)) (Z - m) maps the box Z about m into its
 //! interior only if Z holds exactly one solution (R. Krawczyk, *Newton-Algorithmen zur Bestimmung von Nullstellen mit

@@ -1,5 +1,5 @@
 //! The rest of large parts with a quadratic energy: K q = f by sparse factors, refined with exact residuals.
-//! Clause: spec.md, "Rest".
+//! See docs/method/rest.md.
 //!
 //! For chains and nets of springs, whose K has no positive entry off its diagonal: with a vector w > 0 for which
 //! v = K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for Systems of

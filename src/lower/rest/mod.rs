@@ -1,4 +1,4 @@
-//! The static rest: where the scene stays when nothing moves. Clause: spec.md, "Rest".
+//! The static rest: where the scene stays when nothing moves. See docs/method/rest.md.
 //!
 //! # Steps
 //! 1. the forces as drawn, exactly: where they are all zero the drawing is the rest
@@ -50,7 +50,7 @@ pub struct Rest {
     /// Largest generalised force that is left, relative to the largest that acts in its part; exactly 0 where the rest is
     /// known exactly.
     pub residual: f64,
-    /// What shows that the rest is in its enclosure; `None` where nothing does (see spec.md, "Rest").
+    /// What shows that the rest is in its enclosure; `None` where nothing does (see docs/method/rest.md).
     pub proven: Option<Proven>,
     /// Newton steps that were taken; 0 where the drawing is the rest.
     pub steps: u32,

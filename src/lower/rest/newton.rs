@@ -1,4 +1,4 @@
-//! The way down: from the drawing to a rest of one part, in binary64. Clause: spec.md, "Rest".
+//! The way down: from the drawing to a rest of one part, in binary64. See docs/method/rest.md.
 //!
 //! Newton steps with a trust region ([`trust`](super::trust)). D measures angles in radians and translations in lengths of
 //! the part. Every step lowers the energy, so the way ends in a minimum; a coordinate on which nothing pulls stays where it

@@ -1,5 +1,5 @@
 //! The potential energy of loads and springs at any state, with first and second derivatives: in binary64 for the search,
-//! in [`Number`](crate::base::Number) for what is kept. Clause: spec.md, "Rest".
+//! in [`Number`](crate::base::Number) for what is kept. See docs/method/rest.md.
 
 use crate::base::Number;
 use crate::elements::{DeadForce, Scalar, Spring, Stretch, Vector};

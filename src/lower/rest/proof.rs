@@ -1,5 +1,6 @@
 //! What shows that a scene rests where it is told to rest. A [`Proven`] is made by these tests alone, so that nothing says
-//! `proven` by itself. Clause: spec.md 7.2, 7.5, 7.6.
+//! `proven` by itself.
+//! See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and docs/method/rest.md#large-linear-parts.
 
 use crate::base::Number;
 

@@ -1,4 +1,5 @@
-//! The rest of a part with constraints, known: coordinates and multipliers together. Clause: spec.md 7.8.
+//! The rest of a part with constraints, known: coordinates and multipliers together.
+//! See docs/method/rest.md#closed-loops.
 //!
 //! The equations are grad V + G^T lambda = 0 and g = 0 in z = (q, lambda), with the symmetric derivative
 //! [W G^T; G 0], W = grad^2 V + lambda . grad^2 g: refined and enclosed as in [`krawczyk`].

@@ -1,5 +1,5 @@
 //! Rests without any tension: a body that floats on a spring, parts that nothing but their own springs hold. In: a part near
-//! such a rest; out: a rest that is proven, in which every spring is exactly slack. Clause: spec.md 7.5.
+//! such a rest; out: a rest that is proven, in which every spring is exactly slack. See docs/method/rest.md#proof.
 //!
 //! Where nothing pulls but springs, every place at which all of them have their free lengths is a rest, and where they leave
 //! motions free there are many: no operator contracts onto one of them. The one nearest to the drawing is unique (or, if

@@ -1,5 +1,5 @@
 //! Which coordinates hang together, which of those sets are loaded, and how: so that only what moves is searched for.
-//! Clause: spec.md, "Rest".
+//! See docs/method/rest.md.
 //!
 //! Two coordinates hang together where one spring feels both, or where a slide turns with an angle. A set is linear where
 //! its energy is quadratic: no loaded arm turns and every spring acts along a fixed direction.

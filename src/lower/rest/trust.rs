@@ -1,5 +1,5 @@
 //! One step of a trust region: p that makes g . p + p . H p / 2 least for |p|_D <= radius. In: a matrix that can be factored
-//! with a shift s D, the gradient; out: the step and what it promises. Clause: spec.md 7.4.
+//! with a shift s D, the gradient; out: the step and what it promises. See docs/method/rest.md#search.
 //!
 //! p = -(H + s D)^-1 g with the least s >= 0 for which H + s D is positive definite and p fits (J. J. Moré, D. C. Sorensen,
 //! *Computing a trust region step*, SIAM J. Sci. Stat. Comput. 4 (1983) 553-572). Where H is not positive definite the step

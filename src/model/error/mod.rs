@@ -1,5 +1,5 @@
 //! What can be wrong with a model: facts, and what is said about them. Each variant has one code, one primary place, and
-//! a help that says what to type. Clause: spec.md, "Diagnostics".
+//! a help that says what to type. See docs/diagnostics.
 
 mod names;
 mod parts;

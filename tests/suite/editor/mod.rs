@@ -1,4 +1,4 @@
-//! The language server as a client sees it, request by request. Clause: spec.md, "Editors".
+//! The language server as a client sees it, request by request. See docs/editors.md.
 
 mod client;
 mod mends;

@@ -18,7 +18,8 @@
 //!   max_(i in C) (p_ii + e_ii span) + |p_CC off the diagonal|_F + |e_CC|_F span + sum_(i in C, j in J) (p_ij + e_ij span)^2 v_j / (1 - q),
 //!
 //! so by Weyl's inequality the k-th lambda is within delta of the k-th theta if that is at most delta for
-//! span = (the group's width) + delta. All sums over J for all groups are one product of matrices, S V. Clause: spec.md 10.15.
+//! span = (the group's width) + delta. All sums over J for all groups are one product of matrices, S V.
+//! See docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::dense::residual::Residuals;
 use crate::analysis::modes::gram::SLACK;

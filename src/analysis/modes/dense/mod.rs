@@ -4,7 +4,7 @@
 //! The assembled matrices hold what is not below the last bits of the largest eigenvalue; residuals of the terms hold the
 //! rest. So the first vectors are as good as anybody's, and the bounds say for each mode what the terms say of it.
 //!
-//! Clause: spec.md 10.15.
+//! See docs/method/modes.md#dense-matrices.
 
 mod certificate;
 mod residual;

@@ -10,7 +10,7 @@
 //!
 //! entry by entry, which also covers the rounding of weights and factors to two words. With D^2 the diagonal of M,
 //! |x_i^T (error of K x_j)| <= kappa |D x_i| |D x_j|, kappa the largest row sum of D^-1 B D^-1 (a symmetric matrix' norm is at
-//! most that). Clause: spec.md 10.15.
+//! most that). See docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::gram::SLACK;
 use crate::analysis::modes::terms::{Factor, Terms};

@@ -4,7 +4,7 @@
 //! entries are known relative to the residuals (compare [`correction`](crate::analysis::modes::correction)). Modes too close
 //! for that are turned among themselves by the eigenvectors B of their own block of the pencil. The block's entries have
 //! digits of their own, far below those of the largest eigenvalue: so what one reduction of the whole matrix could not tell
-//! apart, the next one, of the soft modes alone, can. Clause: spec.md 10.15.
+//! apart, the next one, of the soft modes alone, can. See docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::dense::certificate::Reduced;
 use crate::analysis::numeric::dense::Matrix;

@@ -4,7 +4,7 @@
 //! What a vector has of another mode is its residual over the distance of the two eigenvalues. Where they agree to ten
 //! digits and more, vectors of working precision are any mixture; but their span is as good as ever, and in it K and M are
 //! small matrices (Rayleigh and Ritz), formed from the terms in double-double and turned by Jacobi's method after what the
-//! eigenvalues have in common is taken off. Clause: spec.md 10.12.
+//! eigenvalues have in common is taken off. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::modes::mass;

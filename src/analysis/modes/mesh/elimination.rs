@@ -12,7 +12,7 @@
 //! t of a few roundings, give exactly the pivot used. No bound of any growth is needed: where roundings matter, the count
 //! comes out too high (too low), and proves nothing.
 //!
-//! The order is that of approximate minimum degree. Clause: spec.md 10.12.
+//! The order is that of approximate minimum degree. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
 use crate::analysis::modes::mesh::postponed::{Postponed, pivot};

@@ -3,7 +3,7 @@
 //! In: the factors of K - sigma M and M. Out: approximate modes, nearest first in 1/(lambda - sigma). Start vectors are
 //! scrambled, so that no symmetry hides a mode; a block finds repeated frequencies, and where more of them repeat than a block
 //! is wide, new scrambled vectors are added. Whether any is missed is not decided here but by counts ([`super::elimination`]).
-//! (Ericsson and Ruhe, Math. Comp. 35 (1980) 1251; Golub and Underwood 1977.) Clause: spec.md 10.12.
+//! (Ericsson and Ruhe, Math. Comp. 35 (1980) 1251; Golub and Underwood 1977.) See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::elimination::Factors;
 use crate::analysis::modes::mesh::network::Network;

@@ -11,7 +11,7 @@
 //!    many negative eigenvalues as X^T (K - t M) X - D(t), |D_ij| <= |r_i| |r_j| / (s - b^2/g - t), and the certificate of
 //!    small problems encloses those ([`certificate`]). Repeated frequencies are certified as groups there.
 //!
-//! Clause: spec.md 10.12.
+//! See docs/method/modes.md#sparse-parts.
 
 pub mod close;
 pub mod elimination;

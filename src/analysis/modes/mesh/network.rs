@@ -2,7 +2,7 @@
 //!
 //! Any symmetric matrix A is the form sum_(i<j) c_ij (x_i - x_j)^2 + sum v_i x_i^2 with c_ij = -A_ij and v_i its row sums. For
 //! springs these are the springs themselves, whatever the ratio of their sizes; the shift stays apart in v.
-//! In: the terms of K and of M. Out: couplings and grounds. Clause: spec.md 10.12.
+//! In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::numeric::triple::{Precise, Triple};

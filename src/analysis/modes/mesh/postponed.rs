@@ -3,7 +3,8 @@
 //! Near its zero a pivot makes couplings as large as it is small, and roundings with them. Such nodes stay, coupled to all
 //! that is eliminated after them, and are counted last, as a dense matrix with its eigenvectors. As many are put off as the
 //! modes below the shift need, a few each. All numbers are rounded one way, as in [`super::elimination`].
-//! In: stars as they are eliminated. Out: how many pivots of the nodes put off are negative. Clause: spec.md 10.12.
+//! In: stars as they are eliminated. Out: how many pivots of the nodes put off are negative.
+//! See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::U;
 use nalgebra::DMatrix;

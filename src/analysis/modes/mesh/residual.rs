@@ -1,6 +1,7 @@
 //! Residuals K x - theta M x in double-double from the terms, with bounds of their norms.
 //!
-//! Each term stretches x first, so a stiff spring that hardly stretches hardly errs. Clause: spec.md 10.12.
+//! Each term stretches x first, so a stiff spring that hardly stretches hardly errs.
+//! See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Terms};

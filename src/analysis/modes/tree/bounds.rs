@@ -15,7 +15,7 @@
 //! below the normal range lose of a root of a sum over at most 2^24 nodes is below 2^-460: that much is added to both roots.
 //!
 //! A tree without ground is held by springs tau M to the ground, which add tau to every eigenvalue.
-//! Clause: spec.md 10.10.
+//! See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::mesh::close::CLOSE;
 use crate::analysis::modes::tree::beside::Beside;

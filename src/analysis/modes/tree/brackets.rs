@@ -1,7 +1,7 @@
 //! Brackets of the eigenvalues of a tree, by counts of those below many shifts at once, in binary64.
 //!
 //! A count at s is right for some s (1 +- eta): each number of an elimination takes part in at most breadth + 12 roundings,
-//! and those of a branch are relative changes of all its numbers. Clause: spec.md 10.10.
+//! and those of a branch are relative changes of all its numbers. See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::Frame;

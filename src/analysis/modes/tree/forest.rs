@@ -6,7 +6,7 @@
 //! bar between them does: M = sum r_i x_i^2 - sum c_i (x_i - x_parent)^2 with r_i the row sums of M and c_i what couples the
 //! two. A bound kappa with M >= (sum |r_i| x_i^2 + sum |c_i| (x_i - x_parent)^2) / kappa says how much relative changes of
 //! these numbers change M; it is 1 where nothing is coupled.
-//! Clause: spec.md 10.10.
+//! See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::modes::tree::impedance::LEAST_RATIO;

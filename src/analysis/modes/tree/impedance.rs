@@ -11,7 +11,7 @@
 //!
 //! By Sylvester's law as many d (v for the root) are negative as there are eigenvalues below s. A relative change of q_i is
 //! one of all numbers of the branch, so every rounding is a relative change of the numbers of the tree (compare Demmel and
-//! Gragg, LAA 185 (1993) 203). Clause: spec.md 10.10.
+//! Gragg, LAA 185 (1993) 203). See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::tree::forest::Node;
 use crate::analysis::numeric::dense::Real;

@@ -6,7 +6,7 @@
 //! 3. Bounds of Kato and Temple in the norm of K ([`bounds`]).
 //! 4. The same in double-double where more digits are asked for.
 //!
-//! Clause: spec.md 10.10.
+//! See docs/method/modes.md#large-trees.
 
 pub mod beside;
 pub mod bounds;

@@ -1,5 +1,6 @@
 //! A disc that certainly holds exactly one pole, a simple one. In: an approximate pole and its vector as exactly these numbers,
-//! the frame of the undamped modes. Out: the disc, or nothing where this proves none. Clause: spec.md 11.11.
+//! the frame of the undamped modes. Out: the disc, or nothing where this proves none.
+//! See docs/method/poles.md#poles-followed-from-modes.
 //!
 //! In the basis (x, X', Y), X' the modes X without the one that x comes from, det Q is a constant times det R^T Q R times
 //!
@@ -169,7 +170,7 @@ impl Star {
         let size = 2.0 * pair.s.to_f64().abs() * UP;
         let slope: Vec<f64> = momentum.iter().zip(&drag).map(|(m, c)| (size * m + c) * UP).collect();
         let products = |x: &Vec<f64>| {
-            let [r, q, m] = [dot(x, &re).hypot(dot(x, &im)), sizes_dot(x, &slope), sizes_dot(x, &momentum)];
+            let [r, q, m] = [libm::hypot(dot(x, &re), dot(x, &im)), sizes_dot(x, &slope), sizes_dot(x, &momentum)];
             [r * UP, q, m]
         };
         let along: Vec<[f64; 3]> = frame.x.iter().map(products).collect();

@@ -3,7 +3,7 @@
 //!
 //! Couplings c + k/s of springs and dampers lie in a sector, so their sums do not cancel where those of the assembled matrix
 //! would (compare [`crate::analysis::modes::mesh::elimination`]); the inertia m s^2 is carried apart in the grounds.
-//! Clause: spec.md 11.11.
+//! See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::modes::mesh::elimination::Pattern;
 use crate::analysis::modes::mesh::network::Network;

@@ -1,6 +1,6 @@
 //! What is certain of the motions besides the lowest undamped modes. In: the terms, approximate modes. Out: a bound mu such that
 //! y^T K y >= mu y^T M y for every y in a complement Y of the modes X, and bounds of what couples X and Y, in the norm of
-//! P = K + tau M. Clause: spec.md 11.11.
+//! P = K + tau M. See docs/method/poles.md#poles-followed-from-modes.
 //!
 //! K - mu M has at most k negative eigenvalues (a count that holds) and is negative definite on the k vectors X, so it is
 //! positive semidefinite on Y = {y : X^T (K - mu M) y = 0} (Sylvester). With R = K X - M X Theta and X^T K Y = mu X^T M Y,
@@ -158,7 +158,7 @@ impl<'a> Frame<'a> {
 
     /// |f|_(P^-1) of a complex vector, by its parts.
     pub fn dual(&self, re: &Image, im: &Image, enough: f64) -> f64 {
-        self.norm.of_image(re, enough).hypot(self.norm.of_image(im, enough)) * UP
+        libm::hypot(self.norm.of_image(re, enough), self.norm.of_image(im, enough)) * UP
     }
 
     /// The same, without a solution: at most the norm in diag(scale)^-1 over a root.

@@ -1,6 +1,7 @@
 //! From a rough start to a pole: residual inverse iteration, x <- x - Q(sigma)^-1 Q(s) x with s from
 //! Rayleigh's quotient (Neumaier, SIAM J. Numer. Anal. 22 (1985) 914), residuals of the terms in double-double. In: networks,
-//! terms, a start. Out: s and x; how good they are is the discs' business. Clause: spec.md 11.11.
+//! terms, a start. Out: s and x; how good they are is the discs' business.
+//! See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::pencil::{Pencil, Vector};

@@ -1,5 +1,6 @@
 //! The damped poles of a few modes of a large system, each with a disc that proves it. In: a system, its lowest undamped modes.
-//! Out: a disc for each of the modes wanted that could be followed; of infinite size where nothing is proved. Clause: spec.md 11.11.
+//! Out: a disc for each of the modes wanted that could be followed; of infinite size where nothing is proved.
+//! See docs/method/poles.md#poles-followed-from-modes.
 //!
 //! 1. The undamped modes and a count that holds bound what all other motions do to them ([`frame`]).
 //! 2. Q in the span of these modes gives starts ([`projection`]), which are followed to poles ([`iteration`]) with sparse factors

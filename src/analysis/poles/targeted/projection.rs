@@ -1,5 +1,5 @@
 //! Q in the span of the lowest undamped modes: a small dense problem, whose eigenvalues are starts. In: the frame of the modes.
-//! Out: where poles are about. Nothing here is printed. Clause: spec.md 11.11.
+//! Out: where poles are about. Nothing here is printed. See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;

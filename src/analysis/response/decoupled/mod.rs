@@ -1,7 +1,7 @@
 //! The motion of a system whose damping does not join its modes: each mode is an oscillator of its own, so a step takes
 //! two by two numbers a mode instead of a full matrix, and several modes and several times go side by side. In: a system,
 //! signals, times. Out: what the general road gives, with bounds as good, or nothing where that cannot be proven here.
-//! Clause: spec.md, "Response" 11b.4a.
+//! See docs/method/response.md#modal-steps.
 //!
 //! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
 //! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and what they do grows in

@@ -1,5 +1,5 @@
 //! A system as oscillators that do not act on each other: what each of them is, how the sources push it, how the outputs
-//! read it, and what is left out. Clause: spec.md, "Response" 11b.4a.
+//! read it, and what is left out. See docs/method/response.md#modal-steps.
 
 use super::step::Step;
 use super::{Off, Row};

@@ -1,6 +1,6 @@
 //! exp(A h) of every oscillator at once, side by side in the lanes of a vector, with the sources that act on it. In: the
 //! oscillators, the states of the sources that are on, h. Out: two by two numbers an oscillator, two a source, and what
-//! they are off by. Clause: spec.md, "Response" 11b.4a.
+//! they are off by. See docs/method/response.md#modal-steps.
 //!
 //! A = [[A_i, B_i], [0, G]]: A_i = [[0, s], [-k/s, -c]], B_i the sources' forces on z_2, G their generator. The blocks
 //! F = exp(A_i h), Phi and R = exp(G h) are made by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by Horner's

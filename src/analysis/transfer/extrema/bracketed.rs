@@ -1,6 +1,6 @@
 //! Extrema of systems too large for their zeros: between the frequencies of a grid. In: a system made ready, its poles, values on
 //! a grid. Out: the grid's maxima and minima, each enclosed by itself; that there are no others is not proved.
-//! Clause: spec.md 11a.6b.
+//! See docs/method/transfer.md#extrema-of-larger-systems.
 
 use super::jet::Jet;
 use super::{Extrema, Extremum, FeatureKind};

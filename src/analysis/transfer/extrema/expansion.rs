@@ -1,6 +1,6 @@
 //! What the coefficients of a determinant of polynomials are off by. In: the entries' coefficients, each with a bound of its size
 //! and a radius. Out: a radius for each coefficient: Laplace's expansion over rows, every product with its sizes, so that nothing
-//! cancels. Clause: spec.md 11a.6a.
+//! cancels. See docs/method/transfer.md#extrema.
 
 /// |a| <= size for the middle, |a - middle| <= radius.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,6 +1,6 @@
 //! H of an input and an output as a quotient of two polynomials in s: det [Q, b; -p^T, d] / det Q. In: a small system. Out: its
 //! zeros and poles, and the factor before them. Rational numbers give exact polynomials, and what cancels is taken out; of others
-//! the middles are taken, and each coefficient gets a bound of what it is off by. Clause: spec.md 11a.6a.
+//! the middles are taken, and each coefficient gets a bound of what it is off by. See docs/method/transfer.md#extrema.
 
 use super::expansion::{Sized, spread};
 use super::roots::{Coefficients, Root, roots};

@@ -1,6 +1,6 @@
 //! H and its first two derivatives over s, at a frequency or over an interval of frequencies, by sparse elimination in discs:
 //! Q x0 = b, Q x1 = b' - Q' x0, Q x2 = b'' - 2 Q' x1 - Q'' x0. In: a system made ready, a frequency as a ball. Out: enclosures
-//! for every frequency of the ball. Clause: spec.md 11a.6b.
+//! for every frequency of the ball. See docs/method/transfer.md#extrema-of-larger-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;

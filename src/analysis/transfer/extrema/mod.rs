@@ -1,6 +1,6 @@
 //! Peaks and antiresonances of |H|, all of them. In: a system, an input, an output and a range. Out: each extremum with its
 //! frequency, its value and its half-power width as enclosures, and whether it is proved that there are no others.
-//! Clause: spec.md 11a.6a.
+//! See docs/method/transfer.md#extrema.
 
 mod bracketed;
 mod expansion;

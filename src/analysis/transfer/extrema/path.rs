@@ -7,7 +7,7 @@
 //!
 //! The first where the output sees what the input drives (Z spans the motions that it does not see); the second where a single path
 //! joins the coordinates i and j, as in a chain and any other tree. In: a system made ready, an input and an output. Out: zeros and
-//! poles, each in a disc of its own bound. Clause: spec.md 11a.6b.
+//! poles, each in a disc of its own bound. See docs/method/transfer.md#extrema-of-larger-systems.
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};
@@ -281,8 +281,8 @@ fn with_factor(
     let sizes = || zeros.iter().chain(&poles).map(size).filter(|size| *size > 0.0);
     let largest = sizes().fold(0.0, f64::max);
     // Products of hundreds of roots leave the range of binary64; those of their ratios to a typical one do not.
-    let typical = sizes().map(f64::log2).sum::<f64>() / sizes().count().max(1) as f64;
-    let unit = typical.round().clamp(-900.0, 900.0).exp2();
+    let typical = sizes().map(libm::log2).sum::<f64>() / sizes().count().max(1) as f64;
+    let unit = 2f64.powi(typical.round().clamp(-900.0, 900.0) as i32);
     let omega = Number::from(Rational::from_f64(1.25 * largest).filter(|_| largest > 0.0)?);
     let frequency = Frequency::radians(&omega);
     let value = transfer.between(&frequency, &[input], &[output])[0][0].disc()?;

@@ -1,5 +1,6 @@
 //! From brackets to extrema: each root of g is enclosed between two points where g has different signs, and there |H| and its
-//! half-power width are read off. In: zeros and poles. Out: values of H, and all extrema in a range. Clause: spec.md 11a.6a.
+//! half-power width are read off. In: zeros and poles. Out: values of H, and all extrema in a range.
+//! See docs/method/transfer.md#extrema.
 
 use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};

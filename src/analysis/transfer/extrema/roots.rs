@@ -1,6 +1,7 @@
 //! The roots of a polynomial with integer coefficients, as many as its degree: each with its multiplicity, and whether it lies
 //! on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with so many digits that the distance of any
-//! two roots, and of a root from the imaginary axis, is known to more digits than double-double has. Clause: spec.md 11a.6a.
+//! two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
+//! See docs/method/transfer.md#extrema.
 
 use crate::analysis::numeric::big_float::{ComplexFloat, Float};
 use crate::analysis::numeric::complex::Complex;

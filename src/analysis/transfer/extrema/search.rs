@@ -1,6 +1,6 @@
 //! Where g changes its sign, all of it: the frequencies from zero up are cut into intervals, each seen from the anchor next to it,
 //! until in each g has no root, or g' has none and the signs of g at the ends tell whether g has one. What stays open is told.
-//! In: anchors. Out: brackets with one extremum each. Clause: spec.md 11a.6a.
+//! In: anchors. Out: brackets with one extremum each. See docs/method/transfer.md#extrema.
 
 use super::slope::Anchor;
 

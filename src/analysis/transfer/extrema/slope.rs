@@ -6,7 +6,7 @@
 //!
 //! so an extremum of |H| is a root of g. In: zeros and poles. Out: g and its derivative at a point and over an interval, with
 //! bounds. Frequencies are told by their distance from the imaginary part of a root near by (the anchor): so none of the digits
-//! that a light damping leaves is lost. Clause: spec.md 11a.6a.
+//! that a light damping leaves is lost. See docs/method/transfer.md#extrema.
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};

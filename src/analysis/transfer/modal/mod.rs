@@ -1,6 +1,6 @@
 //! H as a sum over modes, for tables of many frequencies: H(i W) = sum_i (p . x_i)(x_i . b) / (k_i - W^2 + i W c_i) + rest.
 //! In: a system whose damping its undamped modes diagonalise, and these modes. Out: sums in binary64 or in double-double,
-//! each with a bound that holds. Clause: spec.md, "Transfer".
+//! each with a bound that holds. See docs/method/transfer.md.
 //!
 //! The modes X (mass-normalised) diagonalise M and K to double-double ([`ModalForm`]); X^T Q(s) X = D(s) + O(s) is computed
 //! with balls, |O_ij| <= epsilon v_i v_j with

@@ -1,6 +1,6 @@
 //! H at many frequencies, to the last digit, for little more than a factorisation in binary64 each. In: a system whose
 //! dampers resist every motion, frequencies. Out: for each frequency, input and output a disc, or nothing where the proof
-//! fails and another road is due. Clause: spec.md, "Transfer" 11a.5a.
+//! fails and another road is due. See docs/method/transfer.md#two-sided-approximation.
 //!
 //! With any approximations x of Q^-1 b and z of Q^-1 p, r = b - Q x, t = p - Q z and the symmetric Q,
 //!

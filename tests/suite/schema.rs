@@ -1,0 +1,125 @@
+//! The JSON that is printed has the published form: every output of every example is valid, and has no field that
+//! the schema does not describe.
+
+use super::documents::root;
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A schema to validate with.
+struct Form {
+    schemas: boon::Schemas,
+    index: boon::SchemaIndex,
+}
+
+impl Form {
+    /// The published schema, and more: objects have no fields but those that it describes.
+    fn published(name: &str) -> Form {
+        let path = root().join("schema").join(format!("{name}.schema.json"));
+        let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let mut schema = serde_json::from_str(&text).expect("a schema is JSON");
+        close(&mut schema);
+        let mut schemas = boon::Schemas::new();
+        let mut compiler = boon::Compiler::new();
+        compiler.add_resource("form.json", schema).expect("a schema");
+        let index = compiler.compile("form.json", &mut schemas).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+        Form { schemas, index }
+    }
+
+    fn assert_valid(&self, of: &str, text: &str) {
+        let value: Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{of}: {error}\n{text:.200}"));
+        if let Err(error) = self.schemas.validate(&value, self.index) {
+            panic!("{of}: {error:#}");
+        }
+    }
+}
+
+/// Forbids undescribed fields in every object whose fields the schema lists.
+fn close(schema: &mut Value) {
+    if let Value::Object(keys) = schema {
+        if keys.contains_key("properties") && !keys.contains_key("additionalProperties") {
+            keys.insert("additionalProperties".into(), Value::Bool(false));
+        }
+        keys.values_mut().for_each(close);
+    }
+}
+
+fn examples() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("examples")).expect("examples").map(|entry| entry.expect("an entry").path());
+    let mut models: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|it| it == "vib")).collect();
+    models.sort();
+    models
+}
+
+fn printed(arguments: &[&str]) -> (String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_vibc")).args(arguments).output().expect("the program starts");
+    (String::from_utf8(output.stdout).expect("UTF-8"), String::from_utf8(output.stderr).expect("UTF-8"))
+}
+
+/// Validates what a command prints of each example; where it prints nothing, it has to say why.
+fn validate(command: &str, options: &[&str]) {
+    let form = Form::published(command);
+    for model in examples() {
+        let model = model.to_string_lossy();
+        let (result, findings) = printed(&[&[command, &model, "--format", "json"], options].concat());
+        match result.is_empty() {
+            true => assert!(!findings.is_empty(), "{command} {model} prints nothing"),
+            false => form.assert_valid(&format!("{command} {model}"), &result),
+        }
+    }
+}
+
+#[test]
+fn reports_have_the_published_form() {
+    validate("analyze", &[]);
+    validate("analyze", &["--digits", "20", "--explain-model", "--normalise", "mass"]);
+}
+
+#[test]
+fn sensitivities_have_the_published_form() {
+    let form = Form::published("analyze");
+    for example in ["cart", "isolation_table", "quarter_car"] {
+        let model = root().join("examples").join(format!("{example}.vib"));
+        let (result, _) = printed(&["analyze", &model.to_string_lossy(), "--sensitivity", "--format", "json"]);
+        form.assert_valid(example, &result);
+    }
+}
+
+#[test]
+fn transfer_functions_have_the_published_form() {
+    validate("transfer", &[]);
+    validate("transfer", &["--points", "3"]);
+}
+
+#[test]
+fn time_responses_have_the_published_form() {
+    validate("simulate", &["--until", "1s", "--step", "100ms"]);
+}
+
+#[test]
+fn diagnostics_have_the_published_form() {
+    let form = Form::published("diagnostic");
+    let folder = root().join("tests/diagnostics");
+    let mut models: Vec<PathBuf> =
+        fs::read_dir(folder).expect("models").map(|entry| entry.expect("an entry").path()).collect();
+    models.retain(|path| path.extension().is_some_and(|it| it == "vib"));
+    models.sort();
+    for model in models.iter().step_by(3) {
+        let model = model.to_string_lossy();
+        for line in printed(&["check", &model, "--message-format", "json"]).1.lines() {
+            form.assert_valid(&model, line);
+        }
+    }
+    let (_, missing) = printed(&["check", "missing.vib", "--message-format", "json"]);
+    form.assert_valid("a missing file", &missing);
+}
+
+#[test]
+fn a_field_that_no_schema_describes_is_seen() {
+    let form = Form::published("diagnostic");
+    let (_, line) = printed(&["check", "missing.vib", "--message-format", "json"]);
+    let mut value: Value = serde_json::from_str(&line).expect("an object");
+    value["colour"] = Value::from("red");
+    assert!(form.schemas.validate(&value, form.index).is_err());
+}
