@@ -107,3 +107,11 @@ fn the_gate_runs_the_test_command_of_the_readme() {
     let gate = fs::read_to_string(root().join(".ci/run")).unwrap();
     assert!(gate.lines().any(|line| line == "cargo test --locked"));
 }
+
+#[test]
+fn the_readme_names_the_least_version_of_rust() {
+    let cargo = page("Cargo.toml");
+    let least = cargo.lines().find_map(|line| line.strip_prefix("rust-version = \"")?.strip_suffix('"'));
+    let least = least.expect("Cargo.toml names the least version");
+    assert!(page("README.md").contains(&format!("Rust {least} or later")), "README.md does not name Rust {least}");
+}
