@@ -54,7 +54,15 @@ pub struct Energies {
     /// The own place of each part that has one.
     pub centres: BTreeMap<Part, Option<Pair>>,
     /// What each body adds to the kinetic energy, for messages.
-    pub of_bodies: Vec<(usize, Sum)>,
+    pub of_bodies: Vec<OfBody>,
+}
+
+/// A body's share of the kinetic energy.
+#[derive(Clone, Debug)]
+pub struct OfBody {
+    pub name: String,
+    pub span: Span,
+    pub kinetic: Sum,
 }
 
 /// A force and what it does work on.
@@ -97,7 +105,8 @@ impl Energies {
                 own = &own + &(inertia * &rate.square()).halved();
             }
             self.kinetic = &self.kinetic + &own;
-            self.of_bodies.push((index, own));
+            let (name, span) = (scene.words.display(scene.bodies[index].name), scene.bodies[index].span);
+            self.of_bodies.push(OfBody { name, span, kinetic: own });
         }
         self.weights = varying(&self.weights);
         Some(())

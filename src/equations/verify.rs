@@ -6,10 +6,11 @@
 
 use super::Equations;
 use super::error::EquationsError;
+use super::linear::still;
 use crate::base::{Number, Rational, Span};
 use crate::lower::Lowered;
-use crate::symbols::Sum;
-use crate::system::{CoordinateId, Form, Label as Source, LinearSystem};
+use crate::symbols::{Lengths, Sum, Symbol};
+use crate::system::{CoordinateId, Form, LinearSystem};
 
 mod jets;
 
@@ -25,19 +26,15 @@ pub fn verify(equations: &Equations, lowered: &Lowered) -> Result<(), EquationsE
 fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {
     let own = [&equations.linear.mass, &equations.linear.damping, &equations.linear.stiffness];
     for ((name, form), own) in [("M", &system.m), ("C", &system.c), ("K", &system.k)].into_iter().zip(own) {
-        // Damping of the whole scene is named, and is no entry in symbols.
-        let of_scene = equations.rayleigh.is_some() || equations.modal_damping.is_some();
         let theirs = form.entries(system.n() + system.chain.len());
         for (i, row) in own.iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
-                let other = match (name, of_scene) {
-                    ("C", true) => continue,
-                    _ => &theirs[i][j],
-                };
+                let other = &theirs[i][j];
                 if !agree(&entry.value, other) {
-                    let place = [i, j].map(|place| equations.label(place).plain());
-                    let what = format!("{name}[{}, {}]", place[0], place[1]);
-                    return Err(defect(place_of(system, form, i, j), what, &entry.value, other));
+                    let labels = [i, j].map(|place| equations.label(place).plain());
+                    let what = format!("{name}[{}, {}]", labels[0], labels[1]);
+                    let place = place_of(equations, system, (name, form), i, j);
+                    return Err(defect(place, what, &entry.value, other));
                 }
             }
         }
@@ -45,11 +42,51 @@ fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), Equation
     Ok(())
 }
 
-/// Where the scene makes an entry: the part whose own term is the largest there.
-fn place_of(system: &LinearSystem, form: &Form, i: usize, j: usize) -> Span {
-    let _: (Option<Source>, &Form) = (None, form);
-    let _ = j;
+/// Where the scene makes an entry: the body or element whose own part of it differs, else the coordinate.
+fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &Form), i: usize, j: usize) -> Span {
+    let theirs = |part: &str| {
+        let terms = form.terms().iter().filter(|term| system.display(form.source_of(term.source)) == part);
+        terms.fold(Number::ZERO, |sum, term| {
+            let entry = |place: usize| {
+                let found = form.row(term).iter().find(|(id, _)| id.index() == place);
+                found.map_or(Number::ZERO, |(_, value)| value.clone())
+            };
+            &sum + &(&(&term.weight * &entry(i)) * &entry(j))
+        })
+    };
+    let [a, b] = [i, j].map(|place| equations.motion.coordinates[equations.linear.coordinates[place]].symbols);
+    let differs = |own: Option<Number>, part: &str| own.is_some_and(|own| !agree(&own, &theirs(part)));
+    let energies = &equations.energies;
+    if name == "M" {
+        let none = Lengths::default();
+        for body in &energies.of_bodies {
+            let own = still(&body.kinetic.derivative(a[1], &none).derivative(b[1], &none));
+            if differs(equations.names.worth(&own), &body.name) {
+                return body.span;
+            }
+        }
+    }
+    for element in energies.elements.iter().filter(|element| element.is_spring == (name == "K") && name != "M") {
+        let slope = |by: Symbol| element.stretch.sum().derivative(by, &energies.lengths);
+        let own = if element.is_spring {
+            element.energy().derivative(a[0], &energies.lengths).derivative(b[0], &energies.lengths)
+        } else {
+            &(&element.coefficient * &slope(a[0])) * &slope(b[0])
+        };
+        if differs(at_rest(equations, &own), &element.name) {
+            return element.span;
+        }
+    }
     system.coordinates[i].span
+}
+
+/// The value at rest, lengths from their squares.
+fn at_rest(equations: &Equations, sum: &Sum) -> Option<Number> {
+    let length = |symbol: Symbol| {
+        let found = equations.energies.lengths.0.iter().find(|(name, _)| *name == symbol);
+        found.map(|(_, square)| equations.names.length(&still(square)))
+    };
+    equations.names.worth(&still(&sum.replaced(&length)))
 }
 
 fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {

@@ -17,6 +17,7 @@ mod emit_signals;
 mod emit_state;
 mod emit_target;
 mod equations;
+mod equations_faults;
 mod exact;
 mod examples;
 mod extrema;

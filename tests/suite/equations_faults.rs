@@ -1,0 +1,218 @@
+//! Faults built into the lowered system and into the symbols of a scene: each is reported as a defect, at the part that is wrong.
+
+use vibc::base::{Diagnostics, Number, Rational, SourceFile, Sources};
+use vibc::equations::{Equations, EquationsError, derive, verify};
+use vibc::lower::{self, Lowered};
+use vibc::model::{self, CheckedScene, Overrides, Written};
+use vibc::symbols::Sum;
+use vibc::system::{Form, Nature};
+
+/// A cart with a pendulum that is held by a slanted spring and damper, drawn at rest.
+const MODEL: &str = "param m = 2 kg
+param M = 3 kg
+param L = 1.5 m
+param k = 40 N/m
+param c = 2 N*s/m
+gravity 9.81 m/s^2
+body cart { mass = M, moves x, at = (0, 0) }
+body rod  { mass = m, shape = rod((0, 0), (0, -L)) }
+pivot p: cart@(0, 0) -- rod
+spring s: ground@(-1 m, 0) -- cart { k = k }
+spring v: ground@(1 m, -L) -- rod@(0, -L) { k = k }
+damper d: ground@(1 m, -L) -- rod@(0, -L) { c = c }
+force  F: rod@(0, -L) along x
+";
+
+struct Scene {
+    sources: Sources,
+    checked: CheckedScene,
+    written: Written,
+}
+
+fn scene() -> Scene {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("faults.vib", MODEL));
+    let tree = vibc::syntax::parse(&sources, file).tree;
+    let (checked, written) = model::check_written(&sources, &tree, &Overrides::default(), &[]);
+    let (checked, written) = (checked.scene.expect("a sound model"), written.expect("its expressions"));
+    Scene { sources, checked, written }
+}
+
+impl Scene {
+    fn lowered(&self) -> Lowered {
+        let mut unheard = Diagnostics::new();
+        let outcome = lower::lower(&self.checked);
+        unheard.extend(outcome.diagnostics);
+        outcome.lowered.expect("a sound scene")
+    }
+
+    fn derive(&self, written: &Written, lowered: &Lowered) -> Result<Equations, EquationsError> {
+        derive(self.checked.scene(), written, lowered)
+    }
+
+    /// The name in the model at which a defect is reported.
+    fn place(&self, error: EquationsError) -> String {
+        match error {
+            EquationsError::Defect { span, .. } => self.sources.slice(span).to_string(),
+            other => panic!("no defect: {other:?}"),
+        }
+    }
+}
+
+/// The form with each term changed, or left out where there is none.
+fn changed(
+    form: &Form,
+    names: &[&str],
+    display: impl Fn(u32) -> String,
+    change: impl Fn(&mut Number, &mut Vec<Number>, Nature) -> bool,
+) -> Form {
+    let mut result = Form::new();
+    for source in 0..form.source_count() as u32 {
+        result.source(form.source_of(source));
+    }
+    for term in form.terms() {
+        let row = form.row(term);
+        let (mut weight, mut values): (Number, Vec<Number>) =
+            (term.weight.clone(), row.iter().map(|(_, v)| v.clone()).collect());
+        if names.contains(&display(term.source).as_str()) && !change(&mut weight, &mut values, term.nature) {
+            continue;
+        }
+        let ids = row.iter().map(|(id, _)| *id);
+        result.push(term.source, term.nature, weight, ids.zip(values));
+    }
+    result
+}
+
+#[test]
+fn the_sound_scene_has_equations() {
+    let scene = scene();
+    scene.derive(&scene.written, &scene.lowered()).expect("no defect");
+}
+
+#[test]
+fn ten_faults_in_the_lowered_system_are_reported_where_they_are() {
+    type Change = fn(&mut Number, &mut Vec<Number>, Nature) -> bool;
+    let negate: Change = |weight, _, _| {
+        *weight = -&*weight;
+        true
+    };
+    let double: Change = |weight, _, _| {
+        *weight = &*weight + &*weight;
+        true
+    };
+    let leave_out: Change = |_, _, _| false;
+    let third: Change = |weight, _, _| {
+        *weight = &*weight / &Number::from(3);
+        true
+    };
+    let lever: Change = |_, values, _| {
+        values[0] = &values[0] * &Number::from(Rational::new(11, 10));
+        true
+    };
+    let sign_of_lever: Change = |_, values, _| {
+        let last = values.len() - 1;
+        values[last] = -&values[last];
+        true
+    };
+    let no_curvature: Change = |_, _, nature| nature == Nature::Property;
+    // Matrix, part, fault, and where it is reported.
+    let faults: [(&str, &str, Change, &str); 10] = [
+        ("M", "cart", double, "cart"),
+        ("M", "rod", third, "rod"),
+        ("M", "rod", lever, "rod"),
+        ("K", "s", negate, "s"),
+        ("K", "v", double, "v"),
+        ("K", "v", sign_of_lever, "v"),
+        ("K", "gravity", no_curvature, "rod"),
+        ("K", "gravity", double, "rod"),
+        ("C", "d", leave_out, "d"),
+        ("C", "d", lever, "d"),
+    ];
+    let scene = scene();
+    for (matrix, part, change, place) in faults {
+        let mut lowered = scene.lowered();
+        let system = lowered.system.clone();
+        let form = match matrix {
+            "M" => &mut lowered.system.m,
+            "C" => &mut lowered.system.c,
+            _ => &mut lowered.system.k,
+        };
+        let original = form.clone();
+        *form = changed(&original, &[part], |source| system.display(original.source_of(source)), change);
+        let error = scene.derive(&scene.written, &lowered).expect_err("a fault");
+        assert_eq!(scene.place(error), place, "{matrix} of {part}");
+    }
+}
+
+#[test]
+fn ten_faults_in_the_symbols_are_reported() {
+    let twice = |sum: &Sum| sum.scaled(&Rational::from(2));
+    type Fault = Box<dyn Fn(&mut Written)>;
+    let faults: Vec<(&str, Fault, &str)> = vec![
+        ("mass", Box::new(move |w| w.bodies[0].mass = w.bodies[0].mass.as_ref().map(twice)), "cart"),
+        ("inertia", Box::new(move |w| w.bodies[1].inertia = w.bodies[1].inertia.as_ref().map(twice)), "rod"),
+        ("inertia dropped", Box::new(|w| w.bodies[1].inertia = None), "rod"),
+        (
+            "centre",
+            Box::new(move |w| w.bodies[1].centre = w.bodies[1].centre.as_ref().map(|c| c.each_ref().map(twice))),
+            "rod",
+        ),
+        ("sign of k", Box::new(|w| w.elements[0].coefficient = -&w.elements[0].coefficient), "s"),
+        ("factor of k", Box::new(move |w| w.elements[1].coefficient = twice(&w.elements[1].coefficient)), "v"),
+        (
+            "lever",
+            Box::new(move |w| {
+                w.elements[1].ends[1] = w.elements[1].ends[1].as_ref().map(|p| p.each_ref().map(|c| c.halved()))
+            }),
+            "v",
+        ),
+        ("damper", Box::new(move |w| w.elements[2].coefficient = twice(&w.elements[2].coefficient)), "d"),
+        (
+            "gravity",
+            Box::new(|w| {
+                w.gravity = w.gravity.as_ref().map(|g| g.each_ref().map(|c| -c));
+                w.free_fall = None
+            }),
+            "rod",
+        ),
+        (
+            "lever of a force",
+            Box::new(move |w| {
+                w.inputs[0].ends[0] = w.inputs[0].ends[0].as_ref().map(|p| p.each_ref().map(|c| c.halved()))
+            }),
+            "rod",
+        ),
+    ];
+    assert_eq!(faults.len(), 10);
+    let scene = scene();
+    let lowered = scene.lowered();
+    for (name, fault, place) in faults {
+        let mut written = scene.written.clone();
+        fault(&mut written);
+        let error = scene.derive(&written, &lowered).expect_err(name);
+        assert_eq!(scene.place(error), place, "{name}");
+    }
+}
+
+/// The equations of motion are held against derivatives of the energies: a term that is changed in one of them is found.
+#[test]
+fn faults_in_the_equations_of_motion_are_reported() {
+    let scene = scene();
+    let lowered = scene.lowered();
+    let sound = scene.derive(&scene.written, &lowered).expect("no defect");
+    verify::verify(&sound, &lowered).expect("no defect");
+    for index in 0..2 {
+        for place in 0..sound.nonlinear[index].plain.terms().len() {
+            let mut faulty = sound.clone();
+            let mut terms = sound.nonlinear[index].plain.terms().to_vec();
+            terms[place].1 = -&terms[place].1;
+            faulty.nonlinear[index].plain = Sum::of_terms(terms);
+            assert!(verify::verify(&faulty, &lowered).is_err(), "term {place} of equation {index}");
+        }
+        let mut faulty = sound.clone();
+        for line in &mut faulty.nonlinear[index].lines {
+            line.slope = line.slope.scaled(&Rational::from(2));
+        }
+        assert!(verify::verify(&faulty, &lowered).is_err(), "slopes of equation {index}");
+    }
+}
