@@ -46,10 +46,10 @@ pub fn constraints(scene: &Scene, written: &Written, motion: &Motion, names: &mu
             push(&mut list, scene.words.display(joint.name), joint.span, equation, names);
         }
     }
-    for (couple, written) in scene.couples.iter().zip(&written.couples) {
+    for (couple, terms) in scene.couples.iter().zip(&written.couples) {
         let mut equation = Sum::ZERO;
-        for (term, written) in couple.terms.iter().zip(written) {
-            equation = &equation + &(&written.coefficient * &displacement(motion, term, written)?);
+        for (term, own) in couple.terms.iter().zip(terms) {
+            equation = &equation + &(&own.coefficient * &displacement(motion, term, own, written)?);
         }
         push(&mut list, scene.words.display(couple.name), couple.span, equation, names);
     }
@@ -74,12 +74,12 @@ fn apart(motion: &Motion, parts: [Part; 2], at: Option<&Pair>) -> Pair {
 }
 
 /// A motion of a coupling, measured from the drawing.
-fn displacement(motion: &Motion, term: &MotionTerm, written: &WrittenTerm) -> Option<Sum> {
+fn displacement(motion: &Motion, term: &MotionTerm, own: &WrittenTerm, written: &Written) -> Option<Sum> {
     match &term.motion {
         Moved::Point { part, direction, at, .. } => {
             let exact = |number: &crate::base::Number| number.exact().map(|exact| Sum::number(exact.clone()));
             let direction = [exact(&direction.x)?, exact(&direction.y)?];
-            let at = written.at.clone().or_else(|| {
+            let at = own.at.clone().or_else(|| written.own_place(*part)).or_else(|| {
                 let at = at.as_ref()?;
                 Some([exact(&at.x)?, exact(&at.y)?])
             });

@@ -6,13 +6,13 @@
 //! - damper: c (rate of stretch)^2/2
 //! - force: the work on the displacement of its point
 
+use super::linear::still;
 use super::motion::Motion;
 use super::names::{Label, Names, class};
 use crate::base::{Number, Span, Vec3};
-use crate::model::scene::{Attachment, BaseId, BodyId, Geometry, InputKind, Law, Part, Scene, SpringRest};
+use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Law, Part, Scene, SpringRest};
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
 use crate::symbols::{Lengths, Sum, Symbol};
-use std::collections::BTreeMap;
 
 /// How far a spring or damper is stretched.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,8 +51,6 @@ pub struct Energies {
     pub lengths: Lengths,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
-    /// The own place of each part that has one.
-    pub centres: BTreeMap<Part, Option<Pair>>,
     /// What each body adds to the kinetic energy, for messages.
     pub of_bodies: Vec<OfBody>,
 }
@@ -77,9 +75,6 @@ impl Energies {
     pub fn new(scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<Energies> {
         let mut energies = Energies::default();
         energies.bodies(scene, written, motion)?;
-        for (index, base) in written.bases.iter().enumerate() {
-            energies.centres.insert(Part::Base(BaseId(index as u32)), base.at.clone());
-        }
         for (number, written) in written.elements.iter().enumerate() {
             energies.element(scene, written, motion, number, names)?;
         }
@@ -90,7 +85,6 @@ impl Energies {
     fn bodies(&mut self, scene: &Scene, written: &Written, motion: &Motion) -> Option<()> {
         for index in 0..scene.bodies.len() {
             let (part, body) = (Part::Body(BodyId(index as u32)), written.bodies.get(index)?);
-            self.centres.insert(part, body.centre.clone());
             let mut own = Sum::ZERO;
             if let Some(mass) = &body.mass {
                 let place = motion.place(part, body.centre.as_ref());
@@ -206,9 +200,17 @@ impl Energies {
         if across.is_zero() {
             return Some(Stretch::Plain(dot(&names.unit(&drawn), &moved)));
         }
+        let square = dot(&apart, &apart);
+        // A bead on a rod: its distance from the pivot is the square root of a square, whatever the angle.
+        if let Some(root) = square.exact_root() {
+            let at_rest = names.worth(&still(&root));
+            let root = if at_rest.as_ref().is_some_and(|value| value.is_negative()) { -&root } else { root };
+            if at_rest.is_some_and(|value| !value.may_be_zero()) {
+                return Some(Stretch::Plain(&root - &names.length(&dot(&drawn, &drawn))));
+            }
+        }
         let length = Symbol::new(class::LENGTH, self.lengths.0.len());
         names.set(length, Label::new("l", name), None);
-        let square = dot(&apart, &apart);
         self.lengths.0.push((length, square.clone()));
         Some(Stretch::Line { length, square, drawn: names.length(&dot(&drawn, &drawn)) })
     }

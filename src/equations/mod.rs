@@ -105,13 +105,16 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     })?;
     let mut rest = Rest::new(&derived.motion, &derived.energies, &derived.equations, &mut names, &numbers);
     tensions(scene, lowered, &mut names);
-    let closed = rest.closed_forms(&derived.motion, &names);
-    if !closed.is_empty() {
+    let closed = rest.closed_forms(&names);
+    // Angles are put in, so that they are measured from where they rest; lengths at rest stay names.
+    let angles: Vec<(usize, Sum)> =
+        closed.iter().filter(|(index, _)| derived.motion.coordinates[*index].turns).cloned().collect();
+    rest.closed = closed;
+    if !angles.is_empty() {
         derived = self::derived(scene, &written, &mut names, &|names, coordinate, index| {
-            let found = closed.iter().find(|(place, _)| *place == index);
+            let found = angles.iter().find(|(place, _)| *place == index);
             found.map_or_else(|| rest::symbol(names, coordinate, index, &numbers), |(_, form)| form.clone())
         })?;
-        rest.closed = closed;
     }
     let Derived { motion, energies, constraints, equations } = derived;
     let at_rest = AtRest::new(&energies, &mut names);

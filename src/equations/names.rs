@@ -99,7 +99,7 @@ impl Names {
 
     /// Whether a word is taken by a parameter.
     pub fn is_taken(&self, word: &str) -> bool {
-        self.labels.values().any(|label| label.plain() == word)
+        self.given.iter().any(|named| named.text == word)
     }
 
     /// Displacement, velocity and acceleration of a coordinate; labels follow.

@@ -97,10 +97,9 @@ impl Rest {
     }
 
     /// Closed forms, one coordinate after the other, each from a condition with one unknown that is left.
-    pub fn closed_forms(&self, motion: &Motion, names: &Names) -> Vec<(usize, Sum)> {
+    pub fn closed_forms(&self, names: &Names) -> Vec<(usize, Sum)> {
         let mut found: Vec<(usize, Sum)> = Vec::new();
         let mut conditions: Vec<Sum> = self.conditions.iter().map(|(_, condition)| condition.clone()).collect();
-        let _ = motion;
         for _ in 0..self.moved.len() {
             let before = found.len();
             for place in 0..conditions.len() {

@@ -26,9 +26,9 @@ pub fn outputs(scene: &Scene, written: &Written, equations: &Equations, at_rest:
     let both = scene.outputs.iter().zip(&written.outputs);
     let output = |(output, terms): (&crate::model::scene::Output, &Vec<WrittenTerm>)| {
         let mut forms = vec![Sum::ZERO; 3];
-        for (term, written) in output.terms.iter().zip(terms) {
-            let (order, form) = form(scene, &equations.motion, &equations.energies, &term.motion, written, at_rest)?;
-            forms[order] = &forms[order] + &(&written.coefficient * &form);
+        for (term, own) in output.terms.iter().zip(terms) {
+            let (order, form) = form(scene, equations, &term.motion, (own, written), at_rest)?;
+            forms[order] = &forms[order] + &(&own.coefficient * &form);
         }
         let name = scene.words.display(output.name);
         Some(combined(name, &forms, &equations.motion, &equations.linear))
@@ -39,19 +39,19 @@ pub fn outputs(scene: &Scene, written: &Written, equations: &Equations, at_rest:
 /// A motion to first order, over all coordinates, and the derivative that it is of.
 fn form(
     scene: &Scene,
-    motion: &Motion,
-    energies: &Energies,
+    equations: &Equations,
     moved: &Moved,
-    written: &WrittenTerm,
+    (own, written): (&WrittenTerm, &Written),
     at_rest: &AtRest,
 ) -> Option<(usize, Sum)> {
+    let Equations { motion, energies, .. } = equations;
     let none = Lengths::default();
     Some(match moved {
         Moved::Point { part, at, direction, derivative } => {
             let exact = |number: &Number| number.exact().map(|exact| Sum::number(exact.clone()));
             let direction = [exact(&direction.x)?, exact(&direction.y)?];
             let drawn = |at: &crate::base::Vec3| -> Option<Pair> { Some([exact(&at.x)?, exact(&at.y)?]) };
-            let own = written.at.clone().or_else(|| energies.centres.get(part).cloned().flatten());
+            let own = own.at.clone().or_else(|| written.own_place(*part));
             let at = match (own, at) {
                 (Some(own), _) => Some(own),
                 (None, Some(at)) => Some(drawn(at)?),

@@ -36,6 +36,17 @@ pub struct Written {
     pub rayleigh: Option<(Sum, Sum)>,
 }
 
+impl Written {
+    /// Where a part is drawn.
+    pub fn own_place(&self, part: Part) -> Option<Pair> {
+        match part {
+            Part::Ground => None,
+            Part::Body(body) => self.bodies.get(body.index())?.centre.clone(),
+            Part::Base(base) => self.bases.get(base.index())?.at.clone(),
+        }
+    }
+}
+
 /// A name that stands for a number.
 #[derive(Clone, Debug)]
 pub struct Named {
@@ -285,15 +296,7 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn end(&mut self, id: EndId, part: Part, environment: Environment) -> Option<Pair> {
         match self.check.tree.end(id).at {
             Some(at) => Some(self.pair(at, environment)),
-            None => self.own_place(part),
-        }
-    }
-
-    fn own_place(&self, part: Part) -> Option<Pair> {
-        match part {
-            Part::Ground => None,
-            Part::Body(body) => self.written.bodies.get(body.index())?.centre.clone(),
-            Part::Base(base) => self.written.bases.get(base.index())?.at.clone(),
+            None => self.written.own_place(part),
         }
     }
 

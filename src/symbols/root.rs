@@ -21,7 +21,8 @@ impl Sum {
         if number.signum() < 0 {
             return Sum::factor(Factor::Root(Arc::new(self.clone())));
         }
-        let (outside, inside) = split_square(&number);
+        let alone = rest.as_number().is_some() && content.terms.iter().all(|(product, _)| product.is_one());
+        let (outside, inside) = if alone { split_square(&number) } else { split_parts(&number) };
         let product = content.terms.first().map_or_else(Product::default, |(product, _)| product.clone());
         let inside = &Sum::term(product, inside) * &rest;
         let root = if inside.as_number().is_some_and(|n| n.is_one()) {
@@ -69,6 +70,14 @@ fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
         root = &root + &next;
     }
     (square - &root.square()).is_zero().then_some(root)
+}
+
+/// The same, numerator and denominator each on its own: what stands beside names stays a quotient.
+fn split_parts(number: &Rational) -> (Rational, Rational) {
+    let Some((numerator, denominator)) = number.to_fraction() else { return (Rational::ONE, number.clone()) };
+    let (over, inside) = split_square(&Rational::from(numerator));
+    let (under, below) = split_square(&Rational::from(denominator));
+    (&over / &under, &inside / &below)
 }
 
 /// A positive number as a^2 b, b free of small squares: (a, b), b whole.

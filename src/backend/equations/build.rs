@@ -65,9 +65,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Term by term, positive ones first.
-    fn plain_sum(&self, sum: &Sum) -> Formula {
+    /// Term by term, positive ones first, nothing taken out but squares: `J + m (r + s)^2`.
+    pub fn plain_sum(&self, sum: &Sum) -> Formula {
         let mut terms: Vec<(bool, Formula)> = Vec::new();
+        let (squares, sum) = self.squares(sum);
+        terms.extend(squares);
+        let sum = &sum;
         // What belongs to one product of motions is bracketed together.
         for (moving, rest) in sum.collected(|factor| factor.mentions(&is_motion)) {
             if moving.is_one() {
@@ -80,6 +83,40 @@ impl<'a> Builder<'a> {
         }
         terms.sort_by_key(|(negative, _)| *negative);
         Formula::sum(terms)
+    }
+
+    /// Parts that are a name times the square of a sum, and what is left.
+    fn squares(&self, sum: &Sum) -> (Vec<(bool, Formula)>, Sum) {
+        /// Terms of the square of a sum of two.
+        const LEAST: usize = 3;
+        let mut found = Vec::new();
+        let mut left = sum.clone();
+        if sum.terms().len() <= LEAST {
+            return (found, left);
+        }
+        let first =
+            |product: &Product| product.factors().iter().find(|(_, e)| *e == 1).map(|(factor, _)| factor.clone());
+        let candidates: std::collections::BTreeSet<Factor> = sum
+            .terms()
+            .iter()
+            .filter_map(|(product, _)| first(product))
+            .filter(|f| matches!(f, Factor::Name(_)))
+            .collect();
+        for factor in candidates {
+            let (with, without): (Vec<_>, Vec<_>) =
+                left.terms().iter().cloned().partition(|(product, _)| product.exponent(&factor) == 1);
+            if with.len() < LEAST {
+                continue;
+            }
+            let factored = common_factors(&Sum::of_terms(with));
+            if factored.squared {
+                let square = Formula::Power(Box::new(self.plain_sum(&factored.rest)), 2);
+                let term = self.term(&factored.product, &absolute(&factored.number), &[square]);
+                found.push((factored.number.signum() < 0, term));
+                left = Sum::of_terms(without);
+            }
+        }
+        (found, left)
     }
 
     /// A coefficient in front of something: its sign, and one is left out.

@@ -284,7 +284,7 @@ impl Writer<'_> {
             return Some(build.signed(&whole));
         }
         let (negative, front) = build.signed(&coefficient.halved());
-        let square = Formula::Power(Box::new(build.signed(of).1), 2);
+        let square = Formula::Power(Box::new(build.plain_sum(of)), 2);
         Some((negative, Formula::product(vec![front, square])))
     }
 
@@ -373,6 +373,14 @@ impl Writer<'_> {
         terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
     }
 
+    /// `k (l - l_0) + T`
+    fn pull(&self, element: &Element) -> Formula {
+        let (negative, stiffness) = self.build.signed(&element.coefficient);
+        let stretched = self.build.plain_sum(&(&element.stretch.sum() - &element.free));
+        let (opposite, tension) = self.build.signed(&element.tension);
+        Formula::Sum(vec![(negative, Formula::product(vec![stiffness, stretched])), (opposite, tension)])
+    }
+
     /// `k (1 - l_0/l) slope`.
     fn line(&self, line: &crate::equations::lagrange::Line) -> (bool, Formula) {
         let element = &self.equations.energies.elements[line.element];
@@ -387,7 +395,7 @@ impl Writer<'_> {
                         negative ^= opposite != other;
                         Formula::product(vec![front, stretched])
                     } else {
-                        self.build.sum(&element.pull())
+                        self.pull(element)
                     }
                 } else {
                     let rate = self.equations.motion.rate(stretch, &Lengths::default());
@@ -418,7 +426,7 @@ impl Writer<'_> {
                 Formula::product(vec![stiffness, Formula::Sum(vec![(false, one), (!shorter, share)])])
             }
         } else {
-            Formula::quotient(self.build.sum(&element.pull()), name)
+            Formula::quotient(self.pull(element), name)
         };
         (negative, Formula::product(vec![pull, slope]))
     }
@@ -446,6 +454,20 @@ impl Writer<'_> {
                 None => (shown, format!("{unit} from the drawing{}", if rest.proven { "" } else { ", not proven" })),
             };
             items.push(Item::Formula { formula: self.name(*symbol).equal(formula), note: vec![words(note)] });
+        }
+        for spring in self.equations.energies.elements.iter().filter(|element| !element.tension.is_zero()) {
+            let [(product, _)] = spring.tension.terms() else { continue };
+            let [(Factor::Name(symbol), 1)] = product.factors() else { continue };
+            if let Some(value) = self.equations.names.value(*symbol).filter(|_| symbol.class() == class::TENSION) {
+                let note = vec![words(format!("the tension of {} as drawn, in SI units", spring.name))];
+                let value = Formula::Decimal(certain_number(&value.abs(), DIGITS));
+                let value = if self.equations.names.value(*symbol).is_some_and(Number::is_negative) {
+                    value.negated()
+                } else {
+                    value
+                };
+                items.push(Item::Formula { formula: self.name(*symbol).equal(value), note });
+            }
         }
         for (multiplier, form, value) in &rest.reactions {
             let formula = match form {

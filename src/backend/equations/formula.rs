@@ -60,6 +60,14 @@ impl Formula {
                 other => flat.push(other),
             }
         }
+        // x/r, not 1/r x.
+        let is_inverse = |factor: &Formula| matches!(factor, Formula::Quotient(over, _) if matches!(&**over, Formula::Number(one) if one.is_one()));
+        if flat.len() > 1
+            && let Some(place) = flat.iter().position(is_inverse)
+            && let Formula::Quotient(_, under) = flat.remove(place)
+        {
+            return Formula::Quotient(Box::new(Formula::product(flat)), under);
+        }
         match flat.len() {
             0 => Formula::Number(Rational::ONE),
             1 => flat.swap_remove(0),
