@@ -12,6 +12,7 @@ use crate::syntax::tree::Tree;
 
 /// What each stage made of a model.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Inspection {
     /// `None` where a file is no text.
     pub tree: Option<Tree>,

@@ -1,51 +1,191 @@
 //! A compiler for mechanical vibrations: from a drawn scene to matrices, modes, poles and simulation code.
 //!
-//! # Steps
-//! 1. [`syntax`]: text to syntax tree
-//! 2. [`model`]: tree to checked scene
-//! 3. [`dynamics`]: scene to damped linear system about its rest; [`lower`] is the larger part of it
-//! 4. [`analysis`]: system to answers, each with its error bound
-//! 5. [`questions`]: what the model asks of them, `solve` and `require`; it goes through the steps before as often as needed
-//! 6. [`answers`]: what was found out, as one value
-//! 7. [`backend`]: answers and systems to text, JSON, CSV, code
+//! Everything takes texts and gives values: the library reads no file and writes none.
 //!
-//! The core does no input or output: text in, data out. Standard streams and files are touched in `main.rs` only.
+//! ```
+//! use vibc::{Overrides, SourceFile, Sources};
+//!
+//! let mut sources = Sources::new();
+//! let model = sources.add(SourceFile::model(
+//!     "block.vib",
+//!     "body block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 200 N/m }",
+//! ));
+//! let outcome = vibc::analyze(&sources, model, &Overrides::default());
+//! let answer = outcome.answer.expect("a model without errors");
+//!
+//! // Each frequency is an enclosure: 10 rad/s to the last digit, with a bound that holds.
+//! let omega = answer.modes.list[0].omega;
+//! assert_eq!(omega.to_f64(), 10.0);
+//! assert!(omega.rad < 1e-28);
+//! println!("{}", vibc::report(&answer, &Default::default()));
+//! ```
+//!
+//! Functions that take a model through the stages return an [`Outcome`]: an answer, and what there is to say about the model.
+//! [`analyze`] finds modes and poles, [`dynamics()`] what transfer functions are made of, [`simulate`] motions, [`discrete`] the
+//! system that emitted code runs; [`check`] only looks for errors.
+//!
+//! # Steps
+//! 1. `syntax`: text to syntax tree
+//! 2. `model`: tree to checked scene
+//! 3. `dynamics`: scene to damped linear system about its rest; `lower` is the larger part of it
+//! 4. `analysis`: system to answers, each with its error bound
+//! 5. `questions`: what the model asks of them, `solve` and `require`; it goes through the steps before as often as needed
+//! 6. `answers`: what was found out, as one value
+//! 7. `backend`: answers and systems to text, JSON, CSV, code
+//!
+//! # Features
+//! `program` (on by default) builds the program `vibc` and names these layers for it and for the tests. They are no part of the
+//! interface: a library takes `default-features = false`.
 
+// The program and the tests use more of the layers than the interface does.
+#![cfg_attr(not(feature = "program"), allow(dead_code, unused_imports))]
 // Tests compare with the platform's functions to a few digits.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-pub mod analysis;
-pub mod answers;
-pub mod backend;
-pub mod base;
-pub mod bench;
-pub mod dynamics;
-pub mod editor;
-pub mod elements;
-pub mod equations;
 mod inspection;
-pub mod joints;
-pub mod lower;
-pub mod model;
-pub mod questions;
 mod reading;
+
+#[cfg(not(feature = "program"))]
+mod analysis;
+#[cfg(not(feature = "program"))]
+mod answers;
+#[cfg(not(feature = "program"))]
+mod backend;
+#[cfg(not(feature = "program"))]
+mod base;
+#[cfg(not(feature = "program"))]
+mod bench;
+#[cfg(not(feature = "program"))]
+mod dynamics;
+#[cfg(not(feature = "program"))]
+mod editor;
+#[cfg(not(feature = "program"))]
+mod elements;
+#[cfg(not(feature = "program"))]
+mod equations;
+#[cfg(not(feature = "program"))]
+mod joints;
+#[cfg(not(feature = "program"))]
+mod lower;
+#[cfg(not(feature = "program"))]
+mod model;
+#[cfg(not(feature = "program"))]
+mod questions;
+#[cfg(not(feature = "program"))]
+mod symbols;
+#[cfg(not(feature = "program"))]
+mod syntax;
+#[cfg(not(feature = "program"))]
+mod system;
+
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod analysis;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod answers;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod backend;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod base;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod bench;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod dynamics;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod editor;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod elements;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod equations;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod joints;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod lower;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod model;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod questions;
+#[cfg(feature = "program")]
+#[doc(hidden)]
 pub mod symbols;
+#[cfg(feature = "program")]
+#[doc(hidden)]
 pub mod syntax;
+#[cfg(feature = "program")]
+#[doc(hidden)]
 pub mod system;
 
-use analysis::discrete::parameter::Parameterised;
-use analysis::{AnalysisError, DiscreteSystem, History, Modes, Poles, Request, Which};
-use answers::ModalAnswer;
-pub use base::Failure;
-use base::{Diagnostic, Diagnostics, FileId, Number, Sources};
-use dynamics::{Damped, WrittenOut};
-pub use inspection::{Effort, Inspection, inspect};
-use lower::{Account, Lowered};
-use model::Overrides;
-use questions::Requirement;
-use reading::Reading;
+// ---- the interface
+
+// Texts in.
+pub use base::{FileId, Literals, SourceFile, SourceKind, Sources, Span};
+pub use model::Overrides;
 pub use reading::table_files;
-use system::LinearSystem;
+
+// Numbers, exact or with bounds that hold.
+pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
+
+// What is said about a model.
+pub use backend::diagnostics::{
+    HumanStyle, human as diagnostics_text, json as diagnostics_json, short as diagnostics_short,
+};
+pub use base::{Code, Diagnostic, Diagnostics, Failure, Label as DiagnosticLabel, Severity};
+
+// The linear system of a model.
+pub use lower::{Account, Dependent, Proven, Remark, Rest, Tension};
+pub use system::{
+    Coordinate, CoordinateId, CoordinateKind, Form, Input, Label, LinearSystem, Nature, Origin, Output, Signal, Source,
+    Term,
+};
+
+// Modes, poles, and what they say about the rest.
+pub use analysis::{
+    AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Normalise, Pole, PoleCount, PoleKind, Poles, Reason,
+    Request, Route, Share, Stability, Verdict, Which, normalise,
+};
+pub use answers::ModalAnswer;
+pub use questions::answer::{Requirement, Sensitivity, Solved, Value};
+
+// Transfer functions and motions.
+pub use analysis::{
+    Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, Roads, Row, Steady, Sweep, Table, Transfer,
+    grid as times, table as transfer_table,
+};
+
+// Equations of motion in the model's own symbols.
+pub use equations::Equations;
+
+// Simulation code.
+pub use analysis::discrete::parameter::Parameterised;
+pub use analysis::discrete::{DiscreteSystem, Hold, Options as DiscreteOptions, Precision};
+pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted_files, whole as emitted_text};
+
+// Text, JSON and CSV out.
+pub use backend::ReportOptions;
+pub use backend::json::json as report_json;
+pub use backend::report::text as report;
+pub use backend::simulation::{csv as motion_csv, json as motion_json, text as motion_text};
+pub use backend::transfer::{csv as transfer_csv, json as transfer_json, text as transfer_text};
+
+// For editors, and for measuring.
+pub use bench::{Bench, Clock};
+pub use inspection::{Effort, Inspection, inspect};
+
+use dynamics::{Damped, WrittenOut};
+use lower::Lowered;
+use reading::Reading;
 
 /// What a run found out about a model.
 #[derive(Clone, Debug)]
@@ -73,6 +213,22 @@ impl<T> Outcome<T> {
 }
 
 /// From the text of a model to its modal report, as is usual for its size.
+///
+/// ```
+/// use vibc::{Failure, Overrides, SourceFile, Sources, Stability};
+///
+/// let mut sources = Sources::new();
+/// let text = "gravity 9.81 m/s^2\nbody bob { mass = 1 kg, inertia = 0 kg*m^2, at = (0 m, 1 m) }\npivot p: ground@(0 m, 0 m) -- bob";
+/// let model = sources.add(SourceFile::model("upright.vib", text));
+/// let answer = vibc::analyze(&sources, model, &Overrides::default()).answer.expect("a model without errors");
+/// assert_eq!(answer.stability.kind(), Stability::Unstable);
+///
+/// let model = sources.add(SourceFile::model("wrong.vib", "body bob { mass = 1 m, moves x }"));
+/// let outcome = vibc::analyze(&sources, model, &Overrides::default());
+/// assert!(outcome.answer.is_none());
+/// assert_eq!(outcome.failure(), Some(Failure::Model));
+/// assert!(vibc::diagnostics_short(&sources, &outcome.diagnostics).starts_with("wrong.vib:1:"));
+/// ```
 pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<ModalAnswer> {
     analyze_as(sources, model, overrides, &Request { which: Which::Usual, ..Request::default() })
 }
@@ -177,6 +333,7 @@ fn reported(
 
 /// A model with its poles, ready for transfer tables.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Dynamics {
     /// The model's name.
     pub model: String,
@@ -186,7 +343,21 @@ pub struct Dynamics {
     pub spectrum: Option<(Modes, Poles)>,
 }
 
-/// From the text of a model to what transfer tables are computed from.
+/// From the text of a model to what transfer functions are computed from.
+///
+/// ```
+/// use vibc::{Frequency, Number, Overrides, SourceFile, Sources, Transfer};
+///
+/// let mut sources = Sources::new();
+/// let text = "body block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 200 N/m }\n\
+///             force push: block along x\noutput x = block.x";
+/// let model = sources.add(SourceFile::model("block.vib", text));
+/// let dynamics = vibc::dynamics(&sources, model, &Overrides::default()).answer.expect("a model without errors");
+/// let transfer = Transfer::of(&dynamics.system);
+/// let gain = &transfer.between(&Frequency::hertz(&Number::from(0)), &[0], &[0])[0][0];
+/// let disc = gain.disc().expect("no pole at zero");
+/// assert!((disc.value.to_f64().re - 1.0 / 200.0).abs() < 1e-17);
+/// ```
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
@@ -211,6 +382,7 @@ fn refused<T>(error: &AnalysisError, diagnostics: &mut Diagnostics) -> Option<T>
 
 /// A model's motion in time.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Motion {
     /// The model's name.
     pub model: String,
@@ -221,6 +393,19 @@ pub struct Motion {
 }
 
 /// From the text of a model to its motion at ascending times, s, under its signals and from its initial state.
+///
+/// ```
+/// use vibc::{Number, Overrides, SourceFile, Sources};
+///
+/// let mut sources = Sources::new();
+/// let text = "body block { mass = 1 kg, moves x }\nspring s: ground -- block { k = 1 N/m }\n\
+///             initial block { x = 1 m }\noutput x = block.x";
+/// let model = sources.add(SourceFile::model("block.vib", text));
+/// let times = vibc::times(&Number::from(2), &Number::from(1));
+/// let motion = vibc::simulate(&sources, model, &Overrides::default(), &times).answer.expect("a motion");
+/// let x = motion.history.values[2][0];
+/// assert!((x.to_f64() - 2f64.cos()).abs() <= x.rad + 1e-16);
+/// ```
 pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: &[Number]) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, times.last(), diagnostics)?;
@@ -247,6 +432,7 @@ fn has_harmonics(drives: &[Vec<system::Signal>]) -> bool {
 
 /// A model as simulation code computes it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Emission {
     /// The model's name.
     pub model: String,
@@ -254,6 +440,28 @@ pub struct Emission {
 }
 
 /// From the text of a model to the discrete system that emitted code runs.
+///
+/// ```
+/// use vibc::{DiscreteOptions, Hold, Language, Number, Overrides, Precision, SourceFile, Sources};
+///
+/// let mut sources = Sources::new();
+/// let text = "body block { mass = 1 kg, moves x }\nspring s: ground -- block { k = 1 N/m }\n\
+///             force push: block along x\noutput x = block.x";
+/// let model = sources.add(SourceFile::model("block.vib", text));
+/// let options = DiscreteOptions {
+///     step: Number::from("0.001"),
+///     hold: Hold::Zero,
+///     precision: Precision::Double,
+///     tolerance: None,
+///     unpruned: false,
+///     built_in: false,
+///     internal: Vec::new(),
+///     until: None,
+/// };
+/// let emission = vibc::discrete(&sources, model, &Overrides::default(), &options).answer.expect("a model without errors");
+/// let files = vibc::emitted_files("block", &emission.system, Language::C, None);
+/// assert!(files.iter().any(|file| file.name.ends_with(".c")));
+/// ```
 pub fn discrete(
     sources: &Sources,
     model: FileId,
@@ -298,6 +506,7 @@ pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcom
 
 /// What a model was taken for: kept, left out, and why.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Explained {
     /// The model's name.
     pub model: String,
@@ -314,7 +523,7 @@ impl Explained {
 }
 
 /// From the text of a model to its equations of motion in symbols, compared with its linear system.
-pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<equations::Equations> {
+pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Equations> {
     Outcome::of(|diagnostics| {
         let (scene, written) = reading::written(sources, model, overrides, diagnostics)?;
         let mut lowered = dynamics::lowered(&scene, diagnostics)?;
@@ -365,6 +574,12 @@ fn chain(masses: usize) -> Option<LinearSystem> {
 }
 
 /// The text of a model in its one layout; no answer where it is not in the grammar.
+///
+/// ```
+/// let mut sources = vibc::Sources::new();
+/// let model = sources.add(vibc::SourceFile::model("block.vib", "body  block{mass=1 kg,moves x}"));
+/// assert_eq!(vibc::format(&sources, model).answer.as_deref(), Some("body block { mass = 1 kg, moves x }\n"));
+/// ```
 pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     Outcome::of(|diagnostics| {
         diagnostics.extend(reading::not_utf8(sources, model));

@@ -6,6 +6,7 @@ use crate::system::{CoordinateId, Source};
 
 /// The road that found a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Route {
     /// Decided exactly, on rational numbers: a rigid motion, a repeated root.
     Exact,
@@ -103,6 +104,7 @@ pub(in crate::analysis) const PRECISE: usize = 128;
 
 /// A mode of M q'' + K q = 0.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Mode {
     pub kind: ModeKind,
     /// omega^2 as an enclosure, 1/s^2; exactly zero for a rigid motion.
@@ -182,6 +184,7 @@ impl Poles {
 }
 
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Pole {
     /// 1/s
     pub re: Ball,

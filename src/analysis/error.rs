@@ -5,6 +5,7 @@ use crate::system::{CoordinateId, LinearSystem};
 
 /// What stops an analysis.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum AnalysisError {
     /// More coordinates than the methods for general matrices take.
     TooManyCoordinates { count: usize, limit: usize, at: Span },

@@ -30,6 +30,7 @@ pub struct Verdict {
 
 /// Why a verdict is what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Reason {
     /// A pole or a mode certainly grows.
     Growth,

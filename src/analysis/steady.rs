@@ -11,6 +11,7 @@ use crate::system::Signal;
 
 /// The motion of one frequency.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Steady {
     /// Hz
     pub frequency: Number,

@@ -12,6 +12,7 @@ use crate::system::{Coordinate, LinearSystem};
 
 /// All that a modal report says.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ModalAnswer {
     /// The model's name.
     pub model: String,

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 
 /// A parameter that was solved for.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Solved {
     /// `k`, `m[3]`
     pub parameter: String,
@@ -58,6 +59,7 @@ pub enum Derivative {
 
 /// A requirement and how it stands.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Requirement {
     /// As written.
     pub text: String,
@@ -79,6 +81,7 @@ pub struct Requirement {
 
 /// How the frequencies and damping ratios change with a parameter.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Sensitivity {
     pub parameter: String,
     /// SI

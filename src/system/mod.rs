@@ -61,6 +61,7 @@ pub struct Source {
 
 /// Where a source of terms stands in the model: an index counts the items of that kind in order of declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Origin {
     Body(u32),
     /// A spring or a damper.

@@ -151,12 +151,45 @@ fn only_main_touches_the_world() {
         "Instant::",
         "SystemTime",
     ];
-    let program = [Path::new("main.rs"), Path::new("transport.rs")];
+    let program = [Path::new("main.rs"), Path::new("files.rs"), Path::new("transport.rs")];
     for source in sources().iter().filter(|source| !program.contains(&source.path.as_path())) {
         for word in world {
             assert!(!source.code.contains(word), "{} uses {word}", source.path.display());
         }
     }
+}
+
+/// The library's interface is what `src/lib.rs` declares public or re-exports; the layers below are hidden.
+#[test]
+fn the_interface_is_small() {
+    let text = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
+    let lines: Vec<&str> = text.lines().collect();
+    for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with("pub mod ")) {
+        let before = &lines[number - 2..number];
+        assert_eq!(before, ["#[cfg(feature = \"program\")]", "#[doc(hidden)]"], "{line}");
+    }
+    let declared = lines.iter().enumerate().filter(|(_, line)| {
+        ["pub fn ", "pub struct ", "pub enum ", "pub type "].iter().any(|item| line.starts_with(item))
+    });
+    let mut items = 0;
+    for (number, line) in declared {
+        let is_attribute = |line: &&str| line.starts_with("#[");
+        let above = lines[..number].iter().rev().find(|line| !is_attribute(line)).expect("a line above");
+        assert!(above.starts_with("/// "), "{line} has no documentation");
+        items += 1;
+    }
+    for group in text.split("\npub use ").skip(1) {
+        let group = group.split(';').next().expect("an end");
+        assert!(!group.contains('*'), "{group}");
+        items += group
+            .rsplit('{')
+            .next()
+            .expect("a last part")
+            .split(',')
+            .filter(|name| name.contains(char::is_alphabetic))
+            .count();
+    }
+    assert!((80..150).contains(&items), "{items} items");
 }
 
 #[test]

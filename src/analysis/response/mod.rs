@@ -34,6 +34,7 @@ pub use told::{Unsettled, findings, moved};
 
 /// The outputs at the times asked for.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct History {
     pub times: Vec<Number>,
     /// One row a time, one ball an output.

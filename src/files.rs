@@ -1,0 +1,258 @@
+//! The files of a run: every text that it reads, within limits, and results that are written whole or not at all.
+//! See docs/cli.md#streams-and-exit-status.
+
+use crate::cli::{MessageFormat, Messages, OverrideOptions};
+use crate::{Status, complain, write_to};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use vibc::backend::diagnostics;
+use vibc::base::{FileId, SourceFile, SourceKind, Sources};
+use vibc::model::Overrides;
+use vibc::syntax::limits;
+
+/// The texts of a run.
+pub struct Input {
+    pub sources: Sources,
+    pub model: FileId,
+    pub overrides: Overrides,
+}
+
+/// A file that could not be read.
+pub struct Unreadable {
+    path: PathBuf,
+    error: io::Error,
+}
+
+/// Everything that a run reads, unless a file that it writes is among it.
+pub fn open<'a>(
+    model: &Path,
+    overrides: &OverrideOptions,
+    outputs: impl IntoIterator<Item = &'a PathBuf>,
+    messages: &Messages,
+) -> Result<Input, Status> {
+    let input = read_all(model, overrides).map_err(|unreadable| unreadable.report(messages))?;
+    spare(&input, model, overrides, outputs)?;
+    Ok(input)
+}
+
+/// Refuses to write over what a run reads.
+pub fn spare<'a>(
+    input: &Input,
+    model: &Path,
+    overrides: &OverrideOptions,
+    outputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Status> {
+    for output in outputs {
+        let Ok(target) = fs::canonicalize(output) else { continue };
+        // A name that is no text stands in the sources as it can be shown; tables stand there alone.
+        let named = input.sources.files().map(|file| Path::new(&file.name));
+        let mut inputs = std::iter::once(model).chain(overrides.settings_file.as_deref()).chain(named);
+        if target.is_file() && inputs.any(|input| fs::canonicalize(input).is_ok_and(|input| input == target)) {
+            complain(&format!("`{}` would be replaced, and it is read", output.display()));
+            return Err(Status::Usage);
+        }
+    }
+    Ok(())
+}
+
+pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {
+    let mut sources = Sources::new();
+    let model = sources.add(read(model, SourceKind::Model)?);
+    let settings = match &overrides.settings_file {
+        Some(path) => Some(sources.add(read(path, SourceKind::Settings)?)),
+        None => None,
+    };
+    let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
+    let folder = sources.file(model).directory.clone();
+    let folders = std::iter::once(folder).chain(overrides.root.clone()).collect();
+    read_tables(
+        &mut sources,
+        model,
+        Tables::new(folders, "it lies outside the model's folder; `--root` allows another"),
+    );
+    Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
+}
+
+/// The tables that a model names; what cannot be read is told at its place in the model.
+fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
+    for written in vibc::table_files(sources, model) {
+        let name = sources.file(model).beside(&written);
+        let file = match tables.read(Path::new(&name)) {
+            Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
+            Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
+        };
+        sources.add(file);
+    }
+}
+
+/// The files of tables. A model may come from a stranger: what it names is read below certain folders alone, and no more of
+/// it than fits.
+pub struct Tables {
+    /// `""` is the folder that the program was started in.
+    folders: Vec<PathBuf>,
+    /// What is said of a file elsewhere.
+    outside: &'static str,
+    /// Bytes that may still be read.
+    room: usize,
+}
+
+impl Tables {
+    pub fn new(folders: Vec<PathBuf>, outside: &'static str) -> Tables {
+        Tables { folders, outside, room: limits::TABLES }
+    }
+
+    /// A plain file; a pipe or a device may have no end, or wait for ever. Links count as what they lead to.
+    pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
+        let told = |error: io::Error| error.to_string();
+        let path = fs::canonicalize(path).map_err(told)?;
+        if !self.folders.iter().any(|folder| is_below(&path, folder)) {
+            return Err(self.outside.into());
+        }
+        if !fs::metadata(&path).map_err(told)?.is_file() {
+            return Err("it is no plain file".into());
+        }
+        let mut bytes = Vec::new();
+        File::open(&path).map_err(told)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
+        self.room = self
+            .room
+            .checked_sub(bytes.len())
+            .ok_or_else(|| format!("the tables of a model have at most {} MiB in all", limits::TABLES >> 20))?;
+        Ok(bytes)
+    }
+}
+
+fn is_below(path: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    fs::canonicalize(folder).is_ok_and(|folder| path.starts_with(folder))
+}
+
+/// A file, or standard input for `-`.
+pub fn read(path: &Path, kind: SourceKind) -> Result<SourceFile, Unreadable> {
+    let (name, content) = if path == Path::new("-") {
+        ("<stdin>".to_string(), read_limited(io::stdin().lock()))
+    } else {
+        (path.to_string_lossy().into_owned(), File::open(path).and_then(read_limited))
+    };
+    let bytes = content.map_err(|error| Unreadable { path: path.to_path_buf(), error })?;
+    Ok(SourceFile::decode(kind, name, bytes))
+}
+
+/// One byte more than a model may have is enough to refuse it.
+fn read_limited(from: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(limits::FILE as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The `--set` arguments as a file, one a line.
+fn arguments(settings: &[String]) -> SourceFile {
+    let text: String = settings.iter().map(|setting| format!("{setting}\n")).collect();
+    SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", text) }
+}
+
+impl Unreadable {
+    /// In the form of the diagnostics, with the code `io`.
+    pub fn report(&self, messages: &Messages) -> Status {
+        let (name, error) = (self.path.to_string_lossy(), &self.error);
+        let name = diagnostics::readable(&name);
+        let text = match messages.message_format {
+            MessageFormat::Human => format!("vibc: cannot read `{name}`: {error}\n"),
+            MessageFormat::Short => format!("{name}:1:1: error[io]: cannot read the file: {error}\n"),
+            MessageFormat::Json => diagnostics::unreadable_json(&self.path.to_string_lossy(), &error.to_string()),
+        };
+        write_to(&mut io::stderr().lock(), &text);
+        Status::Io
+    }
+}
+
+/// The result, to standard output or whole into a file.
+pub fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
+    match path {
+        Some(path) if path != Path::new("-") => replace_file(path, text),
+        _ => {
+            let mut stdout = io::stdout().lock();
+            match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+                // Whoever read the output has seen enough.
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+                result => result,
+            }
+        }
+    }
+}
+
+/// The new content under the old name, or the old content: written beside it, then renamed. What is no plain file (a
+/// device, a pipe) is written to as it is; the target of a link is replaced, not the link.
+fn replace_file(path: &Path, text: &str) -> io::Result<()> {
+    let existing = fs::metadata(path);
+    if existing.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
+        return OpenOptions::new().write(true).open(path)?.write_all(text.as_bytes());
+    }
+    let existing = existing.ok();
+    let target = if existing.is_some() { fs::canonicalize(path)? } else { led_to(path)? };
+    let (beside, file) = new_beside(&target, existing.is_some())?;
+    let written = write_new(file, text, existing).and_then(|()| fs::rename(&beside, &target));
+    if written.is_err() {
+        let _ = fs::remove_file(&beside);
+    }
+    written
+}
+
+/// Where a name leads that has no file yet: a link may say where it is to be.
+fn led_to(path: &Path) -> io::Result<PathBuf> {
+    /// As many as systems follow.
+    const LINKS: usize = 40;
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = path.parent().unwrap_or(Path::new("")).join(target),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a link that leads back to itself"))
+}
+
+/// A new file in the same directory, under a name that nobody uses: another run may have left one of ours behind.
+fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
+    const TRIES: u32 = 1000;
+    let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    if is_private {
+        // Until it has the permissions of the file that it replaces.
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    }
+    let mut tries = 0..TRIES;
+    loop {
+        let mut hidden = OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}-{}.new", std::process::id(), tries.next().unwrap_or(TRIES)));
+        let path = target.with_file_name(hidden);
+        match options.open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && !tries.is_empty() => {}
+            opened => return opened.map(|file| (path, file)),
+        }
+    }
+}
+
+fn write_new(mut file: File, text: &str, replaced: Option<fs::Metadata>) -> io::Result<()> {
+    if let Some(metadata) = replaced {
+        keep_owner(&file, &metadata);
+        file.set_permissions(metadata.permissions())?;
+    }
+    file.write_all(text.as_bytes())?;
+    file.sync_all()
+}
+
+/// Files can be given to others by the superuser alone, and to a group by its members: whoever else writes owns the file.
+#[cfg(unix)]
+fn keep_owner(file: &File, replaced: &fs::Metadata) {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let _ = fchown(file, None, Some(replaced.gid()));
+    let _ = fchown(file, Some(replaced.uid()), None);
+}
+
+#[cfg(not(unix))]
+fn keep_owner(_: &File, _: &fs::Metadata) {}
