@@ -271,6 +271,8 @@ mod tests {
     use super::*;
     use crate::analysis::modes::terms::Terms;
     use crate::analysis::test_systems::{blank, push};
+    use crate::base::Number;
+    use crate::system::{CoordinateId, Nature};
 
     /// Three masses in a row between walls: eigenvalues 2 - sqrt 2, 2, 2 + sqrt 2.
     fn row() -> (Terms, Terms) {
@@ -377,6 +379,19 @@ mod tests {
         let x = vectors(&[&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0; 3]]);
         let found = check(&k, &UNIT_MASSES, &x, &[1.0, 2.0, 3.0]);
         assert!(found.iter().all(|found| found.radius == f64::INFINITY), "{found:?}");
+    }
+
+    /// A mass of 1 +- 2 may be negative: what is divided by its lower bound is no radius.
+    #[test]
+    fn a_mass_that_may_be_negative_certifies_nothing() {
+        let mut system = blank(1);
+        let source = system.m.source(system.coordinates[0].name);
+        let mass = Number::Ball(Ball::new(Dd::ONE, 2.0));
+        system.m.push(source, Nature::Property, mass, [(CoordinateId(0), Number::ONE)]);
+        push(&mut system.k, "4", 0, None);
+        let (k, m, x) = (Terms::of(&system.k), Terms::of(&system.m), vectors(&[&[1.0]]));
+        let found = enclose(&Gram::of(&k, &x), &Gram::of(&m, &x));
+        assert_eq!(found[0].radius, f64::INFINITY, "{found:?}");
     }
 
     /// Eigenvalues 1 and 1.000001, from vectors half of one and half of the other: both quotients are 1.0000005.

@@ -242,4 +242,11 @@ mod tests {
             assert!((z * z.recip() - Complex::real(1.0)).abs() < 4.0 * f64::EPSILON);
         }
     }
+
+    #[test]
+    fn what_is_no_number_has_no_modulus() {
+        for (re, im) in [(f64::NAN, 0.0), (0.0, f64::NAN), (f64::NAN, 5.0), (f64::INFINITY, f64::NAN)] {
+            assert_eq!(Complex::new(re, im).abs(), f64::INFINITY);
+        }
+    }
 }
