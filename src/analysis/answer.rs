@@ -117,7 +117,7 @@ pub struct Mode {
     /// Displacement of each coordinate, mass-normalised (shape^T M shape = 1), sign as spec.md's "Normalisation" says.
     pub shape: Vec<f64>,
     /// The same in double-double as it was computed: most modes of fewer than 64 coordinates have about 30 digits of it. `None`
-    /// where it was computed in binary64, and in systems of more than [`PRECISE`] coordinates.
+    /// where it was computed in binary64, and in systems of more than 128 coordinates.
     pub precise: Option<Vec<Dd>>,
     /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
     /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.

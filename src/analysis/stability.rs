@@ -21,7 +21,7 @@ pub enum Stability {
     Undetermined,
 }
 
-/// A verdict and what it stands on. [`stability`] makes it, and nothing else.
+/// A verdict and what it stands on. The analysis of stability makes it, and nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verdict {
     kind: Stability,

@@ -100,7 +100,7 @@ pub struct LinearSystem {
     pub c: Form,
     pub k: Form,
     /// Motions that rows of M, C and K may hold besides coordinates, with ids from n on; empty but for scenes that hang
-    /// deep (see [`chain`]). Analyses take systems without them.
+    /// deep (see `chain`). Analyses take systems without them.
     pub chain: Vec<chain::ChainedRow>,
     pub inputs: Vec<Input>,
     pub outputs: Vec<Output>,

@@ -17,7 +17,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-12;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Which {
-    /// All of them, or the lowest [`FEW`] where all would take minutes.
+    /// All of them, or the 20 lowest where all would take minutes.
     Usual,
     All,
     /// So many of the lowest, rigid motions included.

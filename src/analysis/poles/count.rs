@@ -3,7 +3,7 @@
 //! See docs/method/poles.md#definition and docs/method/poles.md#exact-arithmetic.
 
 /// Every finite pole of a system is in a list, each in an enclosure that is certain (a cluster in one that holds as many as it
-/// has members): with the infinite ones they are two for each coordinate. [`Tally`] makes it, and nothing else.
+/// has members): with the infinite ones they are two for each coordinate. `Tally` makes it, and nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoleCount {
     finite: usize,

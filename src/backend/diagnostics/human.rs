@@ -20,7 +20,7 @@ pub struct HumanStyle {
     pub ascii: bool,
 }
 
-/// The drawings of the first [`MAX_SHOWN`] findings, errors first in doubt, and how many there are of each kind.
+/// Draws the first findings, errors before warnings where they are too many, and counts those of each severity.
 pub fn human(sources: &Sources, diagnostics: &[Diagnostic], style: HumanStyle) -> String {
     let places = Places::new(sources);
     let handler = handler(style);
