@@ -33,6 +33,8 @@ pub enum Command {
     Transfer(Transfer),
     /// The motion in time under the model's signals and from its initial state
     Simulate(Simulate),
+    /// The scene as a figure of a textbook, in SVG: as drawn, at rest, or in a mode
+    Draw(Draw),
     /// Simulation code: the exact discrete system in C99 or Rust
     Emit(Emit),
     /// The equations of motion in the model's own symbols, by its energies
@@ -164,6 +166,26 @@ pub struct Simulate {
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
     pub format: TableFormat,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Draw {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// Draw the scene at rest, not as it is written
+    #[arg(long, conflicts_with = "mode")]
+    pub rest: bool,
+    /// Draw the shape of this mode over the rest, counted from 1
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub mode: Option<u32>,
+    /// Write values beside names, such as k = 10 N/m
+    #[arg(long)]
+    pub values: bool,
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,

@@ -70,6 +70,8 @@ mod lower;
 #[cfg(not(feature = "program"))]
 mod model;
 #[cfg(not(feature = "program"))]
+mod picture;
+#[cfg(not(feature = "program"))]
 mod questions;
 #[cfg(not(feature = "program"))]
 mod symbols;
@@ -114,6 +116,9 @@ pub mod lower;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod model;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod picture;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod questions;
@@ -572,6 +577,58 @@ fn chain(masses: usize) -> Option<LinearSystem> {
     let model = sources.add(base::SourceFile::model("chain.vib", text));
     Some(linear(&sources, model, &Overrides::default()).answer?.1)
 }
+
+/// What a figure shows besides the scene as it is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// The scene at rest.
+    pub rest: bool,
+    /// This mode over the rest, counted from 1.
+    pub mode: Option<u32>,
+    /// Values beside names.
+    pub values: bool,
+}
+
+/// From the text of a model to its figure; the inner error says why there is none.
+pub fn draw(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    drawn: &Drawn,
+) -> Outcome<Result<picture::Figure, String>> {
+    let mut diagnostics = Diagnostics::new();
+    let answer = read(sources, model, overrides, None, &mut diagnostics).and_then(|read| {
+        let values = drawn.values;
+        let figure = |shown| {
+            let digits = |number: &Number| backend::decimal::certain_whole(number, FIGURE_DIGITS);
+            let request = picture::Request { digits: &digits, values, shown };
+            picture::figure(read.scene.scene(), &request).map_err(|refusal| refusal.to_string())
+        };
+        if !drawn.rest && drawn.mode.is_none() {
+            return Some(figure(picture::Shown::AsDrawn));
+        }
+        let lowered = damped(&read.scene, &mut diagnostics)?;
+        let Some(mode) = drawn.mode else {
+            let poses = lower::poses(&read.scene, &lowered.system, &lowered.rest, None)?;
+            return Some(figure(picture::Shown::AtRest(&poses)));
+        };
+        let request = Request { which: Which::Lowest(mode as usize), ..Request::default() };
+        let modes = analysis::modes_as(&lowered.system, &request);
+        let modes = modes.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        let Some((_, shape)) = modes.numbered().find(|(number, _)| *number == mode as usize) else {
+            return Some(Err(format!("the model has no mode {mode}: it has {}", modes.list.len())));
+        };
+        let normal = analysis::normalise(shape, analysis::Normalise::Translation);
+        let poses = lower::poses(&read.scene, &lowered.system, &lowered.rest, Some(&normal))?;
+        let caption = backend::draw::mode_caption(mode, shape);
+        let does = |name| backend::draw::energy_of(shape, name);
+        Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))
+    });
+    Outcome { answer, diagnostics: diagnostics.sorted() }
+}
+
+/// Digits of values in figures.
+const FIGURE_DIGITS: usize = 4;
 
 /// The text of a model in its one layout; no answer where it is not in the grammar.
 ///

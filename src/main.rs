@@ -7,8 +7,9 @@ mod transport;
 
 use clap::{CommandFactory, Parser};
 use cli::{
-    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Emit, Equations, EquationsFormat, Fmt, Format,
-    HoldOption, MessageFormat, Messages, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
+    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt, Format,
+    HoldOption, MessageFormat, Messages, OverrideOptions, SignalsOption, Simulate, StyleOption, TableFormat,
+    TargetOption, Transfer,
 };
 use files::{Input, Tables, open, read, read_all, spare, write_result};
 use std::fs;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Analyze(options) => analyze(options, &cli.messages),
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
+        Command::Draw(options) => draw(options, &cli.messages),
         Command::Emit(options) => emit(options, &cli.messages),
         Command::Equations(options) => equations(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
@@ -203,6 +205,28 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
     deliver(options.output.as_deref(), &text).max(status)
+}
+
+fn draw(options: &Draw, messages: &Messages) -> Status {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+        Ok(input) => input,
+        Err(status) => return status,
+    };
+    let drawn = vibc::Drawn { rest: options.rest, mode: options.mode, values: options.values };
+    let outcome = vibc::draw(&input.sources, input.model, &input.overrides, &drawn);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    match &outcome.answer {
+        None => status,
+        Some(Ok(figure)) => {
+            let text = backend::draw::svg(figure, &input.sources, input.model);
+            deliver(options.output.as_deref(), &text).max(status)
+        }
+        Some(Err(reason)) => {
+            complain(reason);
+            Status::Usage
+        }
+    }
 }
 
 fn emit(options: &Emit, messages: &Messages) -> Status {

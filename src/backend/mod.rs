@@ -4,6 +4,7 @@
 pub mod bench;
 pub mod decimal;
 pub mod diagnostics;
+pub mod draw;
 pub mod emit;
 pub mod equations;
 pub mod explain;

@@ -132,6 +132,11 @@ impl Kinematics {
         (group != NO_TURN).then(|| self.groups[group as usize].coordinate)
     }
 
+    /// The slides by which a piece moves on its carrier: coordinate, and direction as drawn.
+    pub fn slides_of(&self, piece: PieceId) -> impl Iterator<Item = (Index, &Vec3)> {
+        self.own_slides(piece).iter().map(|slide| (slide.coordinate, &self.directions[slide.direction as usize]))
+    }
+
     /// Squared length of the direction in which a coordinate is measured; `None` for one.
     pub fn length_squared(&self, coordinate: Index) -> Option<&Number> {
         let found = self.lengths_squared.binary_search_by_key(&coordinate, |(index, _)| *index).ok()?;

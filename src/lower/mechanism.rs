@@ -15,8 +15,8 @@ use crate::model::scene::{ElementId, Law, MotionTerm, Output, Scene};
 #[derive(Clone, Debug)]
 pub struct Mechanism {
     pub(super) kinematics: Kinematics,
-    reduction: Reduction,
-    state: State<Number>,
+    pub(super) reduction: Reduction,
+    pub(super) state: State<Number>,
 }
 
 /// A spring at rest.

@@ -19,12 +19,14 @@ pub mod initial;
 pub mod kinematics;
 pub mod loads;
 pub mod mechanism;
+pub mod poses;
 pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
 pub use drives::drives;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
+pub use poses::Poses;
 pub use rest::{Dependent, Proven, Rest, Tension};
 
 use crate::base::{Diagnostic, Diagnostics};

@@ -6,7 +6,7 @@ use super::error::{PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::fields::Given;
-use super::scene::{Base, BaseId, Body, BodyId, Freedom, Translation};
+use super::scene::{Base, BaseId, Body, BodyId, Freedom, Shape, Translation};
 use super::scope::{Environment, Instance};
 use super::suggestion::nearest;
 use crate::base::{Dimension, Number, Rational, Span, Vec3};
@@ -32,7 +32,8 @@ const INERTIA: Expected = Expected::new("a moment of inertia", Dimension::INERTI
 const LENGTH: Expected = Expected::new("a length", Dimension::LENGTH, "0.3 m");
 
 /// What a shape says of the body.
-struct Shape {
+struct Shaped {
+    shape: Shape,
     /// Where the shape has its centre; `None` where `at` says it.
     centre: Option<Arc<Vec3>>,
     /// Inertia about the centre per mass, m^2.
@@ -105,6 +106,7 @@ impl<'a> Check<'a> {
         let inertia = self.inertia(given.get(INERTIA_FIELD), environment);
         body.freedom = freedom?;
         let (at, shape) = (at?, shape?);
+        body.shape = shape.as_ref().map(|shaped| Arc::new(shaped.shape.clone()));
         body.centre = at.clone().or_else(|| shape.as_ref().and_then(|shape| shape.centre.clone()));
         if let Some((mass, span)) = mass? {
             self.not_negative(&mass, span, "mass", environment)?;
@@ -182,7 +184,7 @@ impl<'a> Check<'a> {
     }
 
     /// `shape = rod(A, B)`, `disk(r)`, `ring(r)`, `box(w, h)`; with what it may not stand beside.
-    fn shape(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Option<Shape>> {
+    fn shape(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Option<Shaped>> {
         let Some(field) = given.get(SHAPE) else { return Ok(None) };
         if let Some(inertia) = given.get(INERTIA_FIELD) {
             let error = PartError::GivenTwice { span: inertia.key, other: field.key, what: "the inertia" };
@@ -197,7 +199,7 @@ impl<'a> Check<'a> {
         Ok(Some(shape))
     }
 
-    fn shape_of(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Shape> {
+    fn shape_of(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Shaped> {
         let tree = self.tree;
         let node = *tree.expr(expr);
         let ExprKind::Call { name_len, arguments } = node.kind else {
@@ -206,8 +208,10 @@ impl<'a> Check<'a> {
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         match (self.sources.slice(word), tree.list(arguments)) {
             ("rod", &[a, b]) => self.rod(a, b, environment),
-            ("disk", &[radius]) => self.round(radius, Rational::new(1, 2), environment),
-            ("ring", &[radius]) => self.round(radius, Rational::ONE, environment),
+            ("disk", &[radius]) => {
+                self.round(radius, Rational::new(1, 2), |radius| Shape::Disk { radius }, environment)
+            }
+            ("ring", &[radius]) => self.round(radius, Rational::ONE, |radius| Shape::Ring { radius }, environment),
             ("box", &[width, height]) => self.rectangle(width, height, environment),
             (name @ ("rod" | "box"), given) => self.fail(environment, wrong_count(node.span, name, 2, given.len())),
             (name @ ("disk" | "ring"), given) => self.fail(environment, wrong_count(node.span, name, 1, given.len())),
@@ -219,7 +223,7 @@ impl<'a> Check<'a> {
     }
 
     /// A slender rod between two points: m L^2 / 12 about its middle.
-    fn rod(&mut self, a: ExprId, b: ExprId, environment: Environment) -> Evaluated<Shape> {
+    fn rod(&mut self, a: ExprId, b: ExprId, environment: Environment) -> Evaluated<Shaped> {
         let first = self.position(a, environment);
         let second = self.position(b, environment)?;
         let first = first?;
@@ -230,21 +234,30 @@ impl<'a> Check<'a> {
         }
         let half = Number::from(Rational::new(1, 2));
         let gyration = &along.dot(&along) * &Number::from(Rational::new(1, 12));
-        Ok(Shape { centre: Some(Arc::new(first.add(&second).scale(&half))), gyration })
+        let centre = Some(Arc::new(first.add(&second).scale(&half)));
+        Ok(Shaped { shape: Shape::Rod { ends: [(*first).clone(), (*second).clone()] }, centre, gyration })
     }
 
     /// A disk (m r^2 / 2) or ring (m r^2) about its axis.
-    fn round(&mut self, radius: ExprId, factor: Rational, environment: Environment) -> Evaluated<Shape> {
+    fn round(
+        &mut self,
+        radius: ExprId,
+        factor: Rational,
+        shape: fn(Number) -> Shape,
+        environment: Environment,
+    ) -> Evaluated<Shaped> {
         let radius = self.size(radius, environment)?;
-        Ok(Shape { centre: None, gyration: &radius.square() * &Number::from(factor) })
+        let gyration = &radius.square() * &Number::from(factor);
+        Ok(Shaped { shape: shape(radius), centre: None, gyration })
     }
 
     /// A rectangle: m (w^2 + h^2) / 12 about its middle.
-    fn rectangle(&mut self, width: ExprId, height: ExprId, environment: Environment) -> Evaluated<Shape> {
+    fn rectangle(&mut self, width: ExprId, height: ExprId, environment: Environment) -> Evaluated<Shaped> {
         let width = self.size(width, environment);
         let height = self.size(height, environment)?;
-        let gyration = &(&width?.square() + &height.square()) * &Number::from(Rational::new(1, 12));
-        Ok(Shape { centre: None, gyration })
+        let width = width?;
+        let gyration = &(&width.square() + &height.square()) * &Number::from(Rational::new(1, 12));
+        Ok(Shaped { shape: Shape::Box { width, height }, centre: None, gyration })
     }
 
     fn size(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {
@@ -360,7 +373,7 @@ struct GivenInertia {
 }
 
 fn unknown_body(name: crate::base::Name, span: Span) -> Body {
-    Body { name, span, mass: None, inertia: None, centre: None, freedom: Freedom::FromJoints }
+    Body { name, span, mass: None, inertia: None, centre: None, shape: None, freedom: Freedom::FromJoints }
 }
 
 fn wrong_count(span: Span, function: &str, expected: usize, found: usize) -> ValueError {

@@ -70,7 +70,29 @@ pub struct Body {
     pub inertia: Option<Number>,
     /// Centre of mass as drawn, m; `None` for a body without a position.
     pub centre: Option<Arc<Vec3>>,
+    /// The form that it is drawn with; mass properties are worked out above.
+    pub shape: Option<Arc<Shape>>,
     pub freedom: Freedom,
+}
+
+/// The shape of a body as declared, in m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A slender rod between two points.
+    Rod {
+        ends: [Vec3; 2],
+    },
+    Disk {
+        radius: Number,
+    },
+    Ring {
+        radius: Number,
+    },
+    /// A rectangle with its sides along the axes.
+    Box {
+        width: Number,
+        height: Number,
+    },
 }
 
 /// What the freedom clause of a body says.

@@ -21,6 +21,7 @@ mod equations_faults;
 mod exact;
 mod examples;
 mod extrema;
+mod figures;
 mod formatting;
 mod fuzzing;
 mod hard_cases;

@@ -1,0 +1,193 @@
+//! A figure as SVG: one group a glyph, with the line of the model that made it. Clause: docs/draw.md.
+
+mod path;
+
+use super::decimal::certain;
+use crate::analysis::derived::hertz;
+use crate::analysis::{Mode, ModeKind, Share};
+use crate::base::readable::visible;
+use crate::base::{FileId, LineIndex, Name, Sources, Span};
+use crate::picture::{Figure, Glyph, Label, Stroke};
+use crate::system::Label as SystemLabel;
+use path::{Tenths, path};
+use std::fmt::Write;
+
+/// Colours follow the page (`currentColor`) and, where the figure stands alone, what its viewer prefers.
+const STYLE: &str = "\
+.vibc-figure{color:#1c2128;font:13px Helvetica,Arial,'Liberation Sans',sans-serif}
+.vibc-figure path,.vibc-figure circle{fill:none;stroke:currentColor;stroke-width:1.4;stroke-linejoin:round;stroke-linecap:round}
+.vibc-figure .b{fill:#e9edf2;stroke-width:1.8}
+.vibc-figure .p{fill:#fff}
+.vibc-figure .t{stroke-width:.9}
+.vibc-figure .d{stroke-dasharray:5 4}
+.vibc-figure .f{stroke-dasharray:2 2;opacity:.6}
+.vibc-figure .s{fill:currentColor;stroke-width:.5}
+.vibc-figure .leader path{opacity:.55;stroke-width:.7}
+.vibc-figure .ghost{opacity:.28}
+.vibc-figure text{fill:currentColor;stroke:none}
+.vibc-figure .note{opacity:.8}
+@media (prefers-color-scheme:dark){.vibc-figure{color:#e3e7ed}.vibc-figure .b{fill:#2b323c}.vibc-figure .p{fill:#14171b}}
+";
+
+/// The whole file. `model`: the file that spans are lines of.
+pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
+    let lines = Lines { model, index: LineIndex::new(sources.text(model)) };
+    let mut text = String::new();
+    let (width, height) = (Tenths::of(figure.width), Tenths::of(figure.height));
+    put(
+        &mut text,
+        format_args!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"vibc-figure\" role=\"img\" width=\"{width}\" \
+             height=\"{height}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:100%;height:auto\">\n\
+             <title>{}</title>\n<style>\n{STYLE}</style>\n",
+            escaped(&figure.name),
+        ),
+    );
+    let mut glyphs = figure.glyphs.iter().peekable();
+    if glyphs.peek().is_some_and(|glyph| glyph.ghost) {
+        text.push_str("<g class=\"ghost\" aria-hidden=\"true\">\n");
+        while let Some(behind) = glyphs.next_if(|glyph| glyph.ghost) {
+            strokes(&mut text, &behind.strokes);
+            text.push('\n');
+        }
+        text.push_str("</g>\n");
+    }
+    for shown in glyphs {
+        glyph(&mut text, shown, &lines);
+    }
+    for shown in &figure.labels {
+        label(&mut text, shown, &lines);
+    }
+    for note in &figure.notes {
+        let (x, y) = (Tenths::of(note.at.x), Tenths::of(note.at.y + BASELINE));
+        put(&mut text, format_args!("<text class=\"note\" x=\"{x}\" y=\"{y}\">{}</text>\n", escaped(&note.text)));
+    }
+    text.push_str("</svg>\n");
+    text
+}
+
+/// `mode 2: 0.5964 Hz (3.747 rad/s)`
+pub fn mode_caption(number: u32, mode: &Mode) -> String {
+    const DIGITS: usize = 4;
+    let omega = certain(&mode.omega, DIGITS);
+    match mode.kind {
+        ModeKind::Oscillation => {
+            format!("mode {number}: {} Hz ({omega} rad/s)", certain(&hertz(mode.omega), DIGITS))
+        }
+        ModeKind::Rigid => format!("mode {number}: rigid"),
+        ModeKind::Divergence => format!("mode {number}: diverges at {omega} 1/s"),
+        ModeKind::Undetermined => format!("mode {number}: not known to swing or diverge"),
+    }
+}
+
+/// What a part has of a mode's energy, of its kind.
+pub fn energy_of(mode: &Mode, name: Name) -> Option<String> {
+    let share =
+        |shares: &[Share<SystemLabel>]| shares.iter().find(|share| share.of.name == name).map(|share| share.part.0);
+    let percent = |part: f64| format!("{:.0} %", 100.0 * part);
+    let kinetic = share(&mode.kinetic).map(|part| format!("{} of the kinetic energy", percent(part)));
+    kinetic.or_else(|| share(&mode.strain).map(|part| format!("{} of the strain energy", percent(part))))
+}
+
+/// From the middle of a line of text down to its baseline, px.
+const BASELINE: f64 = 4.6;
+
+struct Lines {
+    model: FileId,
+    index: LineIndex,
+}
+
+impl Lines {
+    /// ` data-line="17"`, counted from 1; nothing for what another file made.
+    fn attribute(&self, span: Option<Span>) -> String {
+        match span.filter(|span| span.file() == self.model) {
+            Some(span) => format!(" data-line=\"{}\"", self.index.line(span.start()) + 1),
+            None => String::new(),
+        }
+    }
+}
+
+fn glyph(text: &mut String, glyph: &Glyph, lines: &Lines) {
+    let (class, line, title) = (glyph.kind.class(), lines.attribute(glyph.span), escaped(&glyph.title));
+    put(text, format_args!("<g class=\"glyph {class}\"{line}><title>{title}</title>"));
+    strokes(text, &glyph.strokes);
+    text.push_str("</g>\n");
+}
+
+/// Lines of one pen that follow each other are one path.
+fn strokes(text: &mut String, strokes: &[Stroke]) {
+    let mut open = None;
+    for stroke in strokes {
+        match stroke {
+            Stroke::Line { points, closed, pen } => {
+                if open != Some(*pen) {
+                    close(text, &mut open);
+                    put(text, format_args!("<path class=\"{}\" d=\"", pen.class()));
+                    open = Some(*pen);
+                }
+                path(text, points, *closed);
+            }
+            Stroke::Circle { centre, radius, pen } => {
+                close(text, &mut open);
+                let (x, y, r) = (Tenths::of(centre.x), Tenths::of(centre.y), Tenths::of(*radius));
+                put(text, format_args!("<circle class=\"{}\" cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>", pen.class()));
+            }
+        }
+    }
+    close(text, &mut open);
+}
+
+fn close<T>(text: &mut String, open: &mut Option<T>) {
+    if open.take().is_some() {
+        text.push_str("\"/>");
+    }
+}
+
+fn label(text: &mut String, label: &Label, lines: &Lines) {
+    let (x, y, width) = (Tenths::of(label.at.x), Tenths::of(label.at.y + BASELINE), Tenths::of(label.width()));
+    let line = lines.attribute(label.span);
+    put(
+        text,
+        format_args!(
+            "<text class=\"label\"{line} x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
+             lengthAdjust=\"spacingAndGlyphs\">{}</text>\n",
+            escaped(&label.text)
+        ),
+    );
+}
+
+/// Text of a user's file in XML: nothing of it is markup, and nothing steers how it is read.
+pub fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            // XML has no such characters.
+            '\u{fffe}' | '\u{ffff}' => safe.push('\u{fffd}'),
+            c => safe.push(visible(c)),
+        }
+    }
+    safe
+}
+
+fn put(text: &mut String, arguments: std::fmt::Arguments) {
+    // Writing to a string cannot fail.
+    let _ = text.write_fmt(arguments);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_of_a_name_is_markup() {
+        assert_eq!(
+            escaped("</title><script>alert('1')</script>\u{1b}\u{202e}\"&"),
+            "&lt;/title&gt;&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt;␛\u{fffd}&quot;&amp;"
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! How parts stand at rest and move in a shape, for pictures. In: a mechanism at rest and displacements of its coordinates; out:
+//! for each piece of welded parts its turn and its slides. Nothing that lowering needs. Clause: docs/draw.md.
+
+use super::kinematics::{Index, Kinematics};
+use super::mechanism::Mechanism;
+use super::tree::Piece;
+use crate::base::Vec3;
+use crate::model::scene::{BaseId, BodyId, Part};
+
+/// A value at rest (measured from the drawing) and in the shape (measured from rest).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Both {
+    pub rest: f64,
+    pub shape: f64,
+}
+
+/// How a piece moves on the piece that carries it. Carriers come first; piece 0 is the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carried {
+    pub carrier: u32,
+    /// The drawn point by which it is carried, m; `None` where it has no place.
+    pub anchor: Option<[f64; 2]>,
+    /// Its absolute angle, rad.
+    pub angle: Both,
+    /// Its slides, m, along directions that turn with the carrier.
+    pub slides: Vec<([f64; 2], Both)>,
+}
+
+/// Every piece, and which piece each part belongs to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Poses {
+    pub pieces: Vec<Carried>,
+    bodies: Vec<u32>,
+    bases: Vec<u32>,
+}
+
+impl Poses {
+    pub fn piece(&self, part: Part) -> usize {
+        let found = match part {
+            Part::Ground => None,
+            Part::Body(BodyId(body)) => self.bodies.get(body as usize),
+            Part::Base(BaseId(base)) => self.bases.get(base as usize),
+        };
+        found.map_or(0, |piece| *piece as usize)
+    }
+}
+
+impl Mechanism {
+    /// The poses at rest, and in a shape of the system's coordinates (m, rad) where one is given.
+    pub fn poses(&self, shape: Option<&[f64]>) -> Poses {
+        let Mechanism { kinematics, reduction, state } = self;
+        let mut moved = vec![0.0; kinematics.total()];
+        for (place, value) in shape.unwrap_or_default().iter().enumerate().take(reduction.n()) {
+            let coordinate = reduction.at(place);
+            moved[coordinate as usize] = value / unit(kinematics, coordinate);
+        }
+        for dependent in reduction.dependent() {
+            let Some((_, row)) = reduction.equation(dependent) else { continue };
+            let sum: f64 = row.iter().map(|(i, entry)| entry.to_f64() * moved[*i as usize]).sum();
+            moved[dependent as usize] = -sum;
+        }
+        let both = |i: Index| Both { rest: state.value(i).to_f64(), shape: moved[i as usize] };
+        let carried = |(piece, of): (u32, &Piece)| Carried {
+            carrier: of.carrier,
+            anchor: of.anchor.as_deref().map(planar),
+            angle: kinematics.angle(piece).map_or(Both::default(), both),
+            slides: kinematics.slides_of(piece).map(|(i, direction)| (planar(direction), both(i))).collect(),
+        };
+        let tree = &kinematics.tree;
+        Poses {
+            pieces: (0..).zip(&tree.pieces).map(carried).collect(),
+            bodies: tree.bodies.clone(),
+            bases: tree.bases.clone(),
+        }
+    }
+}
+
+fn planar(v: &Vec3) -> [f64; 2] {
+    [v.x.to_f64(), v.y.to_f64()]
+}
+
+/// The length in which a coordinate is counted: one, but for oblique directions of irrational length.
+fn unit(kinematics: &Kinematics, coordinate: Index) -> f64 {
+    kinematics.length_squared(coordinate).map_or(1.0, |square| square.to_f64().sqrt())
+}

@@ -1,0 +1,72 @@
+//! A coupling: a dashed line between its motions; a pair of gears where two disks touch that turn against each other.
+
+use super::{Of, Sheet, gear};
+use crate::model::scene::{Motion, Part};
+use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::geometry::Point;
+use crate::picture::layout::straight;
+use crate::picture::stage::Stage;
+
+pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
+    let couple = &sheet.scene.couples[index];
+    let name = sheet.says.display(couple.name);
+    let of = Of { title: format!("coupling {name}"), span: Some(couple.span) };
+    let parts = sheet.parts_of();
+    let mut points: Vec<(usize, Point)> = Vec::new();
+    for term in &couple.terms {
+        let (part, at) = match &term.motion {
+            Motion::Point { part, at, .. } => (*part, at.as_ref()),
+            Motion::Turn { part, .. } => (*part, None),
+            Motion::Force { .. } | Motion::Stretch { .. } => continue,
+        };
+        if part == Part::Ground {
+            continue;
+        }
+        let (number, placed) = (parts.number(part), &stage.layout.parts[parts.number(part)]);
+        let drawn = at.map_or(placed.at, |at| placed.point([at.x.to_f64(), at.y.to_f64()]));
+        let point = (number, stage.point(number, drawn));
+        if !points.contains(&point) {
+            points.push(point);
+        }
+    }
+    if let Some((strokes, at)) = gear::strokes(stage, &couple.terms, &parts) {
+        sheet.push(Kind::Gear, of, strokes);
+        return sheet.label(
+            name,
+            Some(couple.span),
+            at,
+            Point::new(7.0, 7.0),
+            &[Point::new(1.0, 0.0), Point::new(-1.0, 0.0)],
+        );
+    }
+    let mut strokes = Vec::new();
+    for pair in points.windows(2) {
+        let [(a, from), (b, to)] = [pair[0], pair[1]];
+        let Some(along) = to.minus(from).unit() else { continue };
+        let edge = |number: usize, at: Point, along: Point| {
+            let placed = &stage.layout.parts[number];
+            at.towards(along, placed.outline.reach(at.minus(stage.place(number)), along))
+        };
+        strokes.push(Stroke::line([edge(a, from, along), edge(b, to, along.times(-1.0))], Pen::Dashed));
+    }
+    let Some(Stroke::Line { points: ends, .. }) = strokes.first() else {
+        // Motions of one part: a dash beside it.
+        let Some((number, at)) = points.first().copied() else { return };
+        let half = stage.layout.parts[number].outline.half();
+        let line = [at.plus(Point::new(half.x + 4.0, -half.y)), at.plus(Point::new(half.x + 4.0, half.y))];
+        sheet.push(Kind::Couple, of, vec![Stroke::line(line, Pen::Dashed)]);
+        return sheet.label(name, Some(couple.span), line[0], Point::new(2.0, 2.0), &[Point::new(1.0, 0.0)]);
+    };
+    let middle = ends[0].middle(ends[1]);
+    let side = ends[1].minus(ends[0]).unit().unwrap_or_default().across();
+    sheet.push(Kind::Couple, of, strokes);
+    sheet.label(name, Some(couple.span), middle, Point::new(3.0, 3.0), &[side, side.times(-1.0)]);
+}
+
+/// The direction of a motion on the page; `None` for a turn.
+pub fn direction(stage: &Stage, number: usize, motion: &Motion) -> Option<Point> {
+    match motion {
+        Motion::Point { direction, .. } => stage.layout.parts[number].direction(straight(direction)),
+        Motion::Turn { .. } | Motion::Force { .. } | Motion::Stretch { .. } => None,
+    }
+}

@@ -1,0 +1,50 @@
+//! A pair of gears: teeth on two disks that touch and turn against each other.
+
+use crate::model::scene::{Motion, MotionTerm, Part};
+use crate::picture::figure::{Pen, Stroke};
+use crate::picture::geometry::{Point, Turn};
+use crate::picture::layout::{Outline, Parts};
+use crate::picture::stage::Stage;
+use std::f64::consts::PI;
+
+/// Length of a tooth and the way from one to the next, px.
+const TOOTH: f64 = 3.5;
+const PITCH: f64 = 7.0;
+
+/// The teeth, and the point where the disks touch; `None` where this is no pair of gears.
+pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<(Vec<Stroke>, Point)> {
+    let [first, second] = terms else { return None };
+    let wheel = |motion: &Motion| match motion {
+        Motion::Turn { part, derivative: 0 } if *part != Part::Ground => {
+            let number = parts.number(*part);
+            match stage.layout.parts[number].outline {
+                Outline::Disk { radius } | Outline::Ring { radius } | Outline::Wheel { radius } => {
+                    Some((number, radius))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    let ((a, ra), (b, rb)) = (wheel(&first.motion)?, wheel(&second.motion)?);
+    let (at, to) = (stage.place(a), stage.place(b));
+    let touches = (at.distance(to) - ra - rb).abs() < 0.02 * (ra + rb) + 1.0;
+    let along = to.minus(at).unit().filter(|_| touches)?;
+    let mut strokes = teeth(at, ra, along, 0.0);
+    // The teeth of the one stand in the gaps of the other.
+    strokes.extend(teeth(to, rb, along.times(-1.0), 0.5));
+    Some((strokes, at.towards(along, ra)))
+}
+
+/// Teeth round a wheel; one of them, or the middle of a gap, where the other wheel touches it.
+fn teeth(centre: Point, radius: f64, towards: Point, offset: f64) -> Vec<Stroke> {
+    let count = (2.0 * PI * radius / PITCH).round().max(6.0);
+    let step = Turn::by(2.0 * PI / count);
+    let mut arm = towards.turned(Turn::by(2.0 * PI / count * offset));
+    let mut strokes = Vec::new();
+    for _ in 0..count as usize {
+        strokes.push(Stroke::line([centre.towards(arm, radius), centre.towards(arm, radius + TOOTH)], Pen::Normal));
+        arm = arm.turned(step);
+    }
+    strokes
+}

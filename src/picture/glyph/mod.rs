@@ -1,0 +1,291 @@
+//! Glyphs: one file a kind. Each says which strokes stand for a thing of the scene and where its name may be written. A kind
+//! of element, joint, shape or input without one does not compile: every `match` here names all of them.
+
+mod arrow;
+mod base;
+mod block;
+mod couple;
+mod damper;
+mod disk;
+mod force;
+mod gear;
+mod gravity;
+mod ground;
+mod initial;
+mod output;
+mod pivot;
+mod rod;
+mod rotary_dashpot;
+mod scale_bar;
+mod slide;
+mod spiral;
+mod spring;
+mod torque;
+pub mod values;
+mod weld;
+
+use super::figure::{Glyph, Kind, Pen, Stroke};
+use super::geometry::{Bounds, Point};
+use super::labels::Wanted;
+use super::layout::{Layout, Link, Outline, Parts};
+use super::occupied::Occupied;
+use super::stage::Stage;
+use super::{Detail, Request, text};
+use crate::base::Span;
+use crate::model::scene::{Element, Geometry, InputKind, JointKind, Law, Scene};
+use values::Says;
+
+/// A figure while it is drawn.
+pub struct Sheet<'a> {
+    pub scene: &'a Scene,
+    pub layout: &'a Layout,
+    pub request: &'a Request<'a>,
+    pub says: &'a Says<'a>,
+    pub detail: Detail,
+    pub glyphs: Vec<Glyph>,
+    pub wanted: Vec<Wanted>,
+}
+
+/// What a glyph is of.
+#[derive(Clone, Debug)]
+pub struct Of {
+    pub title: String,
+    pub span: Option<Span>,
+}
+
+impl<'a> Sheet<'a> {
+    pub fn parts_of(&self) -> Parts {
+        Parts::new(self.scene)
+    }
+
+    pub fn push(&mut self, kind: Kind, of: Of, strokes: Vec<Stroke>) {
+        self.glyphs.push(Glyph { kind, title: of.title, span: of.span, strokes, ghost: false });
+    }
+
+    /// Asks for a name beside a place.
+    pub fn label(&mut self, text: String, span: Option<Span>, at: Point, half: Point, best: &[Point]) {
+        if self.detail == Detail::Full {
+            let (text, best) = (text::clipped(&text), best.to_vec());
+            self.wanted.push(Wanted { text, span, at, half, best, is_of_tie: false });
+        }
+    }
+
+    /// The same for what ties others: its name is placed before theirs.
+    pub fn label_tie(&mut self, text: String, span: Option<Span>, at: Point, half: Point, best: &[Point]) {
+        self.label(text, span, at, half, best);
+        if let Some(wanted) = self.wanted.last_mut() {
+            wanted.is_of_tie = true;
+        }
+    }
+
+    /// Everything that moves or holds: the ground first, joints last, so that each covers what is behind it.
+    pub fn parts(&mut self, stage: &Stage) {
+        if self.detail == Detail::Bare {
+            return self.bare(stage);
+        }
+        ground::walls(self, stage);
+        for index in 0..self.scene.bases.len() {
+            base::draw(self, stage, index);
+        }
+        for index in 0..self.scene.couples.len() {
+            couple::draw(self, stage, index);
+        }
+        for index in 0..self.scene.elements.len() {
+            self.element(stage, index);
+        }
+        for index in 0..self.scene.joints.len() {
+            if let JointKind::Slide { along } = &self.scene.joints[index].kind {
+                slide::draw(self, stage, index, along);
+            }
+        }
+        for index in 0..self.scene.bodies.len() {
+            self.body(stage, index);
+        }
+        for index in 0..self.scene.joints.len() {
+            match &self.scene.joints[index].kind {
+                JointKind::Pivot { .. } => pivot::draw(self, stage, index),
+                JointKind::Weld => weld::draw(self, stage, index),
+                // Behind the bodies.
+                JointKind::Slide { .. } => {}
+            }
+        }
+    }
+
+    fn body(&mut self, stage: &Stage, index: usize) {
+        let number = 1 + index;
+        let placed = &self.layout.parts[number];
+        let at = stage.place(number);
+        let body = &self.scene.bodies[index];
+        let of = Of { title: values::body_title(self.says, body), span: Some(body.span) };
+        let arms = placed.arms.iter().map(|arm| rod::link(at, stage.point(number, *arm)));
+        let mut strokes: Vec<Stroke> = arms.collect();
+        let turned = |v: Point| stage.vector(number, v);
+        let (kind, own) = match &placed.outline {
+            Outline::Rod { arm } => (Kind::Rod, rod::strokes(at, turned(*arm))),
+            Outline::Disk { radius } => (Kind::Disk, disk::strokes(at, *radius, turned(Point::new(0.0, -1.0)))),
+            Outline::Wheel { radius } => (Kind::Disk, disk::strokes(at, *radius, turned(Point::new(0.0, -1.0)))),
+            Outline::Ring { radius } => (Kind::Ring, disk::ring(at, *radius, turned(Point::new(0.0, -1.0)))),
+            Outline::Box { half } => (Kind::Box, block::strokes(at, *half, turned)),
+            Outline::Block { half } => (Kind::Block, block::strokes(at, *half, turned)),
+            Outline::Dot { radius } => (Kind::Point, block::dot(at, *radius)),
+            Outline::Speck { half } => (Kind::Block, block::strokes(at, Point::new(*half, *half), turned)),
+            // Of the ground and of bases.
+            Outline::Plate { .. } | Outline::Nowhere => (Kind::Block, Vec::new()),
+        };
+        strokes.extend(own);
+        self.push(kind, of, strokes);
+        let (half, best) = match &placed.outline {
+            Outline::Rod { arm } => {
+                let side = turned(*arm).across().unit().unwrap_or_default();
+                (Point::new(7.0, 7.0), vec![side, side.times(-1.0)])
+            }
+            outline => (outline.half(), placed.name_at.clone()),
+        };
+        let text = values::body_label(self.says, body);
+        self.label(text, Some(body.span), at, half, &best);
+    }
+
+    fn element(&mut self, stage: &Stage, index: usize) {
+        let element = &self.scene.elements[index];
+        let link = &self.layout.links[index];
+        let of = Of { title: values::element_title(self.says, element), span: Some(element.span) };
+        let turns = element.geometry == Geometry::Torsion;
+        let [a, b] = [&link.feet[0], &link.feet[1]]
+            .map(|foot| if turns { stage.carried(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
+        if self.detail >= Detail::Plain {
+            return self.push(kind(element), of, vec![Stroke::line([a, b], Pen::Thin)]);
+        }
+        let mut strokes: Vec<Stroke> = leads(stage, link).collect();
+        if let Some(place) = link.round {
+            let own = match &element.law {
+                Law::Spring { .. } => spiral::round(a, place),
+                Law::Damper { .. } => rotary_dashpot::round(a, place),
+            };
+            let reach = own.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
+            strokes.extend(own);
+            self.push(kind(element), of, strokes);
+            let text = values::element_label(self.says, element);
+            return self.label_tie(
+                text,
+                Some(element.span),
+                reach.centre(),
+                Point::new(reach.width() / 2.0, reach.height() / 2.0),
+                &[],
+            );
+        }
+        let (own, half) = match (&element.law, turns) {
+            (Law::Spring { .. }, false) => (spring::strokes(a, b), spring::HALF),
+            (Law::Spring { .. }, true) => (spiral::strokes(a, b), spiral::HALF),
+            (Law::Damper { .. }, false) => (damper::strokes(a, b), damper::HALF),
+            (Law::Damper { .. }, true) => (rotary_dashpot::strokes(a, b), rotary_dashpot::HALF),
+        };
+        strokes.extend(own);
+        self.push(kind(element), of, strokes);
+        let along = b.minus(a).unit().unwrap_or(Point::new(1.0, 0.0));
+        let side = if along.across().y <= 0.0 { along.across() } else { along.across().times(-1.0) };
+        let (reach, half) = (b.distance(a) * 0.25, half + 1.0);
+        let half = Point::new(along.x.abs() * reach + side.x.abs() * half, along.y.abs() * reach + side.y.abs() * half);
+        // Beside a slanting element the box of its middle is enough.
+        let half =
+            if along.x.abs() > 0.1 && along.y.abs() > 0.1 { Point::new(spring::HALF, spring::HALF) } else { half };
+        let text = values::element_label(self.says, element);
+        self.label_tie(text, Some(element.span), a.middle(b), half, &[side, side.times(-1.0)]);
+    }
+
+    /// Arrows: inputs, outputs and initial motions, where there is room for them.
+    pub fn arrows(&mut self, stage: &Stage, is_mode: bool, room: &mut Occupied) {
+        if self.detail >= Detail::Plain {
+            return;
+        }
+        let scene = self.scene;
+        for input in &scene.inputs {
+            match &input.kind {
+                InputKind::Base { base, translation } => base::arrow(self, stage, base.index(), *translation, room),
+                // A mode is the motion without any load.
+                InputKind::Force { .. } | InputKind::ForceBetween { .. } | InputKind::Torque { .. } if is_mode => {}
+                InputKind::Force { ends, direction } => force::along(self, stage, input, ends, direction, room),
+                InputKind::ForceBetween { ends } => force::between(self, stage, input, ends, room),
+                InputKind::Torque { ends } => torque::draw(self, stage, input, ends, room),
+            }
+        }
+        if is_mode {
+            return;
+        }
+        output::draw_all(self, stage, room);
+        for initial in &scene.initial {
+            initial::draw(self, stage, initial, room);
+        }
+    }
+
+    /// Gravity and the scale, beside and below everything else.
+    pub fn corner(&mut self, room: &mut Occupied) {
+        let bounds = self.glyphs.iter().fold(Bounds::EMPTY, |bounds, glyph| bounds.and(glyph.bounds()));
+        if bounds.is_empty() {
+            return;
+        }
+        let before = self.glyphs.len();
+        gravity::draw(self, bounds);
+        scale_bar::draw(self, bounds);
+        for glyph in &self.glyphs[before..] {
+            room.take(glyph);
+        }
+    }
+
+    /// One path for all elements and one for all bodies.
+    fn bare(&mut self, stage: &Stage) {
+        let title = |what: &str, count: usize| Of { title: format!("{count} {what}"), span: None };
+        let lines = self.layout.links.iter().map(|link| {
+            let [a, b] = [0, 1].map(|end| stage.point(link.feet[end].part, link.feet[end].at));
+            Stroke::line([a, b], Pen::Thin)
+        });
+        let lines: Vec<Stroke> = lines.collect();
+        self.push(Kind::Spring, title("springs and dampers", lines.len()), lines);
+        let specks = (1..self.layout.parts.len()).map(|number| {
+            let (at, half) = (stage.place(number), self.layout.parts[number].outline.half());
+            let half = Point::new(half.x.clamp(1.0, 4.0), half.y.clamp(1.0, 4.0));
+            let corners = [half, Point::new(-half.x, half.y), half.times(-1.0), Point::new(half.x, -half.y)];
+            Stroke::area(corners.map(|corner| at.plus(corner)), Pen::Solid)
+        });
+        let specks: Vec<Stroke> = specks.collect();
+        self.push(Kind::Block, title("bodies", specks.len()), specks);
+    }
+
+    /// The first of some ways to draw a glyph that touches nothing; the first of all where every one does.
+    pub fn choose(&mut self, kind: Kind, of: Of, tries: Vec<Vec<Stroke>>, room: &mut Occupied) -> Option<Bounds> {
+        let is_free = |strokes: &Vec<Stroke>| {
+            let bounds = strokes.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
+            room.is_free(&bounds.grown(2.0))
+        };
+        let place = tries.iter().position(is_free).unwrap_or(0);
+        let strokes = tries.into_iter().nth(place)?;
+        let glyph = Glyph { kind, title: of.title, span: of.span, strokes, ghost: false };
+        room.take(&glyph);
+        let bounds = glyph.bounds();
+        self.glyphs.push(glyph);
+        Some(bounds)
+    }
+
+    /// A name beside a glyph that was chosen.
+    pub fn label_beside(&mut self, text: String, span: Option<Span>, bounds: Bounds, best: &[Point]) {
+        let half = Point::new(bounds.width() / 2.0, bounds.height() / 2.0);
+        self.label(text, span, bounds.centre(), half, best);
+    }
+}
+
+/// What an element is drawn as.
+fn kind(element: &Element) -> Kind {
+    match (&element.law, &element.geometry) {
+        (Law::Spring { .. }, Geometry::Torsion) => Kind::TorsionSpring,
+        (Law::Spring { .. }, Geometry::Line | Geometry::Along(_)) => Kind::Spring,
+        (Law::Damper { .. }, Geometry::Torsion) => Kind::TorsionDamper,
+        (Law::Damper { .. }, Geometry::Line | Geometry::Along(_)) => Kind::Damper,
+    }
+}
+
+/// From the ends of a glyph to the parts that it ties.
+fn leads<'a>(stage: &'a Stage, link: &'a Link) -> impl Iterator<Item = Stroke> + 'a {
+    link.feet.iter().filter(|foot| !foot.lead.is_empty()).map(|foot| {
+        let points = std::iter::once(&foot.at).chain(&foot.lead).map(|point| stage.point(foot.part, *point));
+        Stroke::line(points.collect::<Vec<_>>(), Pen::Normal)
+    })
+}

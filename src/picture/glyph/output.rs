@@ -1,0 +1,120 @@
+//! An output: a thin coordinate arrow with its name. Outputs of one motion share an arrow, whatever derivative they are of.
+
+use super::couple::direction;
+use super::{Of, Sheet, arrow};
+use crate::base::Span;
+use crate::model::scene::{Motion, Part};
+use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::geometry::Point;
+use crate::picture::occupied::Occupied;
+use crate::picture::stage::Stage;
+
+const LENGTH: f64 = 28.0;
+
+/// What an arrow is of.
+#[derive(Clone, Debug, PartialEq)]
+enum Shown {
+    /// Of a point of a part along a direction.
+    Moves {
+        part: usize,
+        at: Point,
+        direction: Point,
+    },
+    Turns {
+        part: usize,
+    },
+    /// Of an element: the change of its length or of its force.
+    Element {
+        index: usize,
+    },
+}
+
+struct Entry {
+    shown: Shown,
+    names: Vec<String>,
+    span: Span,
+}
+
+/// Terms of one output that are drawn.
+const MOST_TERMS: usize = 4;
+
+pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
+    let mut entries: Vec<Entry> = Vec::new();
+    let scene = sheet.scene;
+    for output in &scene.outputs {
+        let name = sheet.says.display(output.name);
+        for term in output.terms.iter().take(MOST_TERMS) {
+            let Some(shown) = shown(sheet, stage, &term.motion) else { continue };
+            match entries.iter_mut().find(|entry| entry.shown == shown) {
+                Some(entry) if entry.names.contains(&name) => {}
+                Some(entry) => entry.names.push(name.clone()),
+                None => entries.push(Entry { shown, names: vec![name.clone()], span: output.span }),
+            }
+        }
+    }
+    for entry in entries {
+        let names = entry.names.join(", ");
+        let of = Of { title: format!("output {names}"), span: Some(entry.span) };
+        let (tries, best) = match entry.shown {
+            Shown::Moves { part, at, direction } => (straight(stage, part, at, direction), direction),
+            Shown::Turns { part } => {
+                let half = stage.layout.parts[part].outline.half();
+                let own = half.x.max(half.y).min(40.0);
+                let at = stage.place(part);
+                let tries = arrow::offsets(own + 7.0).flat_map(|radius| arrow::arcs(at, radius, Pen::Thin, false));
+                (tries.collect(), Point::new(0.0, -1.0))
+            }
+            Shown::Element { index } => (beside_element(stage, index), Point::new(0.0, -1.0)),
+        };
+        if let Some(bounds) = sheet.choose(Kind::Output, of, tries, room) {
+            sheet.label_beside(names, Some(entry.span), bounds, &[best]);
+        }
+    }
+}
+
+fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
+    let parts = sheet.parts_of();
+    match motion {
+        Motion::Point { part: Part::Ground, .. } | Motion::Turn { part: Part::Ground, .. } => None,
+        Motion::Point { part, at, .. } => {
+            let part = parts.number(*part);
+            let placed = &stage.layout.parts[part];
+            let drawn = match (at, stage.layout.scale) {
+                (Some(at), Some(_)) => placed.point([at.x.to_f64(), at.y.to_f64()]),
+                _ => placed.at,
+            };
+            let direction = direction(stage, part, motion)?;
+            Some(Shown::Moves { part, at: stage.point(part, drawn), direction })
+        }
+        Motion::Turn { part, .. } => Some(Shown::Turns { part: parts.number(*part) }),
+        Motion::Force { element } | Motion::Stretch { element } => Some(Shown::Element { index: element.index() }),
+    }
+}
+
+/// Beside the body first, then further off.
+fn straight(stage: &Stage, part: usize, at: Point, direction: Point) -> Vec<Vec<Stroke>> {
+    let outline = &stage.layout.parts[part].outline;
+    let inside = at.minus(stage.place(part));
+    let mut tries = Vec::new();
+    let up = if direction.across().y <= 0.0 { direction.across() } else { direction.across().times(-1.0) };
+    for off in arrow::offsets(7.0) {
+        for side in [up, up.times(-1.0)] {
+            let from = at.towards(side, outline.reach(inside, side) + off);
+            tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
+        }
+    }
+    let from = at.towards(direction, outline.reach(inside, direction) + 5.0);
+    tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
+    tries
+}
+
+fn beside_element(stage: &Stage, index: usize) -> Vec<Vec<Stroke>> {
+    let link = &stage.layout.links[index];
+    let [a, b] = [0, 1].map(|end| stage.point(link.feet[end].part, link.feet[end].at));
+    let Some(along) = b.minus(a).unit() else { return arrow::arcs(a, 24.0, Pen::Thin, false) };
+    let middle = a.middle(b);
+    let places = arrow::offsets(13.0).flat_map(|off| [off, -off]).map(|off| middle.towards(along.across(), off));
+    places
+        .map(|at| arrow::double(at.towards(along, -LENGTH / 2.0), at.towards(along, LENGTH / 2.0), Pen::Thin))
+        .collect()
+}

@@ -1,0 +1,128 @@
+//! What labels and titles say: names, values with their units, what a part does in the mode that is shown.
+
+use super::initial::is_rate;
+use crate::base::{Name, Number};
+use crate::model::scene::{Body, Element, Geometry, Law, Motion, Part, Scene};
+use crate::picture::layout::Parts;
+use crate::picture::{Request, text};
+
+/// A scene in words.
+pub struct Says<'a> {
+    pub scene: &'a Scene,
+    pub request: &'a Request<'a>,
+}
+
+impl Says<'_> {
+    pub fn display(&self, name: Name) -> String {
+        self.scene.words.display(name)
+    }
+
+    pub fn part_name(&self, part: Part) -> String {
+        let parts = Parts::new(self.scene);
+        parts.name(self.scene, parts.number(part)).map_or_else(|| "ground".into(), |name| self.display(name))
+    }
+
+    /// Room that the label of an element takes, px.
+    pub fn element_width(&self, index: usize) -> f64 {
+        width(&element_label(self, &self.scene.elements[index]))
+    }
+
+    /// The same for a body or a base.
+    pub fn part_width(&self, number: usize) -> f64 {
+        match Parts::new(self.scene).part(number) {
+            Part::Ground => 0.0,
+            Part::Body(body) => width(&body_label(self, &self.scene.bodies[body.index()])),
+            Part::Base(base) => width(&self.display(self.scene.bases[base.index()].name)),
+        }
+    }
+}
+
+fn width(label: &str) -> f64 {
+    text::width(&text::clipped(label)) * text::SPARE
+}
+
+/// `k = 10 N/m`
+fn value(says: &Says, element: &Element) -> String {
+    let turns = element.geometry == Geometry::Torsion;
+    let (letter, number, unit) = match &element.law {
+        Law::Spring { stiffness, .. } => ("k", stiffness, if turns { "N*m/rad" } else { "N/m" }),
+        Law::Damper { damping } => ("c", damping, if turns { "N*m*s/rad" } else { "N*s/m" }),
+    };
+    format!("{letter} = {} {unit}", (says.request.digits)(number))
+}
+
+/// A name, and the value behind it where values are asked for; a name that is the letter of the value is not said twice.
+fn named(says: &Says, name: String, value: Option<String>) -> String {
+    match value.filter(|_| says.request.values) {
+        None => name,
+        Some(value) if value.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with(" = ")) => value,
+        Some(value) => format!("{name}: {value}"),
+    }
+}
+
+pub fn element_label(says: &Says, element: &Element) -> String {
+    named(says, says.display(element.name), Some(value(says, element)))
+}
+
+pub fn element_title(says: &Says, element: &Element) -> String {
+    let word = match &element.law {
+        Law::Spring { .. } => "spring",
+        Law::Damper { .. } => "damper",
+    };
+    let [a, b] = [0, 1].map(|end| says.part_name(element.ends[end].part));
+    let name = says.display(element.name);
+    format!("{word} {name}: {}, {a} to {b}{}", value(says, element), does(says, element.name))
+}
+
+fn does(says: &Says, name: Name) -> String {
+    says.request.does(name).map_or(String::new(), |does| format!("; {does}"))
+}
+
+fn body_values(says: &Says, body: &Body) -> Option<String> {
+    let known = |number: &Option<Number>, letter: &str, unit: &str| {
+        let number = number.as_ref().filter(|number| !number.is_zero())?;
+        Some(format!("{letter} = {} {unit}", (says.request.digits)(number)))
+    };
+    let (mass, inertia) = (known(&body.mass, "m", "kg"), known(&body.inertia, "J", "kg*m^2"));
+    let all: Vec<String> = [mass, inertia].into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join(", "))
+}
+
+pub fn body_label(says: &Says, body: &Body) -> String {
+    named(says, says.display(body.name), body_values(says, body))
+}
+
+pub fn body_title(says: &Says, body: &Body) -> String {
+    let name = says.display(body.name);
+    let values = body_values(says, body).map_or(String::new(), |values| format!(": {values}"));
+    format!("body {name}{values}{}", does(says, body.name))
+}
+
+/// The letter of a motion: `x`, `vy`, `angle`, `omega`.
+pub fn motion_word(motion: &Motion) -> &'static str {
+    match motion {
+        Motion::Point { direction, .. } => match (direction.y.is_zero(), direction.x.is_zero(), is_rate(motion)) {
+            (true, _, false) => "x",
+            (true, _, true) => "vx",
+            (false, true, false) => "y",
+            (false, true, true) => "vy",
+            (false, false, false) => "s",
+            (false, false, true) => "v",
+        },
+        Motion::Turn { .. } if is_rate(motion) => "omega",
+        Motion::Turn { .. } => "angle",
+        Motion::Force { .. } => "force",
+        Motion::Stretch { .. } => "stretch",
+    }
+}
+
+pub fn motion_value(says: &Says, motion: &Motion, value: &Number) -> String {
+    let unit = match motion {
+        Motion::Point { .. } if is_rate(motion) => "m/s",
+        Motion::Point { .. } | Motion::Stretch { .. } => "m",
+        Motion::Turn { .. } if is_rate(motion) => "rad/s",
+        Motion::Turn { .. } => "rad",
+        Motion::Force { .. } => "N",
+    };
+    format!("{} {unit}", (says.request.digits)(value))
+}

@@ -1,0 +1,101 @@
+//! Where parts stand on the page and where elements end, as drawn. In: a scene; out: a [`Layout`].
+//!
+//! A scene with coordinates is drawn to scale ([`scaled`]); parts of it that have none stand beside those that they are tied
+//! to. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
+
+mod grid;
+mod links;
+mod outline;
+mod parts;
+mod rows;
+mod scaled;
+
+pub use outline::Outline;
+pub use parts::{Parts, straight};
+
+use super::geometry::Point;
+use super::glyph::values::Says;
+use super::{Detail, Refusal};
+use crate::model::scene::Scene;
+
+/// Between the ends of an element that nothing else decides the length of, px.
+pub const REACH: f64 = 64.0;
+/// Between the axes of elements side by side, px.
+pub const SIDE: f64 = 21.0;
+/// The same of elements that turn.
+pub const TWISTED: f64 = 31.0;
+
+/// A scene on the page.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pub parts: Vec<Placed>,
+    /// One for each element.
+    pub links: Vec<Link>,
+    /// Where each joint is.
+    pub joints: Vec<Point>,
+    /// Pixels for a metre, where the scene has coordinates.
+    pub scale: Option<f64>,
+}
+
+/// A part, by its number in [`Parts`].
+#[derive(Clone, Debug)]
+pub struct Placed {
+    pub at: Point,
+    /// The scene's point that is drawn there, m.
+    pub origin: [f64; 2],
+    pub outline: Outline,
+    /// Points that a thin line ties to the part: where joints and elements hold a body that has no shape.
+    pub arms: Vec<Point>,
+    /// A metre along the scene's x and y, px.
+    pub axes: [Point; 2],
+    /// Which way its name stands best; empty: any.
+    pub name_at: Vec<Point>,
+}
+
+/// The two ends of an element.
+#[derive(Clone, Debug)]
+pub struct Link {
+    pub feet: [Foot; 2],
+    /// A spring or damper that turns, drawn round one point; its place among several there, from the inside.
+    pub round: Option<usize>,
+}
+
+/// One end of an element.
+#[derive(Clone, Debug)]
+pub struct Foot {
+    /// In [`Parts`].
+    pub part: usize,
+    /// Where the glyph ends.
+    pub at: Point,
+    /// From there to the part, where the glyph does not end at it.
+    pub lead: Vec<Point>,
+    /// The ground here: which way it lies, as seen from the element.
+    pub wall: Option<Point>,
+}
+
+impl Placed {
+    /// A point of the scene that moves with the part, on the page.
+    pub fn point(&self, scene: [f64; 2]) -> Point {
+        let [dx, dy] = [scene[0] - self.origin[0], scene[1] - self.origin[1]];
+        self.at.plus(self.axes[0].times(dx)).plus(self.axes[1].times(dy))
+    }
+
+    /// A direction of the scene, on the page.
+    pub fn direction(&self, scene: [f64; 2]) -> Option<Point> {
+        let [x, y] = self.axes.map(|axis| axis.unit().unwrap_or_default());
+        x.times(scene[0]).plus(y.times(scene[1])).unit()
+    }
+}
+
+/// The layout of a scene.
+pub fn layout(scene: &Scene, detail: Detail, says: &Says) -> Result<Layout, Refusal> {
+    let parts = Parts::new(scene);
+    let known = parts.known_points(scene)?;
+    if known.iter().any(|points| !points.is_empty()) {
+        scaled::layout(scene, &parts, &known, detail)
+    } else if detail == Detail::Full {
+        Ok(rows::layout(scene, &parts, says))
+    } else {
+        Ok(grid::layout(scene, &parts))
+    }
+}

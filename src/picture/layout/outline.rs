@@ -1,0 +1,110 @@
+//! The outline of a part on the page: what its elements end at.
+
+use crate::picture::geometry::{Bounds, Point};
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outline {
+    /// The ground: drawn where something is held.
+    Nowhere,
+    /// A body without a shape.
+    Block {
+        half: Point,
+    },
+    /// To scale.
+    Box {
+        half: Point,
+    },
+    Disk {
+        radius: f64,
+    },
+    Ring {
+        radius: f64,
+    },
+    /// A body that turns and has no shape: a disk of a common size.
+    Wheel {
+        radius: f64,
+    },
+    /// Between two points, relative to the middle.
+    Rod {
+        arm: Point,
+    },
+    /// A mass in one point, or none at all.
+    Dot {
+        radius: f64,
+    },
+    /// A base: the direction of its motion, and half of its width.
+    Plate {
+        along: Point,
+        half: f64,
+    },
+    /// A part of a scene of a hundred thousand.
+    Speck {
+        half: f64,
+    },
+}
+
+impl Outline {
+    /// How far a point on it is from `inside` (relative to the middle) in a direction; 0 where it is not inside.
+    pub fn reach(&self, inside: Point, direction: Point) -> f64 {
+        match self {
+            Outline::Block { half } | Outline::Box { half } => box_reach(*half, inside, direction),
+            Outline::Speck { half } => box_reach(Point::new(*half, *half), inside, direction),
+            Outline::Disk { radius }
+            | Outline::Ring { radius }
+            | Outline::Wheel { radius }
+            | Outline::Dot { radius } => {
+                let (b, c) = (inside.dot(direction), inside.dot(inside) - radius * radius);
+                // On the rim is not inside, whatever the last bits say.
+                if c >= -1e-6 * radius * radius { 0.0 } else { (b * b - c).sqrt() - b }
+            }
+            Outline::Nowhere | Outline::Rod { .. } | Outline::Plate { .. } => 0.0,
+        }
+    }
+
+    /// Half of its size.
+    pub fn half(&self) -> Point {
+        match self {
+            Outline::Nowhere => Point::default(),
+            Outline::Block { half } | Outline::Box { half } => *half,
+            Outline::Disk { radius }
+            | Outline::Ring { radius }
+            | Outline::Wheel { radius }
+            | Outline::Dot { radius } => Point::new(*radius, *radius),
+            Outline::Rod { arm } => Point::new(arm.x.abs() + 5.0, arm.y.abs() + 5.0),
+            Outline::Plate { along, half } => {
+                let side = along.across();
+                Point::new(side.x.abs() * half + along.x.abs() * 8.0, side.y.abs() * half + along.y.abs() * 8.0)
+            }
+            Outline::Speck { half } => Point::new(*half, *half),
+        }
+    }
+
+    /// Whether elements side by side all end at it without help.
+    pub fn is_wide(&self) -> bool {
+        !matches!(self, Outline::Rod { .. } | Outline::Dot { .. })
+    }
+}
+
+fn box_reach(half: Point, inside: Point, direction: Point) -> f64 {
+    if !Bounds::around(Point::default(), half).grown(-1e-6).holds(inside) {
+        return 0.0;
+    }
+    let side = |half: f64, at: f64, d: f64| if d.abs() < 1e-9 { f64::INFINITY } else { (half * d.signum() - at) / d };
+    side(half.x, inside.x, direction.x).min(side(half.y, inside.y, direction.y)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_end_at_the_outline() {
+        let block = Outline::Block { half: Point::new(22.0, 16.0) };
+        assert_eq!(block.reach(Point::default(), Point::new(-1.0, 0.0)), 22.0);
+        assert_eq!(block.reach(Point::new(0.0, 6.0), Point::new(0.0, 1.0)), 10.0);
+        assert_eq!(block.reach(Point::new(30.0, 0.0), Point::new(1.0, 0.0)), 0.0);
+        let disk = Outline::Disk { radius: 10.0 };
+        assert_eq!(disk.reach(Point::new(6.0, 0.0), Point::new(0.0, 1.0)), 8.0);
+        assert_eq!(disk.reach(Point::new(10.0, 0.0), Point::new(-1.0, 0.0)), 0.0);
+    }
+}

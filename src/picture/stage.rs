@@ -1,0 +1,141 @@
+//! Where everything is that a figure shows: as drawn, at rest, or moved by a mode. Bodies stay rigid: they turn by their angle,
+//! they are not sheared by it, so a mode of a scene to scale is shown small enough for that to be the same.
+
+use super::geometry::{Point, Turn};
+use super::layout::{Layout, Outline, Parts};
+use crate::lower::Poses;
+use crate::model::scene::Scene;
+
+/// How far a mode moves what it moves most: px, and radians.
+const FAR: [f64; 2] = [22.0, 46.0];
+const TURNED: f64 = 0.4;
+
+/// The parts of a layout, moved.
+pub struct Stage<'a> {
+    pub layout: &'a Layout,
+    /// By part; empty: all as drawn.
+    moved: Vec<Moved>,
+    /// How many times the shape is shown.
+    pub amount: f64,
+}
+
+/// A point that moves with a part: from the page as drawn to the page as shown.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    from: Point,
+    to: Point,
+    turn: Turn,
+}
+
+/// A piece of welded parts, m.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    anchor: Option<Point>,
+    /// Where its anchor is.
+    at: Point,
+    turn: Turn,
+}
+
+impl<'a> Stage<'a> {
+    pub fn drawn(layout: &'a Layout) -> Stage<'a> {
+        Stage { layout, moved: Vec::new(), amount: 0.0 }
+    }
+
+    /// At rest, moved by so many times the shape.
+    pub fn at(scene: &Scene, layout: &'a Layout, poses: &Poses, amount: f64) -> Stage<'a> {
+        let pieces = pieces(poses, amount);
+        let parts = Parts::new(scene);
+        let moved = (0..parts.count()).map(|number| {
+            let (piece, placed) = (pieces[poses.piece(parts.part(number))], &layout.parts[number]);
+            let vector = |v: Point| placed.axes[0].times(v.x).plus(placed.axes[1].times(v.y));
+            match piece.anchor {
+                Some(anchor) => {
+                    let from = placed.point([anchor.x, anchor.y]);
+                    Moved { from, to: from.plus(vector(piece.at.minus(anchor))), turn: piece.turn }
+                }
+                None => Moved { from: placed.at, to: placed.at.plus(vector(piece.at)), turn: piece.turn },
+            }
+        });
+        Stage { layout, moved: moved.collect(), amount }
+    }
+
+    /// Where a point of the page is that moves with a part.
+    pub fn point(&self, part: usize, drawn: Point) -> Point {
+        match self.moved.get(part) {
+            None => drawn,
+            Some(Moved { from, to, turn }) => to.plus(drawn.minus(*from).turned(*turn)),
+        }
+    }
+
+    /// Where a point is that goes with a part and does not turn with it, as the end of a shaft.
+    pub fn carried(&self, part: usize, drawn: Point) -> Point {
+        let at = self.layout.parts[part].at;
+        drawn.plus(self.point(part, at)).minus(at)
+    }
+
+    /// A vector that turns with a part.
+    pub fn vector(&self, part: usize, drawn: Point) -> Point {
+        self.moved.get(part).map_or(drawn, |moved| drawn.turned(moved.turn))
+    }
+
+    /// Where a part is.
+    pub fn place(&self, part: usize) -> Point {
+        self.point(part, self.layout.parts[part].at)
+    }
+}
+
+fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
+    let mut pieces: Vec<Piece> = Vec::with_capacity(poses.pieces.len());
+    for (index, of) in poses.pieces.iter().enumerate() {
+        let carrier = match index {
+            0 => Piece { anchor: None, at: Point::default(), turn: Turn::NONE },
+            _ => pieces[of.carrier as usize],
+        };
+        let slid = of.slides.iter().fold(Point::default(), |sum, ([x, y], value)| {
+            sum.towards(Point::new(*x, *y), value.rest + amount * value.shape)
+        });
+        // The scene's y runs upwards, which `turned` takes for downwards.
+        let turned = |v: Point, turn: Turn| v.turned(Turn { sine: -turn.sine, ..turn });
+        let slid = turned(slid, carrier.turn);
+        let turn = Turn::by(of.angle.rest + amount * of.angle.shape);
+        let anchor = of.anchor.map(|[x, y]| Point::new(x, y));
+        let at = match (anchor, carrier.anchor) {
+            (Some(anchor), Some(held)) => carrier.at.plus(turned(anchor.minus(held), carrier.turn)).plus(slid),
+            // The carrier has no place, or is the ground: it does not turn about any.
+            (Some(anchor), None) => anchor.plus(carrier.at).plus(slid),
+            (None, _) => carrier.at.plus(slid),
+        };
+        pieces.push(Piece { anchor, at, turn });
+    }
+    pieces
+}
+
+/// How many times a shape is shown so that it is seen well.
+pub fn amount(scene: &Scene, layout: &Layout, poses: &Poses) -> f64 {
+    let values = poses.pieces.iter().flat_map(|piece| {
+        let slides = piece.slides.iter().map(|(_, value)| value.shape.abs());
+        slides.chain(std::iter::once(piece.angle.shape.abs()))
+    });
+    let largest = values.fold(0.0, f64::max);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    // Displacements are as good as linear over such a way.
+    let little = 1e-4 / largest;
+    let (rest, moved) = (Stage::at(scene, layout, poses, 0.0), Stage::at(scene, layout, poses, little));
+    let mut way: f64 = 0.0;
+    for (number, placed) in layout.parts.iter().enumerate() {
+        let ends = match &placed.outline {
+            Outline::Rod { arm } => [placed.at.plus(*arm), placed.at.minus(*arm)],
+            _ => [placed.at; 2],
+        };
+        for point in ends.iter().chain(&placed.arms) {
+            way = way.max(moved.point(number, *point).distance(rest.point(number, *point)));
+        }
+    }
+    let far = if layout.scale.is_some() { FAR[1] } else { FAR[0] };
+    let by_way = if way > 0.0 { far * little / way } else { f64::INFINITY };
+    let turned = poses.pieces.iter().map(|piece| piece.angle.shape.abs()).fold(0.0, f64::max);
+    let by_turn = if turned > 0.0 { TURNED / turned } else { f64::INFINITY };
+    by_way.min(by_turn)
+}
