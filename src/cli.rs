@@ -143,6 +143,9 @@ pub struct Transfer {
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     pub format: TableFormat,
+    /// Write a Bode plot to this file too: gain and phase, peaks and antiresonances marked
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
@@ -166,6 +169,9 @@ pub struct Simulate {
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
     pub format: TableFormat,
+    /// Write a plot of the outputs over time to this file too
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,

@@ -619,6 +619,7 @@ pub fn draw(
             return Some(Err(format!("the model has no mode {mode}: it has {}", modes.list.len())));
         };
         let normal = analysis::normalise(shape, analysis::Normalise::Translation);
+        let normal: Vec<f64> = normal.iter().map(|displacement| displacement.0).collect();
         let poses = lower::poses(&read.scene, &lowered.system, &lowered.rest, Some(&normal))?;
         let caption = backend::draw::mode_caption(mode, shape);
         let does = |name| backend::draw::energy_of(shape, name);

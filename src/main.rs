@@ -106,7 +106,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
 }
 
 fn transfer(options: &Transfer, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -150,7 +150,9 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         TableFormat::Csv => backend::transfer::csv(system, &table),
         TableFormat::Json => backend::transfer::json(&dynamics.model, system, &table),
     };
-    deliver(options.output.as_deref(), &text)
+    let picture = || backend::plot::transfer::plot(&dynamics.model, system, &table);
+    let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
+    drawn.max(deliver(options.output.as_deref(), &text))
 }
 
 /// The places of the names asked for, or of all names.
@@ -186,7 +188,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -204,7 +206,9 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history, options.bounds),
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
-    deliver(options.output.as_deref(), &text).max(status)
+    let picture = || backend::plot::motion::plot(&motion.model, &motion.system, &motion.history);
+    let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
+    deliver(options.output.as_deref(), &text).max(drawn).max(status)
 }
 
 fn draw(options: &Draw, messages: &Messages) -> Status {

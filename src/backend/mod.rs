@@ -10,6 +10,7 @@ pub mod equations;
 pub mod explain;
 pub mod json;
 mod json_number;
+pub mod plot;
 pub mod report;
 pub mod simulation;
 pub mod transfer;

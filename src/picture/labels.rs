@@ -24,7 +24,7 @@ const GAP: f64 = 3.0;
 /// Further away than this a leader says what a label belongs to.
 const NEAR: f64 = 9.0;
 /// Tried distances beyond the nearest, px.
-const STEPS: [f64; 11] = [0.0, 4.0, 9.0, 16.0, 24.0, 34.0, 46.0, 60.0, 78.0, 100.0, 126.0];
+const STEPS: [f64; 13] = [0.0, 4.0, 9.0, 16.0, 24.0, 34.0, 46.0, 60.0, 78.0, 100.0, 126.0, 156.0, 190.0];
 
 const H: f64 = 0.923_879_532_511_286_7;
 const L: f64 = 0.382_683_432_365_089_8;

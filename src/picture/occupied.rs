@@ -77,6 +77,19 @@ impl Occupied {
         (y0..=y1).all(is_free)
     }
 
+    /// Leaves nothing free but what lies in a rectangle.
+    pub fn only_within(&mut self, bounds: &Bounds) {
+        let (x0, x1) = (self.column(bounds.low.x), self.column(bounds.high.x));
+        let (y0, y1) = (self.row(bounds.low.y), self.row(bounds.high.y));
+        for y in 0..self.rows {
+            for x in 0..self.columns {
+                if x <= x0 || x >= x1 || y <= y0 || y >= y1 {
+                    self.taken[y * self.columns + x] = Cell::Glyph;
+                }
+            }
+        }
+    }
+
     pub fn take_name(&mut self, bounds: &Bounds) {
         let (x0, x1) = (self.column(bounds.low.x), self.column(bounds.high.x));
         for y in self.row(bounds.low.y)..=self.row(bounds.high.y) {

@@ -30,7 +30,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 37] = [
+const VALUES: [Values; 39] = [
     (
         "*",
         "set",
@@ -82,7 +82,21 @@ const VALUES: [Values; 37] = [
     ("emit", "until", &[Done("1s")], &TIMES),
     ("emit", "output", &[Done("@/code"), Ends("@/scene.vib", 3), Ends("@/scene.vib/inner", 3)], &[]),
     ("*", "output", &[Done("@/out"), Done("-"), Ends("@/missing/out", 3), Ends("@/scene.vib", 2)], &[]),
-    ("bench", "svg", &[Done("@/picture.svg"), Ends("@/scene.vib", 2)], &[]),
+    ("*", "svg", &[Done("@/picture.svg"), Ends("@/missing/p.svg", 3), Ends("@/scene.vib", 2)], &[]),
+    ("draw", "mode", &[Done("1"), Ends("2", 2), Ends("100000", 2)], &["0", "-1", "100001", "1.5", "all", ""]),
+    (
+        "draw",
+        "file",
+        &[
+            Done("@/scene.vib"),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
+    ),
     (
         "analyze",
         "file",
@@ -194,7 +208,7 @@ const VALUES: [Values; 37] = [
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
-        "analyze" | "transfer" | "bench" | "equations" if option != "file" => vec![file],
+        "analyze" | "transfer" | "bench" | "draw" | "equations" if option != "file" => vec![file],
         "simulate" if option != "file" => vec![file],
         "emit" if option != "file" => vec![file],
         "check" | "fmt" if option != "files" => vec![file],

@@ -1,6 +1,6 @@
 //! A figure as SVG: one group a glyph, with the line of the model that made it. Clause: docs/draw.md.
 
-mod path;
+pub(super) mod path;
 
 use super::decimal::certain;
 use crate::analysis::derived::hertz;
