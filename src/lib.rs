@@ -596,36 +596,33 @@ pub fn draw(
     overrides: &Overrides,
     drawn: &Drawn,
 ) -> Outcome<Result<picture::Figure, String>> {
-    let mut diagnostics = Diagnostics::new();
-    let answer = read(sources, model, overrides, None, &mut diagnostics).and_then(|read| {
-        let values = drawn.values;
+    Outcome::of(|diagnostics| {
+        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
         let figure = |shown| {
             let digits = |number: &Number| backend::decimal::certain_whole(number, FIGURE_DIGITS);
-            let request = picture::Request { digits: &digits, values, shown };
-            picture::figure(read.scene.scene(), &request).map_err(|refusal| refusal.to_string())
+            let request = picture::Request { digits: &digits, values: drawn.values, shown };
+            picture::figure(reading.scene.scene(), &request).map_err(|refusal| refusal.to_string())
         };
         if !drawn.rest && drawn.mode.is_none() {
             return Some(figure(picture::Shown::AsDrawn));
         }
-        let lowered = damped(&read.scene, &mut diagnostics)?;
-        let Some(mode) = drawn.mode else {
-            let poses = lower::poses(&read.scene, &lowered.system, &lowered.rest, None)?;
-            return Some(figure(picture::Shown::AtRest(&poses)));
+        let Lowered { system, mechanism, .. } = dynamics::lowered(&reading.scene, diagnostics)?;
+        let Some(wanted) = drawn.mode else {
+            return Some(figure(picture::Shown::AtRest(&mechanism.poses(None))));
         };
-        let request = Request { which: Which::Lowest(mode as usize), ..Request::default() };
-        let modes = analysis::modes_as(&lowered.system, &request);
-        let modes = modes.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
-        let Some((_, shape)) = modes.numbered().find(|(number, _)| *number == mode as usize) else {
-            return Some(Err(format!("the model has no mode {mode}: it has {}", modes.list.len())));
+        let request = Request { which: Which::Lowest(wanted as usize), ..Request::default() };
+        let modes =
+            analysis::modes_as(&system, &request).or_else(|error| refused(&error, diagnostics).ok_or(())).ok()?;
+        let Some((_, mode)) = modes.numbered().find(|(number, _)| *number == wanted as usize) else {
+            return Some(Err(format!("the model has no mode {wanted}: it has {}", modes.list.len())));
         };
-        let normal = analysis::normalise(shape, analysis::Normalise::Translation);
-        let normal: Vec<f64> = normal.iter().map(|displacement| displacement.0).collect();
-        let poses = lower::poses(&read.scene, &lowered.system, &lowered.rest, Some(&normal))?;
-        let caption = backend::draw::mode_caption(mode, shape);
-        let does = |name| backend::draw::energy_of(shape, name);
+        let shape = analysis::normalise(mode, analysis::Normalise::Translation);
+        let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();
+        let poses = mechanism.poses(Some(&shape));
+        let caption = backend::draw::mode_caption(wanted, mode);
+        let does = |name| backend::draw::energy_of(mode, name);
         Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))
-    });
-    Outcome { answer, diagnostics: diagnostics.sorted() }
+    })
 }
 
 /// Digits of values in figures.

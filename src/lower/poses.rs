@@ -1,5 +1,5 @@
 //! How parts stand at rest and move in a shape, for pictures. In: a mechanism at rest and displacements of its coordinates; out:
-//! for each piece of welded parts its turn and its slides. Nothing that lowering needs. Clause: docs/draw.md.
+//! for each piece of welded parts its turn and its slides. Nothing that lowering needs. See docs/draw.md.
 
 use super::kinematics::{Index, Kinematics};
 use super::mechanism::Mechanism;

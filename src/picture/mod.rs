@@ -1,6 +1,6 @@
 //! The scene as a figure of a textbook: where everything stands on the page, what it is drawn as, and where its name is
 //! written. In: a checked scene, and how its parts stand at rest or move in a mode; out: a [`Figure`], a plain value that
-//! a backend writes. Clause: docs/draw.md.
+//! a backend writes. See docs/draw.md.
 //!
 //! # Steps
 //! 1. [`layout`]: where parts stand and where elements end; from the scene's coordinates where it has any

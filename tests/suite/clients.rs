@@ -45,3 +45,38 @@ fn neovim_sees_mends_renames_lays_out() {
     assert!(run.status.success(), "{said}{failed}");
     assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 9, "{said}{failed}");
 }
+
+/// Figures and plots of every example and drawing, in Chromium and in librsvg: `tests/clients/figures.mjs`.
+#[test]
+#[ignore = "needs node with playwright-core below PLAYWRIGHT, Chromium and rsvg-convert"]
+fn browsers_draw_figures_alike_and_names_lie_over_nothing() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let vibc = |arguments: &[&str]| {
+        let run = Command::new(env!("CARGO_BIN_EXE_vibc")).args(arguments).output().expect("the program starts");
+        run.status.success()
+    };
+    let mut drawn = 0;
+    for models in ["examples", "tests/drawings"] {
+        for entry in fs::read_dir(root.join(models)).expect("a folder of models") {
+            let model = entry.expect("an entry").path();
+            if model.extension().is_none_or(|extension| extension != "vib") {
+                continue;
+            }
+            let stem = model.file_stem().expect("a name").to_string_lossy().into_owned();
+            let to = |what: &str| folder.path().join(format!("{stem}{what}.svg")).to_string_lossy().into_owned();
+            let model = model.to_string_lossy().into_owned();
+            assert!(vibc(&["draw", &model, "-o", &to("")]), "{stem}");
+            assert!(vibc(&["draw", &model, "--values", "-o", &to("_values")]), "{stem}");
+            assert!(vibc(&["draw", &model, "--mode", "1", "-o", &to("_mode")]), "{stem}");
+            // Not every model has inputs or outputs.
+            vibc(&["transfer", &model, "--svg", &to("_transfer")]);
+            drawn += 1;
+        }
+    }
+    assert!(drawn > 15, "{drawn}");
+    let script = root.join("tests/clients/figures.mjs");
+    let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+}

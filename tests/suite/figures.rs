@@ -1,5 +1,5 @@
 //! `vibc draw`: figures beside what the models say, in numbers that the figure's own code does not share; and no name over
-//! anything, on all examples, drawings, hard cases and generated scenes. Clause: docs/draw.md.
+//! anything, on all examples, drawings, hard cases and generated scenes. See docs/draw.md.
 
 mod generated;
 mod room;
@@ -376,4 +376,30 @@ fn what_cannot_be_drawn_is_said() {
     assert_eq!(refusal(&cart, Drawn { mode: Some(3), ..AS_DRAWN }), "the model has no mode 3: it has 2");
     let far = "body b { mass = 1 kg, at = (1e200 m, 0), moves x }\nspring s: ground@(0, 0) -- b { k = 1 N/m }";
     assert_eq!(refusal(far, AS_DRAWN), "a coordinate of `b` is too large to be drawn");
+}
+
+/// What the documents show is what the program draws now: the commands of `docs/figures/make`, one after the other.
+#[test]
+fn figures_of_the_documents_are_fresh() {
+    let script = fs::read_to_string(folder("docs/figures/make")).expect("the script");
+    let folder_of_new = tempfile::tempdir().expect("a temporary folder");
+    let mut compared = 0;
+    for line in script.lines().filter_map(|line| line.strip_prefix("\"$vibc\" ")) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (old, options) = words.split_last().expect("a command");
+        let new = folder_of_new.path().join("new.svg");
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"))
+            .args(options)
+            .arg(&new)
+            .current_dir(folder("."))
+            .output()
+            .expect("the program starts");
+        assert!(run.status.success(), "{line}");
+        let [old_text, new_text] = [folder(old), new].map(|file| fs::read_to_string(file).expect("a figure"));
+        assert_eq!(old_text, new_text, "{old} is stale: run docs/figures/make");
+        compared += 1;
+    }
+    assert!(compared >= 4);
+    let readme = fs::read_to_string(folder("README.md")).expect("README.md");
+    assert!(readme.contains("docs/figures/cart.svg"));
 }

@@ -1,4 +1,4 @@
-//! A figure as SVG: one group a glyph, with the line of the model that made it. Clause: docs/draw.md.
+//! A figure as SVG: one group a glyph, with the line of the model that made it. See docs/draw.md.
 
 pub(super) mod path;
 
@@ -7,14 +7,14 @@ use crate::analysis::derived::hertz;
 use crate::analysis::{Mode, ModeKind, Share};
 use crate::base::readable::visible;
 use crate::base::{FileId, LineIndex, Name, Sources, Span};
-use crate::picture::{Figure, Glyph, Label, Stroke};
-use crate::system::Label as SystemLabel;
+use crate::picture::{Figure, Glyph, Label, Pen, Stroke};
+use crate::system::Source;
 use path::{Tenths, path};
 use std::fmt::Write;
 
 /// Colours follow the page (`currentColor`) and, where the figure stands alone, what its viewer prefers.
 const STYLE: &str = "\
-.vibc-figure{color:#1c2128;font:13px Helvetica,Arial,'Liberation Sans',sans-serif}
+.vibc-figure{color:#1c2128;font:12px Verdana,'DejaVu Sans',sans-serif}
 .vibc-figure path,.vibc-figure circle{fill:none;stroke:currentColor;stroke-width:1.4;stroke-linejoin:round;stroke-linecap:round}
 .vibc-figure .b{fill:#e9edf2;stroke-width:1.8}
 .vibc-figure .p{fill:#fff}
@@ -82,15 +82,17 @@ pub fn mode_caption(number: u32, mode: &Mode) -> String {
 
 /// What a part has of a mode's energy, of its kind.
 pub fn energy_of(mode: &Mode, name: Name) -> Option<String> {
-    let share =
-        |shares: &[Share<SystemLabel>]| shares.iter().find(|share| share.of.name == name).map(|share| share.part.0);
+    let share = |shares: &[Share<Source>]| {
+        let found = shares.iter().find(|share| share.of.name.name == name);
+        found.map(|share| share.part.0)
+    };
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);
     let kinetic = share(&mode.kinetic).map(|part| format!("{} of the kinetic energy", percent(part)));
     kinetic.or_else(|| share(&mode.strain).map(|part| format!("{} of the strain energy", percent(part))))
 }
 
 /// From the middle of a line of text down to its baseline, px.
-const BASELINE: f64 = 4.6;
+const BASELINE: f64 = 4.4;
 
 struct Lines {
     model: FileId,
@@ -120,7 +122,9 @@ fn strokes(text: &mut String, strokes: &[Stroke]) {
     for stroke in strokes {
         match stroke {
             Stroke::Line { points, closed, pen } => {
-                if open != Some(*pen) {
+                // What covers what is behind it is a path of its own.
+                let covers = pen.fills() && *pen != Pen::Solid;
+                if open != Some(*pen) || covers {
                     close(text, &mut open);
                     put(text, format_args!("<path class=\"{}\" d=\"", pen.class()));
                     open = Some(*pen);

@@ -1,5 +1,5 @@
 //! Plots in SVG: panels with axes that have titles, curves, marks with labels that lie over nothing, a legend. In: numbers to
-//! draw, which say nothing that a table does not say with its bound; out: the file. Clause: docs/draw.md.
+//! draw, which say nothing that a table does not say with its bound; out: the file. See docs/draw.md.
 
 pub mod axis;
 pub mod motion;
@@ -89,7 +89,7 @@ impl Style {
 const COLOURS: usize = 6;
 const DASHES: usize = 4;
 const STYLE: &str = "\
-.vibc-plot{color:#1c2128;font:12px Helvetica,Arial,'Liberation Sans',sans-serif}
+.vibc-plot{color:#1c2128;font:12px Verdana,'DejaVu Sans',sans-serif}
 .vibc-plot path,.vibc-plot circle{fill:none;stroke:currentColor;stroke-width:1}
 .vibc-plot text{fill:currentColor}
 .vibc-plot .grid{opacity:.16}

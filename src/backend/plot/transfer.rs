@@ -22,64 +22,104 @@ pub fn plot(model: &str, system: &LinearSystem, table: &Table) -> String {
     svg(&Plot { title: format!("{model}: transfer functions"), rows })
 }
 
+/// A gain panel for each unit of the outputs, then the phases of all.
 fn of_input(system: &LinearSystem, table: &Table, input: usize) -> Vec<Vec<Panel>> {
-    let from = &system.inputs[table.inputs[input]];
-    let name = system.display(from.name);
-    let frequencies: Vec<f64> = table.rows.iter().map(|row| row.frequency.to_f64()).collect();
-    let (low, high) = (frequencies.first().copied().unwrap_or(0.0), frequencies.last().copied().unwrap_or(1.0));
-    let scale = if low > 0.0 && high / low > SHORT { Scale::Decades } else { Scale::Linear };
-    let x = || Axis::tight("frequency [Hz]", scale, low, high);
-    let gain = |row: usize, output: usize| table.rows[row].gains[input][output];
-    let each = || 0..table.outputs.len();
-    let sizes = each().flat_map(|o| (0..table.rows.len()).map(move |row| size(gain(row, o))));
-    // Infinite and vanishing gains are marked at the edge.
-    let y = Axis::holding(gain_title(system, table, from.unit), Scale::Decades, sizes).in_whole_decades(DECADES);
-    let gains = each().map(|output| Curve {
-        points: frequencies.iter().enumerate().map(|(row, f)| (*f, size(gain(row, output)))).collect(),
-        style: Style::Curve(output),
-    });
-    let marks = each().flat_map(|output| {
-        let found = table.extrema.as_ref().map(|extrema| &extrema[input][output].list[..]).unwrap_or_default();
-        found.iter().map(move |extremum| mark(extremum, Style::Curve(output)))
-    });
-    let legend = each().map(|output| Entry {
-        style: Style::Curve(output),
-        sample: Sample::Line,
-        text: system.display(system.outputs[table.outputs[output]].name),
-    });
-    let phases = each().map(|output| {
-        let points = frequencies.iter().enumerate().map(|(row, f)| (*f, angle(gain(row, output))));
-        Curve { points: unwrapped(points), style: Style::Curve(output) }
-    });
-    let above = Panel {
-        heading: format!("gain from {name}"),
-        x: x(),
-        y,
-        height: HEIGHTS[0],
-        curves: gains.collect(),
-        marks: marks.collect(),
-        legend: Vec::new(),
-    };
-    let below = Panel {
-        heading: format!("phase from {name}"),
-        x: x(),
-        y: Axis::holding("phase [deg]", Scale::Degrees, std::iter::empty()),
-        height: HEIGHTS[1],
-        curves: phases.collect(),
-        marks: Vec::new(),
-        legend: legend.collect(),
-    };
-    vec![vec![above], vec![below]]
+    let shown = Shown::of(system, table, input);
+    let mut units: Vec<&str> = Vec::new();
+    for output in &table.outputs {
+        let unit = system.outputs[*output].unit.as_str();
+        if !units.contains(&unit) {
+            units.push(unit);
+        }
+    }
+    let mut rows: Vec<Vec<Panel>> = units.into_iter().map(|unit| vec![shown.gains(unit)]).collect();
+    rows.push(vec![shown.phases()]);
+    rows
 }
 
-/// `gain [m/N]`, where all outputs have one unit.
-fn gain_title(system: &LinearSystem, table: &Table, from: &str) -> String {
-    let mut units: Vec<&str> = table.outputs.iter().map(|output| system.outputs[*output].unit.as_str()).collect();
-    units.dedup();
-    match units[..] {
-        [unit] if unit == from => "gain".into(),
-        [unit] => format!("gain [{unit}/({from})]").replace("/(N)", "/N").replace("/(m)", "/m"),
-        _ => format!("gain [unit of the output/({from})]"),
+/// What one input does.
+struct Shown<'a> {
+    system: &'a LinearSystem,
+    table: &'a Table,
+    input: usize,
+    name: String,
+    unit: &'a str,
+    frequencies: Vec<f64>,
+}
+
+impl<'a> Shown<'a> {
+    fn of(system: &'a LinearSystem, table: &'a Table, input: usize) -> Shown<'a> {
+        let from = &system.inputs[table.inputs[input]];
+        let frequencies = table.rows.iter().map(|row| row.frequency.to_f64()).collect();
+        Shown { system, table, input, name: system.display(from.name), unit: from.unit, frequencies }
+    }
+
+    fn x(&self) -> Axis {
+        let (low, high) = (self.frequencies.first().copied(), self.frequencies.last().copied());
+        let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(1.0));
+        let scale = if low > 0.0 && high / low > SHORT { Scale::Decades } else { Scale::Linear };
+        Axis::tight("frequency [Hz]", scale, low, high)
+    }
+
+    /// An output over frequency.
+    fn curve(&self, output: usize, value: fn(Gain) -> f64) -> Vec<(f64, f64)> {
+        let gains = self.table.rows.iter().map(|row| value(row.gains[self.input][output]));
+        self.frequencies.iter().copied().zip(gains).collect()
+    }
+
+    fn gains(&self, unit: &str) -> Panel {
+        let all = self.table.outputs.iter().enumerate();
+        let own: Vec<usize> =
+            all.filter(|(_, output)| self.system.outputs[**output].unit == unit).map(|(place, _)| place).collect();
+        let curves: Vec<Curve> =
+            own.iter().map(|o| Curve { points: self.curve(*o, size), style: Style::Curve(*o) }).collect();
+        let sizes = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, size)| *size));
+        // Infinite and vanishing gains are marked at the edge.
+        let y = Axis::holding(self.gain_title(unit), Scale::Decades, sizes).in_whole_decades(DECADES);
+        let marks = own.iter().flat_map(|output| {
+            let extrema = self.table.extrema.as_ref().map(|extrema| &extrema[self.input][*output].list[..]);
+            extrema.unwrap_or_default().iter().map(|extremum| mark(extremum, Style::Curve(*output)))
+        });
+        Panel {
+            heading: format!("gain from {}", self.name),
+            x: self.x(),
+            y,
+            height: HEIGHTS[0],
+            marks: marks.collect(),
+            curves,
+            legend: Vec::new(),
+        }
+    }
+
+    fn phases(&self) -> Panel {
+        let each = || self.table.outputs.iter().enumerate();
+        let curve = |(place, _): (usize, &usize)| Curve {
+            points: unwrapped(self.curve(place, angle).into_iter()),
+            style: Style::Curve(place),
+        };
+        let entry = |(place, output): (usize, &usize)| Entry {
+            style: Style::Curve(place),
+            sample: Sample::Line,
+            text: self.system.display(self.system.outputs[*output].name),
+        };
+        Panel {
+            heading: format!("phase from {}", self.name),
+            x: self.x(),
+            y: Axis::holding("phase [deg]", Scale::Degrees, std::iter::empty()),
+            height: HEIGHTS[1],
+            curves: each().map(curve).collect(),
+            marks: Vec::new(),
+            legend: each().map(entry).collect(),
+        }
+    }
+
+    /// `gain [m/N]`; units with a product below the line are bracketed.
+    fn gain_title(&self, unit: &str) -> String {
+        match self.unit {
+            own if own == unit => "gain".into(),
+            own if own.contains(['*', '/', ' ']) => format!("gain [{unit}/({own})]"),
+            own => format!("gain [{unit}/{own}]"),
+        }
     }
 }
 

@@ -223,12 +223,8 @@ impl<'a> Sheet<'a> {
         if bounds.is_empty() {
             return;
         }
-        let before = self.glyphs.len();
-        gravity::draw(self, bounds);
-        scale_bar::draw(self, bounds);
-        for glyph in &self.glyphs[before..] {
-            room.take(glyph);
-        }
+        gravity::draw(self, bounds, room);
+        scale_bar::draw(self, bounds, room);
     }
 
     /// One path for all elements and one for all bodies.

@@ -102,9 +102,10 @@ fn straight(stage: &Stage, part: usize, at: Point, direction: Point) -> Vec<Vec<
             let from = at.towards(side, outline.reach(inside, side) + off);
             tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
         }
+        // Next to the body, before it stands far aside.
+        let from = at.towards(direction, outline.reach(inside, direction) + off - 2.0);
+        tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
     }
-    let from = at.towards(direction, outline.reach(inside, direction) + 5.0);
-    tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
     tries
 }
 

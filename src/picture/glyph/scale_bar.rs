@@ -1,28 +1,27 @@
 //! The scale: a bar of a round length, with its unit.
 
-use super::{Of, Sheet};
+use super::{Of, Sheet, arrow};
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::{Bounds, Point};
+use crate::picture::occupied::Occupied;
 
 /// It is not longer than this, px.
 const LONGEST: f64 = 120.0;
 
-pub fn draw(sheet: &mut Sheet, bounds: Bounds) {
+pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
     let Some(scale) = sheet.layout.scale else { return };
     let Some((length, text)) = round_length(LONGEST / scale) else { return };
-    let (left, y) = (bounds.low.x, bounds.high.y + 24.0);
-    let right = left + length * scale;
-    let mark = |x: f64| Stroke::line([Point::new(x, y - 4.0), Point::new(x, y + 4.0)], Pen::Normal);
-    let bar = Stroke::line([Point::new(left, y), Point::new(right, y)], Pen::Normal);
-    sheet.push(Kind::ScaleBar, Of { title: format!("scale: {text}"), span: None }, vec![bar, mark(left), mark(right)]);
-    let middle = Point::new((left + right) / 2.0, y);
-    sheet.label(
-        text,
-        None,
-        middle,
-        Point::new((right - left) / 2.0, 4.0),
-        &[Point::new(1.0, 0.0), Point::new(0.0, 1.0)],
-    );
+    let (left, right) = (bounds.low.x, bounds.low.x + length * scale);
+    // Below the scene, further down where a name stands already.
+    let tries = arrow::offsets(24.0).map(|off| {
+        let y = bounds.high.y + off;
+        let mark = |x: f64| Stroke::line([Point::new(x, y - 4.0), Point::new(x, y + 4.0)], Pen::Normal);
+        vec![Stroke::line([Point::new(left, y), Point::new(right, y)], Pen::Normal), mark(left), mark(right)]
+    });
+    let of = Of { title: format!("scale: {text}"), span: None };
+    if let Some(bounds) = sheet.choose(Kind::ScaleBar, of, tries.collect(), room) {
+        sheet.label_beside(text, None, bounds, &[Point::new(1.0, 0.0), Point::new(0.0, 1.0)]);
+    }
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not longer, m, with a unit that makes it read well.
