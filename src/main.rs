@@ -8,8 +8,7 @@ mod transport;
 use clap::{CommandFactory, Parser};
 use cli::{
     Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt, Format,
-    HoldOption, MessageFormat, Messages, OverrideOptions, SignalsOption, Simulate, StyleOption, TableFormat,
-    TargetOption, Transfer,
+    HoldOption, MessageFormat, Messages, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
 };
 use files::{Input, Tables, open, read, read_all, spare, write_result};
 use std::fs;
