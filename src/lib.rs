@@ -373,7 +373,7 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
         });
         let spectrum = match spectrum {
             Ok(spectrum) => Some(spectrum),
-            Err(AnalysisError::TooManyCoordinates { .. }) => None,
+            Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => None,
             Err(error) => return refused(&error, diagnostics),
         };
         Some(Dynamics { model: reading.name(), system: lowered.system, spectrum })

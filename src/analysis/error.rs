@@ -13,6 +13,11 @@ pub enum AnalysisError {
     NotSparse { count: usize, limit: usize, at: Span },
     /// Motions without inertia that nothing holds: the coordinates concerned, by name, and where the first is declared.
     SingularMass { coordinates: Vec<String>, at: Span },
+    /// Motions without inertia in a part with dampers whose poles are not computed exactly: the coordinates without inertia, by
+    /// name, how many coordinates their part has, and where the first is declared.
+    MasslessPoles { coordinates: Vec<String>, count: usize, limit: usize, at: Span },
+    /// Bodies without mass whose elimination would leave more terms than `limit`.
+    MasslessNet { coordinate: String, limit: usize, at: Span },
     /// A mass or an inertia that is negative in some motion of this coordinate.
     IndefiniteMass { coordinate: String, at: Span },
     /// More states than a dense matrix exponential is for.
@@ -36,6 +41,24 @@ impl AnalysisError {
         let at = coordinates.first().map_or_else(|| place(system, 0), |&i| place(system, i));
         let coordinates = coordinates.iter().map(|&i| system.display(system.coordinates[i].name)).collect();
         AnalysisError::SingularMass { coordinates, at }
+    }
+
+    /// `part`: the coordinates of the part, of which some have no inertia.
+    pub(in crate::analysis) fn massless_poles(system: &LinearSystem, part: &[u32], limit: usize) -> AnalysisError {
+        let mut heavy: Vec<u32> = (system.m.terms().iter())
+            .flat_map(|term| system.m.row(term).iter().filter(|(_, a)| !a.is_zero()).map(|(i, _)| i.0))
+            .collect();
+        heavy.sort_unstable();
+        let massless = |i: &&u32| heavy.binary_search(i).is_err();
+        let found: Vec<usize> = part.iter().filter(massless).map(|i| *i as usize).collect();
+        let at = place(system, found.first().or(part.first().map(|i| *i as usize).as_ref()).copied().unwrap_or(0));
+        let coordinates = found.iter().map(|i| system.display(system.coordinates[*i].name)).collect();
+        AnalysisError::MasslessPoles { coordinates, count: part.len(), limit, at }
+    }
+
+    pub(in crate::analysis) fn massless_net(system: &LinearSystem, coordinate: usize, limit: usize) -> AnalysisError {
+        let name = system.display(system.coordinates[coordinate].name);
+        AnalysisError::MasslessNet { coordinate: name, limit, at: place(system, coordinate) }
     }
 
     pub(in crate::analysis) fn indefinite_mass(system: &LinearSystem, coordinate: CoordinateId) -> AnalysisError {
@@ -74,6 +97,9 @@ impl AnalysisError {
                 Code::limit("vib::limit::modes")
             }
             AnalysisError::SingularMass { .. } => Code::model("vib::mass::singular"),
+            AnalysisError::MasslessPoles { .. } | AnalysisError::MasslessNet { .. } => {
+                Code::limit("vib::limit::massless")
+            }
             AnalysisError::IndefiniteMass { .. } => Code::model("vib::mass::indefinite"),
             AnalysisError::TooManyStates { .. } => Code::limit("vib::limit::states"),
             AnalysisError::SignalTooLong { .. } => Code::limit("vib::limit::signal"),
@@ -95,6 +121,8 @@ impl AnalysisError {
             AnalysisError::TooManyCoordinates { at, .. }
             | AnalysisError::NotSparse { at, .. }
             | AnalysisError::SingularMass { at, .. }
+            | AnalysisError::MasslessPoles { at, .. }
+            | AnalysisError::MasslessNet { at, .. }
             | AnalysisError::IndefiniteMass { at, .. }
             | AnalysisError::TooManyStates { at, .. }
             | AnalysisError::SignalTooLong { at, .. }
@@ -126,6 +154,14 @@ impl AnalysisError {
                     coordinates.join(", ")
                 ),
                 "give what moves a mass (an inertia where it turns), or hold it by springs to what has one or to the ground",
+            ),
+            AnalysisError::MasslessPoles { coordinates, count, limit, .. } => (
+                massless_poles(coordinates, *count, *limit),
+                "give what moves there a mass (an inertia where it turns), or leave it out and join what it connects",
+            ),
+            AnalysisError::MasslessNet { coordinate, limit, .. } => (
+                format!("{coordinate} moves without inertia, and its elimination would leave more than {limit} terms"),
+                "give it a mass (an inertia where it turns), or connect it to fewer others",
             ),
             AnalysisError::IndefiniteMass { coordinate, .. } => (
                 format!("some motion of {coordinate} has no kinetic energy that is certainly positive"),
@@ -162,6 +198,27 @@ impl AnalysisError {
             ),
         }
     }
+}
+
+/// Which motions these are, and why the poles of their part are not computed.
+fn massless_poles(coordinates: &[String], count: usize, limit: usize) -> String {
+    /// Names that are listed.
+    const MOST: usize = 6;
+    let who = match coordinates {
+        [] => "some motion".to_string(),
+        all if all.len() > MOST => format!("{} and {} more", all[..MOST].join(", "), all.len() - MOST),
+        all => all.join(", "),
+    };
+    let verb = if coordinates.len() > 1 { "move" } else { "moves" };
+    let why = if count > limit {
+        format!("this one has {count}")
+    } else {
+        "in this one some are not, or roots are too close to each other".to_string()
+    };
+    format!(
+        "{who} {verb} without inertia in a part with dampers: poles of such a part are computed exactly, for at most {limit} \
+         coordinates and where all numbers are rational; {why}"
+    )
 }
 
 pub(in crate::analysis) fn place(system: &LinearSystem, coordinate: usize) -> Span {

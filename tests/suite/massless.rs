@@ -213,3 +213,123 @@ fn a_body_with_neither_inertia_nor_stiffness_nor_damper_is_named() {
         assert!(found[0].message.contains("`idler.x`"), "{}", found[0].message);
     }
 }
+
+/// Eight bodies of which each is tied to each, six of them without mass: the squares of each step would be as many as the pairs of
+/// those before it, 1e12 and more at the end. All springs have k = 1 N/m, and each of the two heavy bodies is tied to the ground:
+/// by symmetry the massless ones move as the mean of the heavy ones, so these are tied by 1 + 6 / 2 = 4 N/m.
+#[test]
+fn a_symmetric_dense_net_of_massless_bodies_is_eliminated() {
+    let mut text = String::from(
+        "repeat i in 1..2 { body m[i] { mass = 1 kg, moves x }\n spring g[i]: ground -- m[i] { k = 1 N/m } }\n\
+         repeat i in 3..8 { body m[i] { mass = 0 kg, moves x } }\n",
+    );
+    for i in 1..=8 {
+        for j in i + 1..=8 {
+            text += &format!("spring k{i}{j}: m[{i}] -- m[{j}] {{ k = 1 N/m }}\n");
+        }
+    }
+    let mut sources = vibc::base::Sources::new();
+    let file = sources.add(vibc::base::SourceFile::model("net.vib", &text));
+    let outcome = vibc::analyze(&sources, file, &vibc::model::Overrides::default());
+    let answer = outcome.answer.expect("an answer");
+    assert_eq!(answer.modes.infinite, 6);
+    // K = [1 + k, -k; -k, 1 + k], k = 4: 1 and 1 + 2 k = 9, omega 1 and 3.
+    let found: Vec<f64> = answer.modes.list.iter().map(|mode| mode.omega.to_f64()).collect();
+    assert!(found.len() == 2 && (found[0] - 1.0).abs() < 1e-15 && (found[1] - 3.0).abs() < 1e-15, "{found:?}");
+}
+
+/// 24 bodies of which each is tied to each by springs of 15 different stiffnesses, all but two of them without mass, against
+/// Gaussian elimination of the assembled matrix in fractions.
+#[test]
+fn a_dense_net_of_massless_bodies_is_their_schur_complement() {
+    const N: usize = 24;
+    let stiffness = |i: usize, j: usize| (1 + (7 * i + 11 * j) % 15) as i64;
+    let mut k = vec![vec![Rational::ZERO; N]; N];
+    let mut text = String::new();
+    for i in 0..N {
+        text += &format!("body m{i} {{ mass = {} kg, moves x }}\n", [2, 3].get(i).unwrap_or(&0));
+        text += &format!("spring g{i}: ground -- m{i} {{ k = {} N/m }}\n", 1 + i % 2);
+        k[i][i] = &k[i][i] + &Rational::from(1 + i as i64 % 2);
+        for j in i + 1..N {
+            let value = Rational::from(stiffness(i, j));
+            text += &format!("spring k{i}_{j}: m{i} -- m{j} {{ k = {} N/m }}\n", stiffness(i, j));
+            for (a, b, sign) in [(i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)] {
+                k[a][b] = &k[a][b] + &(&value * &Rational::from(sign));
+            }
+        }
+    }
+    for pivot in (2..N).rev() {
+        let inverse = k[pivot][pivot].recip().expect("positive");
+        for i in 0..pivot {
+            for j in 0..pivot {
+                k[i][j] = &k[i][j] - &(&(&k[i][pivot] * &k[pivot][j]) * &inverse);
+            }
+        }
+    }
+    // Of 2 and 3 kg: the sum and the product of both omega².
+    let per = |value: &Rational, by: i64| value * &Rational::new(1, by);
+    let sum = &per(&k[0][0], 2) + &per(&k[1][1], 3);
+    let product = per(&(&(&k[0][0] * &k[1][1]) - &(&k[0][1] * &k[1][0])), 6);
+    let answer = ask(&text);
+    assert_eq!((answer.modes.list.len(), answer.modes.infinite), (2, N - 2));
+    let [one, two] = [0, 1].map(|i| answer.modes.list[i].omega_squared);
+    for (found, truth) in [(one + two, sum), (one * two, product)] {
+        assert!((found - truth.to_ball()).contains_zero() && found.relative_error() < 1e-25, "{found:?}");
+    }
+}
+
+/// A hub without mass between 300 others makes 45,150 squares of different rows.
+#[test]
+fn a_star_of_hundreds_is_condensed() {
+    // Each of n equal masses hangs at the hub by k, and the hub at the ground by n k: all together move on k / 2 each, and
+    // against each other the hub stands still.
+    let answer = ask("body hub { mass = 0 kg, moves x }\nspring g: ground -- hub { k = 300 N/m }
+        repeat i in 1..300 {
+          body m[i] { mass = 1 kg, moves x }
+          spring k[i]: hub -- m[i] { k = 1 N/m }
+        }");
+    let omegas = answer.omegas();
+    assert_eq!((omegas.len(), answer.modes.infinite), (300, 1));
+    assert!((omegas[0] - 0.5_f64.sqrt()).abs() < 1e-15 && omegas[1..].iter().all(|omega| (omega - 1.0).abs() < 1e-15));
+}
+
+/// Where the elimination has no room the limit is named, not a motion that is undetermined: 60 nodes in the plane, each tied to
+/// each by springs along directions that are not rational, so that no two squares are known to be proportional.
+#[test]
+fn a_net_without_room_is_refused_as_such() {
+    let mut text = String::from("body m[1] { mass = 1 kg, at = (0, 0), moves x y }\n");
+    for i in 2..=60 {
+        text += &format!("body m[{i}] {{ mass = 0 kg, at = ({} m, {} m), moves x y }}\n", i * i % 61, i * i * i % 61);
+    }
+    for i in 1..=60 {
+        text += &format!("spring g{i}: ground@({i} m, 100 m) -- m[{i}] {{ k = 1 N/m }}\n");
+        for j in i + 1..=60 {
+            let angle = 60 * i + j;
+            text +=
+                &format!("spring k{i}_{j}: m[{i}] -- m[{j}] {{ k = 1 N/m, along = (cos({angle}), sin({angle})) }}\n");
+        }
+    }
+    let [found, _] = refused(&text);
+    assert_eq!(found.iter().map(|found| found.code.0).collect::<Vec<_>>(), ["vib::limit::massless"], "{found:?}");
+}
+
+/// Beyond exact arithmetic a node with a damper is refused because its pole is not computed: its motion is determined.
+#[test]
+fn nodes_with_dampers_beyond_exact_arithmetic_are_named() {
+    let many = |k: &str| {
+        format!(
+            "body node {{ mass = 0 kg, moves x }}\ndamper d: ground -- node {{ c = 1 N*s/m }}
+            repeat i in 1..12 {{ body m[i] {{ mass = 1 kg, moves x }}\n spring k[i]: node -- m[i] {{ k = {k} }} }}"
+        )
+    };
+    let few = "body node { mass = 0 kg, moves x }\ndamper d: ground -- node { c = sin(1) * 1 N*s/m }
+        body m { mass = 1 kg, moves x }\nspring k: node -- m { k = 1 N/m }";
+    for (text, why) in [(many("i * 1 N/m"), "this one has 13"), (few.to_string(), "some are not")] {
+        let mut sources = vibc::base::Sources::new();
+        let file = sources.add(vibc::base::SourceFile::model("node.vib", &text));
+        let outcome = vibc::analyze(&sources, file, &vibc::model::Overrides::default());
+        let found: Vec<&Diagnostic> = outcome.diagnostics.iter().collect();
+        assert_eq!((found.len(), found[0].code.0), (1, "vib::limit::massless"), "{found:?}");
+        assert!(found[0].message.starts_with("node.x moves without inertia") && found[0].message.contains(why));
+    }
+}

@@ -8,12 +8,15 @@
 //!
 //!   min_s sum_t w_t (p_t s + r_t . q')^2 = sum_(t < u) (w_t w_u / W) ((p_t r_u - p_u r_t) . q')^2:
 //!
-//! again a sum of squares, positive where the terms are. For springs this is the star-mesh transformation.
-//! See docs/method/modes.md#motions-without-inertia.
+//! again a sum of squares, positive where the terms are. For springs this is the star-mesh transformation. Each step makes as
+//! many squares as there are pairs, so squares of proportional rows are added up when they have become twice as many; where
+//! exact squares are still more than the entries of a symmetric matrix, Lagrange's reduction writes their sum with one for each
+//! coordinate at most. See docs/method/modes.md#motions-without-inertia.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Number, Rational};
 use crate::system::{CoordinateId, Form, Nature};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Coordinates and factors.
 type Row = Vec<(usize, Number)>;
@@ -41,20 +44,37 @@ struct Square {
     row: Row,
 }
 
-/// A motion without inertia cannot be eliminated by itself: the coordinate that stands for it.
-pub struct Undetermined(pub usize);
+/// Why motions cannot be eliminated: at the coordinate that stands for one of them.
+pub enum Stuck {
+    /// It cannot be eliminated by itself.
+    Undetermined(usize),
+    /// It would leave more squares than [`MOST_SQUARES`].
+    TooManyTerms(usize),
+}
+
+/// Squares that a step may leave: some hundred megabytes of them. A node without mass between n others makes n² / 2.
+pub const MOST_SQUARES: usize = 1_000_000;
 
 /// Eliminates the motions `vectors` (in reduced form: each has a one at a coordinate where the others have zero).
-pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Result<Condensed, Undetermined> {
+pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Result<Condensed, Stuck> {
     let vectors = with_own_coordinates(vectors);
-    let own: Vec<usize> = vectors.iter().map(|(at, _)| *at).collect();
-    let kept: Vec<usize> = (0..n).filter(|i| !own.contains(i)).collect();
-    let mut squares: Vec<Square> = k.terms().iter().map(|term| in_new_coordinates(k, term, &vectors)).collect();
-    let mut steps = Vec::new();
-    for &at in &own {
-        steps.push(eliminate(&mut squares, at)?);
+    let mut is_own = vec![false; n];
+    vectors.iter().for_each(|(at, _)| is_own[*at] = true);
+    let kept: Vec<usize> = (0..n).filter(|i| !is_own[*i]).collect();
+    let squares = k.terms().iter().map(|term| in_new_coordinates(k, term, &vectors)).collect();
+    let mut squares = joined(squares);
+    let (mut steps, mut room) = (Vec::new(), 2 * squares.len());
+    for (at, _) in &vectors {
+        if squares.len() > room {
+            squares = joined(squares);
+            room = 2 * squares.len();
+        }
+        steps.push(eliminate(&mut squares, *at)?);
     }
-    let local = |i: usize| kept.iter().position(|&j| j == i).map(|j| CoordinateId(j as u32));
+    let squares = joined(squares);
+    let mut places = vec![None; n];
+    kept.iter().enumerate().for_each(|(place, i)| places[*i] = Some(CoordinateId(place as u32)));
+    let local = |i: usize| places[i];
     let inertia = m.terms().iter().map(|term| {
         let row = m.row(term).iter().filter_map(|(i, a)| Some((local(i.index())?, a.clone()))).collect();
         (term.weight.clone(), row)
@@ -140,7 +160,7 @@ fn in_new_coordinates(k: &Form, term: &crate::system::Term, vectors: &[(usize, V
 }
 
 /// Eliminates coordinate `at`.
-fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Undetermined> {
+fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Stuck> {
     let (touched, rest): (Vec<Square>, Vec<Square>) =
         squares.drain(..).partition(|square| square.row.iter().any(|e| e.0 == at));
     *squares = rest;
@@ -149,7 +169,10 @@ fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Undetermined>
     if split.is_empty() {
         return Ok(Step { at, row: None });
     }
-    let inverse = whole.recip().ok_or(Undetermined(at))?;
+    let inverse = whole.recip().ok_or(Stuck::Undetermined(at))?;
+    if split.len() * (split.len() - 1) / 2 + squares.len() > MOST_SQUARES {
+        return Err(Stuck::TooManyTerms(at));
+    }
     for (index, t) in split.iter().enumerate() {
         for u in &split[index + 1..] {
             let row = combined(&t.factor, &u.rest, &-&u.factor, &t.rest);
@@ -162,6 +185,80 @@ fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Undetermined>
         .iter()
         .fold(Row::new(), |sum, t| combined(&Number::ONE, &sum, &-&(&(&t.weight * &t.factor) * &inverse), &t.rest));
     Ok(Step { at, row: Some(row) })
+}
+
+/// The same sum with squares of proportional rows added up, as far as rows are exact; with Lagrange's reduction where that
+/// leaves more squares than a symmetric matrix has entries.
+fn joined(squares: Vec<Square>) -> Vec<Square> {
+    let mut of_row: BTreeMap<Vec<(usize, Rational)>, Number> = BTreeMap::new();
+    let mut joined = Vec::new();
+    for square in squares {
+        match square.in_normal_form() {
+            Some((row, weight)) => {
+                let sum = of_row.entry(row).or_insert(Number::ZERO);
+                *sum = &*sum + &weight;
+            }
+            None => joined.push(square),
+        }
+    }
+    let in_numbers = |row: Vec<(usize, Rational)>| row.into_iter().map(|(i, a)| (i, Number::from(a))).collect();
+    let of_row = of_row.into_iter().filter(|(_, weight)| !weight.is_zero());
+    joined.extend(of_row.map(|(row, weight)| Square { weight, row: in_numbers(row) }));
+    let coordinates: BTreeSet<usize> = joined.iter().flat_map(|square| &square.row).map(|(i, _)| *i).collect();
+    let entries = coordinates.len() * (coordinates.len() + 1) / 2;
+    if joined.len() <= entries { joined } else { reduced(&joined, &coordinates).unwrap_or(joined) }
+}
+
+/// Lagrange's reduction of a sum of exact squares: one square for each pivot on the diagonal, in order. `None` where a number
+/// is not exact, or a pivot vanishes and its row does not.
+fn reduced(squares: &[Square], coordinates: &BTreeSet<usize>) -> Option<Vec<Square>> {
+    let mut matrix: BTreeMap<(usize, usize), Number> = BTreeMap::new();
+    for square in squares {
+        square.weight.exact()?;
+        for (i, a) in &square.row {
+            a.exact()?;
+            let weighted = &square.weight * a;
+            for (j, b) in square.row.iter().filter(|(j, _)| i <= j) {
+                let sum = matrix.entry((*i, *j)).or_insert(Number::ZERO);
+                *sum = &*sum + &(&weighted * b);
+            }
+        }
+    }
+    let mut reduced = Vec::new();
+    for &at in coordinates {
+        let row: Row = matrix.range((at, 0)..=(at, usize::MAX)).map(|((_, j), a)| (*j, a.clone())).collect();
+        let row: Row = row.into_iter().filter(|(_, a)| !a.is_zero()).collect();
+        match row.first() {
+            None => continue,
+            Some((first, _)) if *first != at => return None,
+            Some((_, pivot)) => {
+                let inverse = pivot.recip()?;
+                for (i, a) in &row[1..] {
+                    let factor = a * &inverse;
+                    for (j, b) in row[1..].iter().filter(|(j, _)| i <= j) {
+                        let sum = matrix.entry((*i, *j)).or_insert(Number::ZERO);
+                        *sum = &*sum - &(&factor * b);
+                    }
+                }
+                let normal = row.iter().map(|(j, a)| (*j, a * &inverse)).collect();
+                reduced.push(Square { weight: pivot.clone(), row: normal });
+            }
+        }
+    }
+    Some(reduced)
+}
+
+impl Square {
+    /// The exact row by ascending coordinates with 1 as its first entry, and the weight that belongs to it.
+    fn in_normal_form(&self) -> Option<(Vec<(usize, Rational)>, Number)> {
+        let exact = |(i, a): &(usize, Number)| Some((*i, a.exact()?.clone()));
+        let mut row = self.row.iter().map(exact).collect::<Option<Vec<_>>>()?;
+        row.sort_by_key(|(i, _)| *i);
+        let first = row.first()?.1.clone();
+        let inverse = first.recip()?;
+        row.iter_mut().for_each(|(_, a)| *a = &*a * &inverse);
+        Some((row, &self.weight * &Number::from(first).square()))
+    }
 }
 
 /// A square w (p s + r . q')^2, taken apart.

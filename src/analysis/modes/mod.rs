@@ -32,7 +32,7 @@ pub(in crate::analysis) mod tree;
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::error::{AnalysisError, place};
-use crate::analysis::modes::condense::{Condensed, condense};
+use crate::analysis::modes::condense::{Condensed, Stuck, condense};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Failure, Pair, ascending, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::parts::{Part, chosen, independent_chained, independent_undamped};
 use crate::analysis::modes::request::{FEW, Request, Which};
@@ -227,7 +227,10 @@ fn without_massless_motions(
     if space.vectors.len() < space.dimension {
         return Err(singular(vec![global(at)]));
     }
-    let condensed = condense(m, k, n, &space.vectors).map_err(|undetermined| singular(vec![global(undetermined.0)]))?;
+    let condensed = condense(m, k, n, &space.vectors).map_err(|stuck| match stuck {
+        Stuck::Undetermined(at) => singular(vec![global(at)]),
+        Stuck::TooManyTerms(at) => AnalysisError::massless_net(system, global(at), condense::MOST_SQUARES),
+    })?;
     for motion in condensed.loose_motions(n) {
         let moving: Vec<usize> = (0..n).filter(|&i| !motion[i].is_zero()).map(global).collect();
         if !is_damped(system, part, &motion) {

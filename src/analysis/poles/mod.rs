@@ -36,7 +36,7 @@ use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::discs::{Disc, discs};
-use crate::analysis::poles::exact::{Exact, exact_poles};
+use crate::analysis::poles::exact::{Exact, ExactPoles, exact_poles};
 use crate::analysis::poles::list::PoleList;
 use crate::analysis::poles::passive::{Passive, takes_energy};
 use crate::analysis::poles::pencil::Pencil;
@@ -216,8 +216,16 @@ impl Portion<'_> {
             self.dampers_alone(found)?;
         } else if modes.list.len() != self.part.coordinates.len() {
             // Motions without inertia that dampers hold have poles all the same.
-            if !self.exact(modes, found) {
-                return Err(self.massless());
+            match exact_poles(self.system, self.part, self.local) {
+                Some(Exact::Poles(poles)) => self.take(&poles, modes, found),
+                Some(Exact::Singular) => return Err(self.massless()),
+                None => {
+                    return Err(AnalysisError::massless_poles(
+                        self.system,
+                        &self.part.coordinates,
+                        exact::MOST_COORDINATES,
+                    ));
+                }
             }
         } else if let Some(damping) = proportional(self.system, self.part) {
             self.decoupled(modes, &damping, found);
@@ -227,7 +235,7 @@ impl Portion<'_> {
         Ok(())
     }
 
-    /// Without inertia in some motion, and beyond the exact methods.
+    /// Some motion has neither inertia nor a force against it.
     fn massless(&self) -> AnalysisError {
         let coordinates: Vec<usize> = self.part.coordinates.iter().map(|&c| c as usize).collect();
         AnalysisError::singular_mass(self.system, &coordinates)
@@ -326,15 +334,16 @@ impl Portion<'_> {
 
     /// The roots of det Q; false where that is beyond exact arithmetic.
     fn exact(&self, modes: &Modes, found: &mut PoleList) -> bool {
-        let Some(poles) = exact_poles(self.system, self.part, self.local) else { return false };
-        match poles {
-            Exact::Poles(poles) => {
-                found.infinite((2 * self.part.coordinates.len()).saturating_sub(poles.degree()));
-                found.exact(&poles, self.passive(modes));
-            }
-            Exact::Singular => return false,
+        match exact_poles(self.system, self.part, self.local) {
+            Some(Exact::Poles(poles)) => self.take(&poles, modes, found),
+            Some(Exact::Singular) | None => return false,
         }
         true
+    }
+
+    fn take(&self, poles: &ExactPoles, modes: &Modes, found: &mut PoleList) {
+        found.infinite((2 * self.part.coordinates.len()).saturating_sub(poles.degree()));
+        found.exact(poles, self.passive(modes));
     }
 
     fn passive(&self, modes: &Modes) -> Passive {

@@ -41,7 +41,7 @@ pub const PAGES: &[Page] = pages! {
     initial: undetermined;
     input: direction_unknown no_effect;
     joint: direction ends_apart equal_ends no_place;
-    limit: depth loops modes range repeat signal states tolerance;
+    limit: depth loops massless modes range repeat signal states tolerance;
     loop: conflict rank_drop redundant;
     mass: indefinite missing singular;
     measure: arguments input mode output unknown value;
