@@ -5,7 +5,7 @@
 use crate::analysis::damping;
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
 use crate::base::{Diagnostic, Diagnostics, Number};
-use crate::lower::{self, Lowered};
+use crate::lower::{self, Lowered, Rest};
 use crate::model::CheckedScene;
 use crate::model::scene::Damping;
 use crate::system::{Form, LinearSystem, Signal};
@@ -152,6 +152,11 @@ impl Damped {
 
     /// Modes and poles of the system; its rows are written out where they are computed so.
     pub fn modal(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
+        let found = self.modal_of_system(request, diagnostics)?;
+        Some(about(&self.lowered.rest, found))
+    }
+
+    fn modal_of_system(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
         let system = &self.lowered.system;
         if system.is_chained() && takes_chained(system, request) {
             match modal(system, request) {
@@ -169,6 +174,15 @@ impl Damped {
         };
         found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
     }
+}
+
+/// Leaves out what the system alone does not settle: how much changes of the model's numbers change a mode where they change
+/// the rest as well.
+fn about(rest: &Rest, mut found: Modal) -> Modal {
+    if rest.moves_terms {
+        found.modes.list.iter_mut().for_each(|mode| mode.input_condition = None);
+    }
+    found
 }
 
 impl ByModes {

@@ -690,3 +690,32 @@ fn a_rest_whose_proof_fails_is_told_as_not_proven() {
     let told: serde_json::Value = serde_json::from_str(&json::json(&answer, &ReportOptions::default())).expect("JSON");
     assert_eq!(told["rest"]["proven"], false);
 }
+
+/// How much relative changes of weights change a frequency does not say how much they change it by way of the rest.
+#[test]
+fn conditions_leave_out_no_change_of_the_rest() {
+    let conditions = |text: &str| -> Vec<Option<f64>> {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("model.vib", text));
+        let answer = vibc::analyze(&sources, file, &Overrides::default()).answer.expect("an answer");
+        answer.modes.list.iter().map(|mode| mode.input_condition.map(|condition| condition.0)).collect()
+    };
+    let weight = |extra: &str| {
+        format!(
+            "gravity 9.81 m/s^2\n{extra}
+            body m {{ mass = 1 kg, at = (1 m, 0), moves y }}
+            spring s: ground -- m {{ k = 100 N/m }}
+            spring t: ground@(0, 0) -- m@(1 m, 0) {{ k = 100 N/m }}"
+        )
+    };
+    // A weight on a spring that is linear moves the rest, and no term with it.
+    let linear = "gravity 9.81 m/s^2\nbody m { mass = 1 kg, moves y }\nspring s: ground -- m { k = 100 N/m }";
+    assert_eq!(conditions(linear), [Some(2.0)]);
+    // Where the second spring turns as the body sinks, its stretch and its tension depend on the weight.
+    assert_eq!(conditions(&weight("")), [None]);
+    // Tensions that hold the drawing change with the weights that they hold.
+    let held = "gravity 9.81 m/s^2\nrest as drawn
+        body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }
+        pivot p: ground@(0, 0) -- rod\nspring s: ground@(0, 1 m) -- rod@(1 m, 0) { k = 100 N/m }";
+    assert_eq!(conditions(held), [None]);
+}

@@ -200,7 +200,7 @@ fn sensitive(answer: &ModalAnswer) -> String {
     told.take(MOST)
         .map(|(number, mode)| {
             let factor = upper(mode.input_condition.map_or(f64::INFINITY, |factor| factor.0));
-            line(format!("mode {number} is sensitive: its ω moves up to {factor} times as much as the model's numbers, relatively"))
+            line(format!("mode {number} is sensitive: its ω moves up to {factor} times as much as masses, stiffnesses and tensions, relatively"))
         })
         .collect()
 }

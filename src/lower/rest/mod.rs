@@ -52,6 +52,9 @@ pub struct Rest {
     pub residual: f64,
     /// What shows that the rest is in its enclosure; `None` where nothing does (see docs/method/rest.md).
     pub proven: Option<Proven>,
+    /// Whether terms of the system follow from where the rest is: some loaded part is not linear, or tensions were found that
+    /// hold the drawing. Relative changes of the model's numbers may change these terms by more.
+    pub moves_terms: bool,
     /// Newton steps that were taken; 0 where the drawing is the rest.
     pub steps: u32,
     /// The springs whose tension `rest as drawn` found, in order of declaration.
@@ -111,6 +114,7 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     let forces = left;
     let mut survey = survey::survey(scene, kinematics, constraints, &found.state, forces);
     found.search(scene, kinematics, constraints, &mut survey)?;
+    found.rest.moves_terms = survey.parts.iter().any(|part| !part.linear);
     found.survey = Some(survey);
     Ok(found)
 }
@@ -143,6 +147,7 @@ impl Found {
         let held = drawn::hold(scene, kinematics, &reduction, &self.state)?;
         (self.rest.residual, self.rest.proven) = (held.residual, held.proven);
         self.rest.tensions.clone_from(&held.tensions);
+        self.rest.moves_terms = self.rest.tensions.iter().any(|found| !found.tension.is_zero());
         self.held = Some(held);
         Ok(self)
     }
@@ -276,6 +281,7 @@ impl Rest {
             dependent: Vec::new(),
             residual: 0.0,
             proven: Proven::balanced(&[]),
+            moves_terms: false,
             steps: 0,
             tensions: Vec::new(),
         }
