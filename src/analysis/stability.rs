@@ -46,6 +46,8 @@ pub enum Reason {
     NotCounted,
     /// Routh's count and the poles contradict each other.
     Contradiction,
+    /// The place that modes and poles are about is not proven to be a rest.
+    Rest,
 }
 
 impl Verdict {
@@ -55,6 +57,11 @@ impl Verdict {
 
     pub fn reason(self) -> Reason {
         self.reason
+    }
+
+    /// The same of a place that is a rest only if that is proven.
+    pub fn of_rest(self, proven: bool) -> Verdict {
+        if proven { self } else { Verdict { kind: Stability::Undetermined, reason: Reason::Rest } }
     }
 
     /// For reports that no analysis made.
@@ -169,6 +176,7 @@ impl Reason {
             Reason::Contradiction => {
                 "the poles and Routh's count of them contradict each other: please report this model"
             }
+            Reason::Rest => "it is not proven that the scene rests here",
         }
     }
 }

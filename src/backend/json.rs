@@ -289,7 +289,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         coordinates: names,
         dependent_coordinates: dependent,
         rest: rest(answer, all),
-        matrices: wanted.then(|| matrices(&answer.system)),
+        matrices: wanted.then(|| matrices(&answer.system, answer.rest.is_proven())),
         normalisation: normalisation(options.normalise),
         not_computed: NotComputed {
             modes_below: answer.modes.before.count(),
@@ -300,9 +300,19 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             matrices: !wanted,
         },
         modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
-        splits: splits(&answer.modes).iter().map(|split| json_split(split, options)).collect(),
-        poles: answer.poles.list.iter().map(|pole| json_pole(pole, options)).collect(),
-        buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names)),
+        splits: splits(&answer.modes)
+            .iter()
+            .map(|split| json_split(split, options))
+            .map(|split| split.bounded_if_proven(answer))
+            .collect(),
+        poles: answer
+            .poles
+            .list
+            .iter()
+            .map(|pole| json_pole(pole, options))
+            .map(|pole| pole.bounded_if_proven(answer))
+            .collect(),
+        buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names).bounded_if_proven(answer)),
         parts: parts(answer, names),
         explained: answer.account.as_ref().map(|account| Explained {
             kept: account.kept.iter().map(JsonRemark::of).collect(),
@@ -466,6 +476,8 @@ fn normalisation(normalise: Normalise) -> &'static str {
 }
 
 fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
+    // Where nothing proves the rest, its balls are about a place that may be none.
+    let proven = answer.rest.is_proven();
     let tensions = answer.rest.tensions.iter();
     let tensions = tensions.map(|found| (answer.system.display(found.spring), JsonNumber::number(&found.tension)));
     let by_name = |of: &dyn Fn(&Number) -> JsonNumber| ByName {
@@ -473,16 +485,16 @@ fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
         values: answer.displacements().map(|(_, q)| of(q)).collect(),
     };
     let bounds = answer.rest.tensions.iter();
-    let bounds =
-        bounds.map(|found| (answer.system.display(found.spring), JsonNumber::absolute_bound(found.tension.to_ball())));
+    let bound = |tension: &Number| JsonNumber::absolute_bound(tension.to_ball()).only_if(proven);
+    let bounds = bounds.map(|found| (answer.system.display(found.spring), bound(&found.tension)));
     Rest {
         stable: answer.stability == Stability::Stable,
         kind: answer.stability.kind().name(),
         displacement: by_name(&JsonNumber::number),
-        displacement_error_bound: by_name(&|q| JsonNumber::absolute_bound(q.to_ball())),
+        displacement_error_bound: by_name(&|q| JsonNumber::absolute_bound(q.to_ball()).only_if(proven)),
         distance: distance(answer),
         residual: JsonNumber::unproven(Unproven(answer.rest.residual)),
-        proven: answer.rest.is_proven(),
+        proven,
         steps: answer.rest.steps,
         tensions: Named(tensions.collect()),
         tensions_error_bound: Named(bounds.collect()),
@@ -502,12 +514,12 @@ fn distance(answer: &ModalAnswer) -> Distance {
     Distance {
         translation_m: JsonNumber::enclosed(translation),
         rotation_rad: JsonNumber::enclosed(rotation),
-        translation_error_bound: JsonNumber::absolute_bound(translation),
-        rotation_error_bound: JsonNumber::absolute_bound(rotation),
+        translation_error_bound: JsonNumber::absolute_bound(translation).only_if(answer.rest.is_proven()),
+        rotation_error_bound: JsonNumber::absolute_bound(rotation).only_if(answer.rest.is_proven()),
     }
 }
 
-fn matrices(system: &LinearSystem) -> Matrices {
+fn matrices(system: &LinearSystem, proven: bool) -> Matrices {
     let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.assemble(system.n()));
     let rows =
@@ -515,6 +527,7 @@ fn matrices(system: &LinearSystem) -> Matrices {
     let bound = |form: &[Vec<Ball>]| {
         JsonNumber::bound(form.iter().flatten().map(|x| Rounded::bound_of(*x)).fold(0.0, f64::max))
     };
+    let bound = |form: &[Vec<Ball>]| bound(form).only_if(proven);
     Matrices {
         error_bound: MatrixBounds { m: bound(&m), c: bound(&c), k: bound(&k) },
         m: rows(&m),
@@ -537,14 +550,16 @@ fn json_mode<'a>(
 ) -> JsonMode<'a> {
     let system = &answer.system;
     let (omega, frequency, growth) = (mode.angular_frequency(), mode.frequency(), mode.growth_rate());
-    let digits = |value: Option<Ball>| value.and_then(|value| digits(&value, options));
+    // At a rest that is not proven, a bound of the linearisation there would be taken for one of the scene.
+    let proven = answer.rest.is_proven();
+    let digits = |value: Option<Ball>| value.filter(|_| proven).and_then(|value| digits(&value, options));
     JsonMode {
         mode: number,
         kind: mode.kind.name(),
         omega: JsonNumber::of(omega),
         frequency_hz: JsonNumber::of(frequency),
         growth_rate: JsonNumber::of(growth),
-        omega_error_bound: JsonNumber::bound(mode.error_bound()),
+        omega_error_bound: JsonNumber::bound(mode.error_bound()).only_if(proven),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
         strain: shares(&mode.strain, |of| system.display(of)),
@@ -561,6 +576,37 @@ fn json_mode<'a>(
 fn digits(value: &Ball, options: &ReportOptions) -> Option<String> {
     let most = options.digits? as usize;
     (value.is_zero() || certain_digits(value) > 0).then(|| certain(value, most))
+}
+
+/// At a rest that is not proven: without bounds, and without the digits that they would make certain.
+impl JsonSplit {
+    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonSplit {
+        match answer.rest.is_proven() {
+            true => self,
+            false => JsonSplit { error_bound: JsonNumber::NULL, omega_digits: None, ..self },
+        }
+    }
+}
+
+impl JsonPole {
+    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonPole {
+        if answer.rest.is_proven() {
+            return self;
+        }
+        let (error_bound, damping_ratio_error_bound) = (JsonNumber::NULL, JsonNumber::NULL);
+        let (re_digits, im_digits, damping_ratio_digits) = (None, None, None);
+        JsonPole { error_bound, damping_ratio_error_bound, re_digits, im_digits, damping_ratio_digits, ..self }
+    }
+}
+
+impl<'a> JsonBuckling<'a> {
+    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonBuckling<'a> {
+        if answer.rest.is_proven() {
+            return self;
+        }
+        let (error_bound, margin_error_bound) = (JsonNumber::NULL, JsonNumber::NULL);
+        JsonBuckling { error_bound, margin_error_bound, load_factor_digits: None, margin_digits: None, ..self }
+    }
 }
 
 fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {

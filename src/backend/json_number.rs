@@ -48,6 +48,11 @@ impl JsonNumber {
         JsonNumber(Some(value + 0.0).filter(|value| value.is_finite()))
     }
 
+    /// `null` where the condition does not hold.
+    pub fn only_if(self, condition: bool) -> JsonNumber {
+        if condition { self } else { JsonNumber::NULL }
+    }
+
     /// Nothing is known, or it is infinite.
     pub fn is_null(&self) -> bool {
         self.0.is_none()

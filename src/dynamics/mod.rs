@@ -176,13 +176,13 @@ impl Damped {
     }
 }
 
-/// Leaves out what the system alone does not settle: how much changes of the model's numbers change a mode where they change
-/// the rest as well.
+/// Leaves out what the system alone does not settle: the stability of a rest that is not proven, and how much changes of the
+/// model's numbers change a mode where they change the rest as well.
 fn about(rest: &Rest, mut found: Modal) -> Modal {
     if rest.moves_terms {
         found.modes.list.iter_mut().for_each(|mode| mode.input_condition = None);
     }
-    found
+    Modal { stability: found.stability.of_rest(rest.is_proven()), ..found }
 }
 
 impl ByModes {

@@ -128,7 +128,11 @@ impl Document {
         let roles = roles::roles(text, &tokens, &outline);
         let motions =
             inspection.lowered.take().and_then(|Lowered { system, rest, mechanism }| match analyse(&system) {
-                Ok(found) => found.map(|(modes, modal)| Motions { system, rest, mechanism, modes, modal }),
+                Ok(found) => found.map(|(modes, modal)| {
+                    let proven = rest.is_proven();
+                    let modal = modal.map(|modal| Modal { stability: modal.stability.of_rest(proven), ..modal });
+                    Motions { system, rest, mechanism, modes, modal }
+                }),
                 Err(error) => {
                     inspection.diagnostics.push(error.to_diagnostic());
                     None

@@ -25,6 +25,8 @@ pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
 pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
 /// No static rest.
 pub const NO_REST: Code = Code::limit("vib::rest::not_found");
+/// A rest that nothing proves.
+pub const UNPROVEN: Code = Code::limit("vib::rest::unproven");
 /// A drawing that is declared to be the rest, and cannot be.
 pub const UNHELD: Code = Code::model("vib::rest::unbalanced");
 /// Initial motions that contradict each other or do not say enough.
@@ -253,6 +255,26 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
         diagnostic = diagnostic.related(*span, "with this one");
     }
     diagnostic.help("nothing is lost: motions and frequencies are the same without it; the forces in these joints are not determined")
+}
+
+/// The warning on a rest whose proof failed: the coordinate that moved farthest to it, if any did, and where it or another one
+/// is declared.
+pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
+    let (message, label) = match moved {
+        Some(name) => {
+            let message = "a rest was found, and it is not proven: there may be none here, or several";
+            (message, format!("`{name}` moved farthest to it"))
+        }
+        None => {
+            let message =
+                "the drawing is in balance as far as its numbers are known, and it is not proven that it rests there";
+            (message, "among what should rest there".to_string())
+        }
+    };
+    Diagnostic::warning(UNPROVEN, span, message).label(label).help(
+        "results are about the scene linearised at this place, and their bounds say nothing about another one; draw the scene \
+         nearer to its rest, or hold what hardly any spring holds there",
+    )
 }
 
 fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {

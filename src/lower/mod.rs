@@ -93,7 +93,17 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
     let (system, idle) = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
     let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
-    let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle)).collect();
+    let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
+    let notes = notes.chain(unproven(&system, &rest)).collect();
     let mechanism = Mechanism::new(kinematics, reduction, state);
     Ok((Lowered { system, rest, mechanism }, notes))
+}
+
+/// The warning on a rest that is not proven, at the coordinate that moved farthest to it; where none moved, at the first.
+fn unproven(system: &LinearSystem, rest: &Rest) -> Option<Diagnostic> {
+    let moved = |place: &usize| rest.displacement.get(*place).map_or(0.0, |value| value.to_f64().abs());
+    let farthest = (0..system.n()).rev().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;
+    let coordinate = &system.coordinates[farthest];
+    let name = (moved(&farthest) > 0.0).then(|| system.display(coordinate.name));
+    (!rest.is_proven()).then(|| error::unproven(name.as_deref(), coordinate.span))
 }

@@ -137,6 +137,9 @@ impl Measured<'_> {
 
     fn one(&self, system: &LinearSystem, transfer: Option<&Transfer>, probe: &Probe) -> Measurement {
         const NONE: Measurement = Measurement::None("it could not be computed");
+        if !self.lowered.rest.is_proven() {
+            return Measurement::None("it is not proven that the scene rests where it would be measured");
+        }
         let drives = &self.context.drives;
         match probe {
             Probe::Frequency(mode) => self.modes.map_or(NONE, |modes| measures::frequency(modes, *mode)),

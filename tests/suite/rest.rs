@@ -689,6 +689,56 @@ fn a_rest_whose_proof_fails_is_told_as_not_proven() {
     assert!(report.contains("NOT proven") && !report.contains(", proven"), "{report}");
     let told: serde_json::Value = serde_json::from_str(&json::json(&answer, &ReportOptions::default())).expect("JSON");
     assert_eq!(told["rest"]["proven"], false);
+    let rest = &told["rest"];
+    let bounds = [&rest["displacement_error_bound"]["m.y"], &rest["distance"]["translation_error_bound"]];
+    assert!(bounds.iter().all(|bound| bound.is_null()), "{rest}");
+    assert!(told["modes"][0]["omega_error_bound"].is_null());
+    let codes: Vec<&str> = outcome.diagnostics.iter().map(|found| found.code.0).collect();
+    assert_eq!(codes, ["vib::rest::unproven"]);
+}
+
+/// Every bound that JSON has about a rest that is not proven is null, every verdict open, and no measure has a value: a mass
+/// beside the springs of the quartic has a frequency of 1/2pi Hz, certain to 30 digits where the rest is.
+#[test]
+fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
+    let text = "param c = 0.1 N*s/m
+        body m { mass = 1 kg, at = (0, 0.1 m), moves y }
+        spring a: ground@(-1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
+        spring b: ground@(1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
+        body n[1] { mass = 1 kg, moves x }\nbody n[2] { mass = 1 kg, moves x }
+        spring s: ground -- n[1] { k = 1 N/m }\nspring t: ground -- n[2] { k = 1.00001 N/m }
+        damper d: ground -- n[1] { c = c }
+        require frequency(2) > 0.1 Hz\nrequire stable";
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("quartic.vib", text));
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    let answer = outcome.answer.expect("an answer");
+    assert_eq!(answer.stability.kind(), vibc::analysis::Stability::Undetermined);
+    let options = ReportOptions { digits: Some(20), ..ReportOptions::default() };
+    let told: serde_json::Value = serde_json::from_str(&json::json(&answer, &options)).expect("JSON");
+    let mut bounds = Vec::new();
+    collect(&told, "", &mut bounds);
+    assert!(bounds.len() > 20 && bounds.iter().all(|(_, value)| value.is_null()), "{bounds:?}");
+    assert_eq!(told["rest"]["kind"], "undetermined");
+    assert!(told["modes"].as_array().is_some_and(|modes| modes.iter().any(|mode| mode["omega"] == 1.0)), "{told}");
+    let report = report::text(&answer, &options);
+    let tables = &report[report.find("undamped modes").expect("the table of modes")..];
+    assert!(tables.contains(" ? ") && !tables.contains("e-1") && !tables.contains("e-2"), "{report}");
+    let held: Vec<Option<bool>> = answer.requirements.iter().map(|line| line.holds).collect();
+    assert_eq!(held, [None; 2]);
+}
+
+/// The bounds and certain digits of a JSON value, with where they are.
+fn collect<'a>(value: &'a serde_json::Value, at: &str, bounds: &mut Vec<(String, &'a serde_json::Value)>) {
+    let is_bound = at.contains("error_bound") || at.ends_with("_digits");
+    match value {
+        serde_json::Value::Object(map) => {
+            map.iter().for_each(|(key, value)| collect(value, &format!("{at}.{key}"), bounds));
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| collect(value, at, bounds)),
+        leaf if is_bound => bounds.push((at.to_string(), leaf)),
+        _ => {}
+    }
 }
 
 /// How much relative changes of weights change a frequency does not say how much they change it by way of the rest.

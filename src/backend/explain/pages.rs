@@ -53,7 +53,7 @@ pub const PAGES: &[Page] = pages! {
     position: unknown;
     repeat: reversed;
     require: fails form no_value undetermined;
-    rest: not_found unbalanced;
+    rest: not_found unbalanced unproven;
     scene: empty more_findings;
     setting: duplicate form not_a_parameter solved toml unknown;
     shape: size unknown;

@@ -69,6 +69,7 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
     for (number, mode) in answer.modes.numbered().take(MOST) {
         let shape = normalise(mode, options.normalise);
         let mut cells = frequency_cells(number, mode, options);
+        bound_only_if(answer.rest.is_proven(), &mut cells, BOUND);
         if columns {
             let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
             cells.extend(shape.iter().map(|entry| rounded(*entry, largest)));
@@ -78,6 +79,17 @@ fn filled(answer: &ModalAnswer, options: &ReportOptions, columns: bool) -> Table
         table.row(cells);
     }
     table
+}
+
+/// The column of the bound in [`frequency_cells`].
+const BOUND: usize = 4;
+
+/// At a rest that is not proven no bound is shown: it would be about a place that may be no rest.
+pub fn bound_only_if(proven: bool, cells: &mut [String], column: usize) {
+    for cell in cells.iter_mut().enumerate().filter(|(at, cell)| !proven && (*at == column || cell.starts_with('≤')))
+    {
+        *cell.1 = "?".into();
+    }
 }
 
 /// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
@@ -152,10 +164,9 @@ fn beats(answer: &ModalAnswer, options: &ReportOptions) -> String {
             let range = range(split.lower, split.lower + 1);
             let difference = certain(&split.omega, options.digits(DIGITS));
             let beat = certain(&split.beat(), SHAPE_DIGITS);
-            line(format!(
-                "modes {range} are {difference} rad/s apart (error ≤ {}): a beat of {beat} s",
-                upper(split.error_bound())
-            ))
+            let proven = answer.rest.is_proven();
+            let bound = if proven { format!("≤ {}", upper(split.error_bound())) } else { "?".into() };
+            line(format!("modes {range} are {difference} rad/s apart (error {bound}): a beat of {beat} s"))
         })
         .collect()
 }

@@ -37,7 +37,9 @@ pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
         .column("kind", "", Align::Left);
     let shown: Vec<(usize, &Pole)> = answer.motions().collect();
     for (number, pole) in shown.iter().take(MOST) {
-        table.row(cells(*number, pole, options));
+        let mut cells = cells(*number, pole, options);
+        super::modes::bound_only_if(answer.rest.is_proven(), &mut cells, BOUND);
+        table.row(cells);
     }
     let left = shown.len().saturating_sub(MOST);
     let more = if left > 0 { line(format!("... and {left} more (--format json has all)")) } else { String::new() };
@@ -112,6 +114,9 @@ fn not_proved(answer: &ModalAnswer) -> String {
     };
     line(format!("NOT proved: that these are all poles, and each is there once{why}"))
 }
+
+/// The column of the bound in [`cells`].
+const BOUND: usize = 7;
 
 fn cells(number: usize, pole: &Pole, options: &ReportOptions) -> Vec<String> {
     let digits = options.digits(DIGITS);

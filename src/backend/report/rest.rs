@@ -49,7 +49,8 @@ fn displacement(answer: &ModalAnswer) -> String {
     let far = farthest(answer);
     let mut text = line(format!("rest: displaced from the drawing by up to {far}{}", trust(answer)));
     if !answer.rest.is_proven() {
-        text += &line("  bounds below are those of the scene linearised here; that a rest is here they do not say");
+        text +=
+            &line("  no number below has a bound: all are about the scene linearised here, and it may rest elsewhere");
     }
     text += &table.text(INDENT);
     if left > 0 {
@@ -136,19 +137,23 @@ fn unstable(answer: &ModalAnswer) -> String {
 
 /// What may grow or not: what was certified does not tell.
 fn undetermined(answer: &ModalAnswer) -> String {
-    let mut text = String::new();
+    let (mut text, proven) = (String::new(), answer.rest.is_proven());
     for (number, mode) in answer.modes.numbered().filter(|(_, mode)| mode.kind == ModeKind::Undetermined) {
         let carried = carried_by(&answer.system, mode);
-        let bound = certain(&mode.omega, DIGITS);
-        text += &line(format!("  mode {number} ({carried}) may hold or run away: |ω| or its growth is {bound} rad/s"));
+        let bound = if proven {
+            format!(": |ω| or its growth is {} rad/s", certain(&mode.omega, DIGITS))
+        } else {
+            String::new()
+        };
+        text += &line(format!("  mode {number} ({carried}) may hold or run away{bound}"));
     }
     for (number, pole) in answer.motions().filter(|_| !answer.system.c.is_empty()) {
         if pole.kind == PoleKind::Undetermined {
-            let bound = certain(&pole.re, DIGITS);
-            text += &line(format!("  pole {number} may decay or grow: |re s| is {bound} 1/s"));
+            let bound = if proven { format!(": |re s| is {} 1/s", certain(&pole.re, DIGITS)) } else { String::new() };
+            text += &line(format!("  pole {number} may decay or grow{bound}"));
         }
     }
-    if text.is_empty() && answer.stability == Stability::Undetermined {
+    if answer.stability == Stability::Undetermined && (text.is_empty() || !proven) {
         text += &line(format!("  {}", answer.stability.reason().not_proved()));
     }
     if text.is_empty() {
@@ -165,7 +170,8 @@ fn buckling(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let factor = found.load_factor;
     let margin = found.margin();
     let bound = if options.digits.is_some() { factor.relative_error() } else { Rounded::relative_bound_of(factor) };
-    let told = format!("{} (error ≤ {})", certain(&factor, digits), upper(bound));
+    let bound = if answer.rest.is_proven() { format!("≤ {}", upper(bound)) } else { "?".into() };
+    let told = format!("{} (error {bound})", certain(&factor, digits));
     let meaning = match (margin.contains_zero(), margin.mid.hi > 0.0) {
         (true, _) => "at the buckling load, as far as can be told".to_string(),
         (false, true) => {
