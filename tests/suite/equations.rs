@@ -44,3 +44,260 @@ fn the_cart_has_the_equations_of_the_course() {
         assert!(says(&text, line), "{line} is not in\n{text}");
     }
 }
+
+/// Scenes beside the examples: what a course asks for, and what is hard to write well.
+const SCENES: [(&str, &str); 14] = [
+    (
+        "pendulum",
+        "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody bob { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\npivot p: ground@(0, 0) -- bob\n",
+    ),
+    (
+        "compound_pendulum",
+        "param m = 2 kg\nparam J = 0.5 kg*m^2\nparam d = 0.4 m\ngravity 9.81 m/s^2\nbody b { mass = m, inertia = J about (0, 0), at = (0, -d) }\npivot p: ground@(0, 0) -- b\n",
+    ),
+    (
+        "hanging_mass",
+        "param m = 1 kg\nparam k = 20 N/m\ngravity 9.81 m/s^2\nbody b { mass = m, moves y, at = (0, 0) }\nspring s: ground@(0, 1 m) -- b { k = k }\n",
+    ),
+    (
+        "bead",
+        "param m = 1 kg\nparam J = 0.4 kg*m^2\nparam k = 20 N/m\nparam r0 = 0.5 m\ngravity 9.81 m/s^2\nbody arm { mass = 3 kg, inertia = J, at = (0, 0) }\nbody bead { mass = m, at = (0, -r0), inertia = 0 kg*m^2 }\npivot p: ground@(0, 0) -- arm\nslide g: arm -- bead along (0, -1)\nspring s: arm@(0, 0) -- bead { k = k, free_length = r0 }\n",
+    ),
+    (
+        "rolling_disk",
+        "param m = 2 kg\nparam r = 0.3 m\nparam k = 100 N/m\nbody wheel { mass = m, shape = disk(r), moves x, turns, at = (0, r) }\ncouple roll: wheel.angle = -wheel.x / r\nspring s: ground@(-1 m, r) -- wheel { k = k }\nforce F: wheel along x\noutput x = wheel.x\n",
+    ),
+    (
+        "leaning_rod",
+        "param m = 1 kg\nparam L = 1 m\nparam k = 30 N*m/rad\ngravity 9.81 m/s^2\nbody rod { mass = m, shape = rod((0, 0), (0.5 * L, 0.8 * L)) }\npivot p: ground@(0, 0) -- rod\nspring s: ground -- rod { k = k }\n",
+    ),
+    (
+        "as_drawn",
+        "param m = 1 kg\nparam L = 2 m\ngravity 9.81 m/s^2\nrest as drawn\nbody rod { mass = m, shape = rod((0, 0), (L, 0)) }\npivot p: ground@(0, 0) -- rod\nspring s: ground@(L, 1 m) -- rod@(L, 0) { k = 50 N/m }\n",
+    ),
+    (
+        "rayleigh",
+        "param m = 1 kg\nparam k = 20 N/m\nparam alpha = 0.1 /s\nparam beta = 1e-4 s\nbody b { mass = m, moves x }\nspring s: ground -- b { k = k }\ndamping rayleigh(alpha, beta)\n",
+    ),
+    (
+        "modal",
+        "param m = 1 kg\nparam k = 20 N/m\nbody b { mass = m, moves x }\nspring s: ground -- b { k = k }\ndamping modal 2 %\n",
+    ),
+    (
+        "base_pendulum",
+        "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbase hand { moves x, at = (0, 0) }\nbody bob { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\npivot p: hand@(0, 0) -- bob\noutput a = bob.angle\n",
+    ),
+    (
+        "oblique",
+        "param m = 1 kg\nparam k = 20 N/m\nparam alpha = 30 deg\nbody b { mass = m, moves along (cos(alpha), sin(alpha)) }\nspring s: ground -- b { k = k, along = x }\n",
+    ),
+    (
+        "shaft",
+        "param J1 = 1 kg*m^2\nparam J2 = 2 kg*m^2\nparam kt = 50 N*m/rad\nparam ct = 0.1 N*m*s/rad\nbody a { inertia = J1, turns }\nbody b { inertia = J2, turns }\nspring s: a -- b { k = kt }\ndamper d: a -- b { c = ct }\ntorque M: a\noutput x = b.angle\n",
+    ),
+    (
+        "string",
+        "param m = 1 kg\nparam T = 100 N\nparam a = 0.5 m\nbody b { mass = m, moves y, at = (0, 0) }\nspring l: ground@(-a, 0) -- b { k = 0 N/m, preload = T }\nspring r: ground@(a, 0) -- b { k = 0 N/m, preload = T }\n",
+    ),
+    (
+        "three_links",
+        "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody a { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\nbody b { mass = m, inertia = 0 kg*m^2, at = (0, -2 * L) }\nbody c { mass = m, inertia = 0 kg*m^2, at = (0, -3 * L) }\npivot p: ground@(0, 0) -- a\npivot q: a@(0, -L) -- b\npivot r: b@(0, -2 * L) -- c\n",
+    ),
+];
+
+const EXAMPLES: [&str; 16] = [
+    "cart",
+    "double_pendulum",
+    "drive_line",
+    "four_bar",
+    "free_free_chain",
+    "half_car",
+    "hinged_body",
+    "inverted_pendulum",
+    "isolation_table",
+    "light_station",
+    "long_chain",
+    "mortar",
+    "quarter_car",
+    "shear_building",
+    "stacked_blocks",
+    "tuned_mass_damper",
+];
+
+/// Thirty outputs by name.
+fn outputs() -> Vec<(String, String)> {
+    let examples = EXAMPLES.iter().map(|name| (name.to_string(), example(&format!("{name}.vib"))));
+    let scenes = SCENES.iter().map(|(name, model)| (name.to_string(), text_of(name, model)));
+    examples.chain(scenes).collect()
+}
+
+#[test]
+fn thirty_outputs_are_what_was_read() {
+    for (name, text) in outputs() {
+        insta::with_settings!({
+            snapshot_path => "snapshots/equations",
+            prepend_module_to_snapshot => false,
+            omit_expression => true,
+        }, {
+            insta::assert_snapshot!(name, text);
+        });
+    }
+}
+
+/// What nobody writes: each with what it is.
+const UNREADABLE: [(&str, &str); 9] = [
+    (r"- -|\+ -|--", "two signs in a row"),
+    (r"(^|[ (/])1 [a-zA-Z(]", "a factor of one"),
+    (r"\b0\.(5|25|75|125) [a-zA-Z(]", "a decimal for a half, a quarter or an eighth"),
+    (r"/[A-Za-z0-9_.^]+/", "a quotient of a quotient"),
+    (r"\^1\b|\^0\b", "a power of one or zero"),
+    (r"\b0 [a-zA-Z]|[+-] 0( |$)", "a term of zero"),
+    (r"sqrt\([0-9]*[49]\)$", "the root of a square"),
+    (r"\?", "a name that nothing tells"),
+    (r"\(([A-Za-z0-9_']+)\)[^']", "brackets around a name"),
+];
+
+#[test]
+fn nobody_finds_what_nobody_writes() {
+    let patterns = UNREADABLE.map(|(pattern, what)| (fancy_regex::Regex::new(pattern).expect("a pattern"), what));
+    let mut wrong = Vec::new();
+    for (name, text) in outputs() {
+        let formulas = text.lines().filter(|line| line.starts_with("    "));
+        for line in formulas {
+            // Notes stand behind four blanks; arguments of functions keep their brackets.
+            let line = line.trim().split("    ").next().unwrap_or_default();
+            let bare = fancy_regex::Regex::new(r"\b(sin|cos|sqrt|atan2|abs)\(")
+                .expect("a pattern")
+                .replace_all(line, "$1{")
+                .into_owned();
+            for (pattern, what) in &patterns {
+                if pattern.is_match(&bare).expect("a match that ends") {
+                    wrong.push(format!("{name}: {what} in {line}"));
+                }
+            }
+            if let Some(shared) = unfactored(&bare) {
+                wrong.push(format!("{name}: {shared} is not taken out in {line}"));
+            }
+            if let Some(term) = repeated(line) {
+                wrong.push(format!("{name}: {term} twice in {line}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A name that every term of a sum in brackets has as a factor.
+fn unfactored(line: &str) -> Option<String> {
+    let groups = fancy_regex::Regex::new(r"\(([^()\[\]{}]* [+-] [^()\[\]{}]*)\)").expect("a pattern");
+    let signs = fancy_regex::Regex::new(r" [+-] ").expect("a pattern");
+    for group in groups.captures_iter(line) {
+        let group = group.expect("a match that ends").get(1).map_or("", |group| group.as_str()).to_string();
+        // A polynomial in s is written by its coefficients.
+        if group.split([' ', '^']).any(|word| word == "s") {
+            continue;
+        }
+        let terms: Vec<Vec<String>> = signs
+            .split(&group)
+            .map(|term| {
+                let factors = term.expect("a match that ends").split(' ').map(|factor| {
+                    factor.trim_start_matches('-').split(['^', '/']).next().unwrap_or_default().to_string()
+                });
+                factors.filter(|factor| factor.starts_with(char::is_alphabetic)).collect()
+            })
+            .collect();
+        let (first, others) = terms.split_first()?;
+        if let Some(shared) = first.iter().find(|name| others.iter().all(|term| term.contains(name))) {
+            return Some(shared.clone());
+        }
+    }
+    None
+}
+
+/// A term that a sum holds twice.
+fn repeated(line: &str) -> Option<String> {
+    let side = |side: &str| {
+        let (mut depth, mut terms, mut term) = (0i32, Vec::new(), String::new());
+        for word in side.split(' ') {
+            if depth == 0 && ["+", "-"].contains(&word) {
+                terms.push(std::mem::take(&mut term));
+                continue;
+            }
+            depth += word.matches(['(', '[']).count() as i32 - word.matches([')', ']']).count() as i32;
+            term += word;
+        }
+        terms.push(term);
+        terms.sort();
+        terms.windows(2).find(|pair| pair[0] == pair[1] && !pair[0].is_empty()).map(|pair| pair[0].clone())
+    };
+    line.split(" = ").find_map(side)
+}
+
+#[test]
+fn the_linter_sees_what_it_refuses() {
+    assert_eq!(repeated("m x'' + k x + k x = 0"), Some("kx".to_string()));
+    assert_eq!(repeated("m x'' + (k + k) y + c = 0"), None);
+    assert_eq!(unfactored("(m1 L + m2 L^2/3) x''"), Some("L".to_string()));
+    assert_eq!(unfactored("(m1 + m2 L) x''"), None);
+    for (bad, what) in [("a - -b", 0), ("1 x + y", 1), ("0.5 m", 2), ("a/b/c", 3), ("x^1", 4), ("a + 0", 5)] {
+        assert!(
+            fancy_regex::Regex::new(UNREADABLE[what].0).expect("a pattern").is_match(bad).expect("an end"),
+            "{bad}"
+        );
+    }
+}
+
+/// The printed solutions of the course's problem set, and what its examples answer.
+#[test]
+fn the_six_problems_have_their_equations() {
+    for (name, lines) in [
+        ("isolation_table.vib", &["m y_table'' + m wn^2 y_table = m wn^2 v", "y/floor = wn^2/(s^2 + wn^2)"][..]),
+        ("light_station.vib", &["m x'' + 2 zeta m wn x' + m wn^2 x = machine"]),
+        ("hinged_body.vib", &["J theta'' + kt theta = T"]),
+        ("stacked_blocks.vib", &["m x'' + 2 zeta sqrt(m k) x' + k x = F", "m = small + large    = 11 kg"]),
+        ("mortar.vib", &["m y'' + c y' + k y = 0", "zeta = c/(2 sqrt(m k)) = 0.0100002"]),
+        ("double_pendulum.vib", &["2 m l^2 theta_upper'' + m l^2 theta_lower'' + 2 m g l theta_upper = l push"]),
+        ("four_bar.vib", &["(13 m + 10 l)/3 theta_left'' + 3 g (m + l) theta_left = 2 F"]),
+    ] {
+        let text = example(name);
+        for line in lines {
+            assert!(says(&text, line), "{name}: {line} is not in\n{text}");
+        }
+    }
+}
+
+/// omega from the closed form is what `analyze` finds: 2.15818 and 3.74715 rad/s.
+#[test]
+fn closed_forms_have_the_values_of_the_analysis() {
+    let text = example("cart.vib");
+    assert!(text.contains("omega_1 = 2.15818    rad/s") && text.contains("omega_2 = 3.74715    rad/s"), "{text}");
+    assert!(says(&text, "a_4 = m2 L^2 (4 m1 + m2)/12"), "{text}");
+}
+
+#[test]
+fn what_is_too_large_is_refused_with_its_size() {
+    let chain = "body m[1] { mass = 1 kg, moves x }\nrepeat i in 2..250 {\nbody m[i] { mass = 1 kg, moves x }\nspring s[i]: m[i-1] -- m[i] { k = 1 N/m }\n}\n";
+    assert_eq!(
+        text_of("chain", chain),
+        "vib::equations::too_large: equations of 250 coordinates are not written in symbols; the most are 200\n"
+    );
+}
+
+#[test]
+fn every_form_is_written_and_steered_by_nothing() {
+    let mut sources = Sources::new();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cart.vib");
+    let file = sources.add(SourceFile::model("cart", std::fs::read_to_string(path).expect("an example")));
+    let answer = vibc::equations(&sources, file, &Overrides::default()).answer.expect("equations");
+    let document = equations::document(&answer);
+    let latex = equations::latex(&document);
+    assert!(
+        latex.contains(r"\left(m_{1} + m_{2}\right) \, \ddot{x} + \frac{m_{2} \, L}{2} \, \ddot{\theta}"),
+        "{latex}"
+    );
+    let typst = equations::typst(&document);
+    assert!(typst.contains("dot.double(θ)"), "{typst}");
+    let page = equations::mathml(&document);
+    assert!(page.contains("<mover accent=\"true\"><mi>θ</mi><mo>¨</mo></mover>"), "{page}");
+    let json: serde_json::Value = serde_json::from_str(&equations::json(&document)).expect("JSON");
+    assert_eq!(json["schema"], "vibc-equations-1");
+}

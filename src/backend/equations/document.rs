@@ -86,8 +86,18 @@ impl Writer<'_> {
     }
 
     /// `T`, `V_2`; the letter of a quantity that is not a name of the model.
+    /// Where the model has a name of its own like it, energies are E_kin, E_pot, E_dis and matrices have the index mat.
     fn letter(&self, symbol: &'static str, index: Option<Formula>) -> Formula {
-        Formula::Symbol(symbol, index.map(Box::new))
+        let taken = self.equations.names.is_taken(symbol) || self.equations.inputs.iter().any(|input| input == symbol);
+        let (symbol, distinct) = match symbol {
+            _ if !taken || index.is_some() => (symbol, None),
+            "T" => ("E", Some("kin")),
+            "V" => ("E", Some("pot")),
+            "D" => ("E", Some("dis")),
+            other => (other, Some("mat")),
+        };
+        let distinct = distinct.map(|word| Formula::Name(Label::new(word, "")));
+        Formula::Symbol(symbol, index.or(distinct).map(Box::new))
     }
 
     fn coordinate(&self, index: usize) -> &Coordinate {
@@ -276,7 +286,7 @@ impl Writer<'_> {
     /// c x^2/2: a sum is squared in brackets.
     fn half_square(&self, coefficient: &Sum, of: &Sum) -> Option<(bool, Formula)> {
         let build = self.build.in_front();
-        if of.is_zero() {
+        if of.is_zero() || coefficient.is_zero() {
             return None;
         }
         if of.terms().len() == 1 {
@@ -378,6 +388,9 @@ impl Writer<'_> {
         let (negative, stiffness) = self.build.signed(&element.coefficient);
         let stretched = self.build.plain_sum(&(&element.stretch.sum() - &element.free));
         let (opposite, tension) = self.build.signed(&element.tension);
+        if element.coefficient.is_zero() {
+            return if opposite { tension.negated() } else { tension };
+        }
         Formula::Sum(vec![(negative, Formula::product(vec![stiffness, stretched])), (opposite, tension)])
     }
 

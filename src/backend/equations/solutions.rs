@@ -218,8 +218,9 @@ impl Writer<'_> {
 /// A quotient with its minus in front.
 fn fraction(over: Formula, under: Formula) -> Formula {
     match over {
-        Formula::Sum(mut terms) if terms.len() == 1 && terms[0].0 => {
-            Formula::quotient(terms.swap_remove(0).1, under).negated()
+        Formula::Sum(terms) if terms.iter().all(|(negative, _)| *negative) => {
+            let positive = terms.into_iter().map(|(_, term)| (false, term)).collect();
+            Formula::quotient(Formula::sum(positive), under).negated()
         }
         over => Formula::quotient(over, under),
     }
