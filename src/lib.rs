@@ -290,7 +290,7 @@ pub fn analyze_and_explain(
                 }
             },
             Err(lowered) => {
-                explained = Some(Explained::new(name, lowered, account));
+                explained = Some(Explained::new(name, *lowered, account));
                 None
             }
         }
@@ -305,9 +305,9 @@ fn reported(
     request: &Request,
     study: &Study,
     diagnostics: &mut Diagnostics,
-) -> Result<ModalAnswer, Damped> {
+) -> Result<ModalAnswer, Box<Damped>> {
     let Some(analysis::Modal { modes, poles, stability }) = damped.modal(request, diagnostics) else {
-        return Err(damped);
+        return Err(Box::new(damped));
     };
     let known = WrittenOut { lowered: damped.lowered, modes: None };
     let system = Some(&known).filter(|known| !known.lowered.system.is_chained());

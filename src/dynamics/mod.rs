@@ -95,7 +95,7 @@ pub fn with_damping(
     scene: &CheckedScene,
     mut lowered: Lowered,
     diagnostics: &mut Diagnostics,
-) -> Result<Damped, Lowered> {
+) -> Result<Damped, Box<Lowered>> {
     let mut by_modes = None;
     match &scene.scene().damping {
         None => {}
@@ -103,12 +103,12 @@ pub fn with_damping(
         Some(Damping::Modal { ratio, .. }) => {
             // Damping that joins all coordinates has no short rows.
             if flatten(&mut lowered, diagnostics).is_none() {
-                return Err(lowered);
+                return Err(Box::new(lowered));
             }
             let spread = match spread(&mut lowered.system, ratio) {
                 Err(error) if !matches!(error, AnalysisError::TooManyCoordinates { .. }) => {
                     diagnostics.push(error.to_diagnostic());
-                    return Err(lowered);
+                    return Err(Box::new(lowered));
                 }
                 spread => spread,
             };
