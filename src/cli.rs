@@ -9,7 +9,7 @@ use vibc::analysis::{Band, Frequency, Normalise, Request, Which};
 use vibc::backend::explain::PAGES;
 use vibc::base::unit::{self, Scale};
 use vibc::base::{Angle, Dimension, Literals, Number, Rational};
-use vibc::syntax::words::KEYWORDS;
+use vibc::kinds::DECLARATIONS;
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
 #[derive(Debug, Parser)]
@@ -402,7 +402,8 @@ impl TypedValueParser for Explained {
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
         let codes = PAGES.iter().map(|page| page.code);
-        Some(Box::new(codes.chain(KEYWORDS).map(PossibleValue::new)))
+        let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
+        Some(Box::new(codes.chain(keywords).map(PossibleValue::new)))
     }
 }
 

@@ -66,6 +66,8 @@ mod equations;
 #[cfg(not(feature = "program"))]
 mod joints;
 #[cfg(not(feature = "program"))]
+mod kinds;
+#[cfg(not(feature = "program"))]
 mod lower;
 #[cfg(not(feature = "program"))]
 mod model;
@@ -110,6 +112,9 @@ pub mod equations;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod joints;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod kinds;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod lower;

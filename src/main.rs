@@ -22,7 +22,7 @@ use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
 use vibc::editor::server::{self, Leave};
-use vibc::syntax::manual;
+use vibc::kinds;
 
 /// What the process ends with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -519,8 +519,8 @@ fn manual_page(command: Option<&str>) -> Status {
 /// The page of a diagnostic or of a keyword; without either, all codes.
 fn explain(asked: Option<&str>) -> Status {
     let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
-    if let Some(entry) = manual::entry(asked) {
-        return deliver(None, &backend::explain::terminal(&entry.markdown()));
+    if let Some(declaration) = kinds::declaration(asked) {
+        return deliver(None, &backend::explain::terminal(&declaration.page()));
     }
     match backend::explain::explain(asked) {
         Ok(text) => deliver(None, &text),

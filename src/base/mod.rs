@@ -2,6 +2,7 @@
 
 pub mod diagnostic;
 pub mod dimension;
+pub mod field;
 pub mod line_index;
 pub mod name;
 pub mod number;
@@ -12,6 +13,7 @@ pub mod vector;
 
 pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Label, Mend, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
+pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
 pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, larger};

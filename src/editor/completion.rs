@@ -2,10 +2,13 @@
 
 use super::document::Document;
 use super::names;
-use super::pages::{self, Kind};
+use super::pages;
 use super::roles::{Role, Space, has_ends};
 use super::tokens::{Token, TokenKind, tokens};
-use crate::base::Dimension;
+use crate::base::{Dimension, Takes};
+use crate::kinds::functions::{self, Function, FunctionKind};
+use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::kinds::{self, Argument, Content, DECLARATIONS, Declaration, Naming, Piece};
 use crate::syntax::words;
 
 /// Something to type.
@@ -59,11 +62,11 @@ pub fn items(document: &Document, offset: usize) -> Vec<Item> {
 }
 
 fn keywords() -> Vec<Item> {
-    let keyword = |word: &&'static str| {
-        let form = words::form(word).split('`').next().unwrap_or_default();
-        Item { insert: Some(form.into()), ..item(word, ItemKind::Keyword, form) }
+    let keyword = |declaration: &Declaration| {
+        let Declaration { keyword, form, .. } = *declaration;
+        Item { insert: Some(form.into()), ..item(keyword, ItemKind::Keyword, form) }
     };
-    words::KEYWORDS.iter().map(keyword).collect()
+    DECLARATIONS.iter().map(keyword).collect()
 }
 
 /// A place in a statement: the tokens before it, the word at hand left out.
@@ -128,6 +131,10 @@ impl<'a> Place<'a> {
         self.document.keyword(self.statement)
     }
 
+    fn declared(&self) -> Option<&'static Declaration> {
+        kinds::declaration(self.keyword())
+    }
+
     fn items(&self) -> Vec<Item> {
         if self.number.is_some() {
             return self.units();
@@ -163,13 +170,20 @@ impl<'a> Place<'a> {
 
     /// What follows the first word.
     fn after_keyword(&self) -> Vec<Item> {
-        let word = |word: &str| item(word, ItemKind::Keyword, "");
-        match self.keyword() {
-            "damping" => vec![word("modal"), word("rayleigh")],
-            "rest" => vec![word("as drawn")],
-            "initial" => self.parts(|keyword| keyword == "body"),
-            "solve" => self.values(|kind| kind == "param"),
-            "require" | "gravity" => self.expression(),
+        let word = |word: &&str| item(word, ItemKind::Keyword, "");
+        let pieces = self.declared().map_or(&[][..], |declaration| declaration.pieces);
+        match pieces {
+            [Piece::Apart, ..] => self.expression(),
+            [_, Piece::OneOf(words, ..), ..] => words.iter().map(word).collect(),
+            [_, Piece::Marker(..), ..] => {
+                let words = pieces.iter().filter_map(|piece| match piece {
+                    Piece::Marker(word, _) => Some(*word),
+                    _ => None,
+                });
+                vec![word(&&*words.collect::<Vec<_>>().join(" "))]
+            }
+            [_, Piece::Name(Naming::Of(Space::Parts), _), ..] => self.parts(|keyword| keyword == "body"),
+            [_, Piece::Name(Naming::Of(Space::Values), _), ..] => self.values(|kind| kind == "param"),
             // A new name.
             _ => Vec::new(),
         }
@@ -177,9 +191,9 @@ impl<'a> Place<'a> {
 
     /// `along`, `=` behind the ends of a force.
     fn clauses(&self) -> Vec<Item> {
-        match self.keyword() {
-            "slide" | "force" => vec![item("along", ItemKind::Keyword, "a fixed direction")],
-            _ => Vec::new(),
+        match self.declared().is_some_and(Declaration::has_along) {
+            true => vec![item("along", ItemKind::Keyword, "a fixed direction")],
+            false => Vec::new(),
         }
     }
 
@@ -190,11 +204,10 @@ impl<'a> Place<'a> {
         if matches!(last, "{" | ",") || line_ended && !matches!(last, "=" | "+" | "-" | "*" | "/") {
             return self.fields();
         }
-        let field = self.field();
-        match field {
-            "moves" | "along" => directions(),
-            "shape" if last == "=" => functions(Kind::Shape),
-            "at" => self.values(|kind| kind == "point"),
+        match self.declared().and_then(|declaration| declaration.field(self.field())).map(|field| field.takes) {
+            Some(Takes::Motions | Takes::Direction) => directions(),
+            Some(Takes::Shape) if last == "=" => functions(FunctionKind::Shape),
+            Some(Takes::Position) => self.values(|kind| kind == "point"),
             _ => self.expression(),
         }
     }
@@ -205,10 +218,13 @@ impl<'a> Place<'a> {
             .filter(|token| matches!(self.document.roles[*token], Role::Field | Role::Word))
             .map(|token| self.document.token_text(token))
             .collect();
-        let all = pages::fields(self.keyword()).iter();
-        let missing = all.filter(|(name, ..)| !given.contains(name));
+        let all = self.declared().map_or(&[][..], |declaration| declaration.fields).iter();
+        let missing = all.filter(|field| !given.contains(&field.name));
         missing
-            .map(|(name, form, meaning)| Item { insert: Some((*form).into()), ..item(name, ItemKind::Field, *meaning) })
+            .map(|field| Item {
+                insert: Some(field.example.into()),
+                ..item(field.name, ItemKind::Field, field.meaning)
+            })
             .collect()
     }
 
@@ -222,23 +238,25 @@ impl<'a> Place<'a> {
         (0..self.before.len()).rev().filter(word).find(starts).map_or("", |token| self.text(token))
     }
 
-    /// The dimension of the number at hand, as far as its place tells.
-    fn dimension(&self) -> Option<Dimension> {
+    /// The dimensions that the number at hand may have, as far as its place says; empty where it may have any.
+    fn dimensions(&self) -> Vec<Dimension> {
+        let Some(declaration) = self.declared() else { return Vec::new() };
         if let Some((function, argument)) = self.argument() {
-            return of_argument(self.keyword(), function, argument);
+            return of_argument(declaration, function, argument).into_iter().collect();
         }
         if self.open.first().is_some_and(|(bracket, _)| *bracket == "{") {
-            return of_field(self.keyword(), self.field());
+            return declaration.field(self.field()).map_or(Vec::new(), |field| of_field(field.takes));
         }
-        match self.keyword() {
-            "gravity" => Some(Dimension::ACCELERATION),
-            "point" => Some(Dimension::LENGTH),
-            "damping" => Some(Dimension::NONE),
-            _ if self.open.iter().any(|(_, before)| before.is_some_and(|token| self.text(token) == "@")) => {
-                Some(Dimension::LENGTH)
-            }
-            _ => None,
+        if self.open.iter().any(|(_, before)| before.is_some_and(|token| self.text(token) == "@")) {
+            return vec![Dimension::LENGTH];
         }
+        declaration
+            .contents()
+            .filter_map(|content| match content {
+                Content::Number(dimension) => Some(dimension),
+                _ => None,
+            })
+            .collect()
     }
 
     /// The function whose argument is at hand, and which argument.
@@ -254,16 +272,17 @@ impl<'a> Place<'a> {
     }
 
     fn units(&self) -> Vec<Item> {
-        let wanted = self.dimension();
-        let mut units = pages::units(wanted);
-        // A spring or damper may be torsional: its unit says so.
-        let turning = match wanted {
-            Some(Dimension::STIFFNESS) => pages::units(Some(Dimension::TORSIONAL_STIFFNESS)),
-            Some(Dimension::DAMPING) => pages::units(Some(Dimension::TORSIONAL_DAMPING)),
-            _ => Vec::new(),
-        };
-        units.extend(turning.into_iter().filter(|unit| unit.contains("/rad") || unit.contains("/deg")));
         let item = |text: &&str| item(text, ItemKind::Unit, pages::unit(text).unwrap_or_default());
+        let wanted = self.dimensions();
+        let Some((first, others)) = wanted.split_first() else { return pages::units(None).iter().map(item).collect() };
+        let mut units = pages::units(Some(*first));
+        for other in others {
+            // What acts on the rotation is written per angle, where its dimension is that of something else too.
+            let all = pages::units(Some(*other));
+            let per_angle = |unit: &&&str| unit.contains("/rad") || unit.contains("/deg");
+            let any = all.iter().any(|unit| per_angle(&unit));
+            units.extend(all.iter().filter(|unit| !any || per_angle(unit)));
+        }
         units.iter().map(item).collect()
     }
 
@@ -287,13 +306,12 @@ impl<'a> Place<'a> {
             None
         });
         let declared = part.and_then(|part| self.declaration(part));
-        let list: Vec<&(&str, &str)> = match declared {
-            Some(("spring" | "damper", _)) => pages::ELEMENT_MOTIONS.iter().collect(),
-            Some((_, statement)) => {
-                let moves = |motion: &&(&str, &str)| self.can_move(statement, motion.0);
-                pages::BODY_MOTIONS.iter().filter(moves).collect()
-            }
-            None => pages::BODY_MOTIONS.iter().chain(&pages::ELEMENT_MOTIONS).collect(),
+        let of_body = BODY_MOTIONS.iter().map(|motion| (motion.name, motion.meaning));
+        let of_element = ELEMENT_MOTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
+        let list: Vec<(&str, &str)> = match declared {
+            Some((keyword, _)) if is_element(keyword) => of_element.collect(),
+            Some((_, statement)) => of_body.filter(|(name, _)| self.can_move(statement, name)).collect(),
+            None => of_body.chain(of_element).collect(),
         };
         list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
     }
@@ -377,30 +395,30 @@ impl<'a> Place<'a> {
         if self.is_after_operand() {
             return Vec::new();
         }
-        let keyword = self.keyword();
         let mut items = self.indices();
-        let arrow = self.last(1) == "->";
-        let of_measure = self.argument().is_some_and(|(function, argument)| {
-            argument == 0 && matches!(function, "gain" | "phase" | "amplitude" | "static" | "peak" | "rms")
-        });
-        if of_measure {
-            let asks_input = !arrow && self.argument().is_some_and(|(f, _)| matches!(f, "gain" | "phase"));
-            return self.parts(|keyword| match keyword {
-                "force" | "torque" | "base" => asks_input,
-                _ => !asks_input,
+        let asked = self.argument().filter(|(_, argument)| *argument == 0);
+        let asked = asked.and_then(|(function, _)| functions::function(function)?.1.arguments.first());
+        if let Some(Argument::Path | Argument::Output) = asked {
+            let asks_input = asked == Some(&Argument::Path) && self.last(1) != "->";
+            return self.parts(|keyword| {
+                let is_input = kinds::declaration(keyword).is_some_and(|declaration| declaration.signal().is_some());
+                is_input == asks_input
             });
         }
-        if matches!(keyword, "output" | "couple") && self.open.is_empty() {
-            items.extend(self.parts(|keyword| matches!(keyword, "body" | "base" | "spring" | "damper")));
+        let outside = self.open.is_empty();
+        let contents =
+            |content| self.declared().is_some_and(|declaration| declaration.contents().any(|c| c == content));
+        if outside && contents(Content::Motions) {
+            items.extend(self.parts(|keyword| matches!(keyword, "body" | "base") || is_element(keyword)));
         }
         items.extend(self.values(|_| true));
-        if matches!(keyword, "force" | "torque" | "base") && self.open.is_empty() {
-            items.splice(0..0, functions(Kind::Signal));
+        if outside && self.declared().is_some_and(|declaration| declaration.signal().is_some()) {
+            items.splice(0..0, functions(FunctionKind::Signal));
         }
-        if matches!(keyword, "require" | "solve") && self.open.is_empty() {
-            items.splice(0..0, functions(Kind::Measure));
+        if outside && contents(Content::Measures) {
+            items.splice(0..0, functions(FunctionKind::Measure));
         }
-        items.extend(functions(Kind::Number));
+        items.extend(functions(FunctionKind::Number));
         items.push(item("pi", ItemKind::Value, "the circle constant"));
         items
     }
@@ -414,48 +432,38 @@ fn directions() -> Vec<Item> {
     vec![direction("x"), direction("y"), Item { insert: Some("along (1, 1)".into()), ..direction("along") }]
 }
 
-fn functions(kind: Kind) -> Vec<Item> {
-    let own = pages::FUNCTIONS.iter().filter(|(.., of)| *of == kind);
-    own.map(|(name, form, meaning, _)| {
+fn is_element(keyword: &str) -> bool {
+    kinds::declaration(keyword).is_some_and(Declaration::is_element)
+}
+
+fn functions(kind: FunctionKind) -> Vec<Item> {
+    let own = functions::functions().filter(|(of, _)| *of == kind);
+    own.map(|(_, Function { name, form, meaning, .. })| {
         let insert = if form.contains('(') { format!("{name}(") } else { (*name).into() };
         Item { insert: Some(insert), ..item(name, ItemKind::Function, format!("{form}: {meaning}")) }
     })
     .collect()
 }
 
-fn of_field(keyword: &str, field: &str) -> Option<Dimension> {
-    Some(match (keyword, field) {
-        (_, "mass") => Dimension::MASS,
-        (_, "inertia") => Dimension::INERTIA,
-        (_, "at" | "shape" | "free_length" | "x" | "y") => Dimension::LENGTH,
-        (_, "k") => Dimension::STIFFNESS,
-        (_, "c") => Dimension::DAMPING,
-        (_, "preload") => Dimension::FORCE,
-        (_, "angle") => Dimension::NONE,
-        (_, "vx" | "vy") => Dimension::VELOCITY,
-        (_, "omega") => Dimension::ANGULAR_VELOCITY,
-        _ => return None,
-    })
+fn of_field(takes: Takes) -> Vec<Dimension> {
+    match takes {
+        Takes::Number(expected) => vec![expected.dimension],
+        Takes::Either { line, turn } => vec![line.dimension, turn.dimension],
+        Takes::Position | Takes::Shape => vec![Dimension::LENGTH],
+        Takes::Direction | Takes::Motions | Takes::Nothing => Vec::new(),
+    }
 }
 
-/// The dimension of an argument of a signal, a measure or a shape.
-fn of_argument(keyword: &str, function: &str, argument: usize) -> Option<Dimension> {
-    let load = match keyword {
-        "force" => Some(Dimension::FORCE),
-        "torque" => Some(Dimension::TORQUE),
-        "base" => Some(Dimension::LENGTH),
-        _ => None,
-    };
-    match (function, argument) {
-        ("impulse", 0) if keyword == "torque" => Some(Dimension::ANGULAR_IMPULSE),
-        ("impulse", 0) => Some(Dimension::IMPULSE),
-        ("constant" | "step" | "ramp" | "pulse" | "harmonic" | "chirp", 0) => load,
-        ("harmonic", 1) | ("chirp", 1 | 2) | ("gain" | "phase", 1) => Some(Dimension::FREQUENCY),
-        ("harmonic", 2) | ("sin" | "cos" | "tan", 0) => Some(Dimension::NONE),
-        ("step" | "impulse" | "ramp" | "pulse", _) | ("chirp", 3) => Some(Dimension::TIME),
-        ("rod" | "disk" | "ring" | "box", _) => Some(Dimension::LENGTH),
-        ("rayleigh", 0) => Some(Dimension::FREQUENCY),
-        ("rayleigh", 1) => Some(Dimension::TIME),
-        _ => None,
+/// The dimension of an argument of a function.
+fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Option<Dimension> {
+    let (_, function) = functions::function(function)?;
+    match function.arguments.get(argument)? {
+        Argument::Number(dimension) => Some(*dimension),
+        Argument::Frequency => Some(Dimension::FREQUENCY),
+        Argument::Position => Some(Dimension::LENGTH),
+        Argument::Amplitude => declaration.signal().map(|signal| signal.amplitude.dimension),
+        Argument::Impulse => declaration.signal().map(|signal| signal.impulse.dimension),
+        Argument::Time | Argument::LaterTime => Some(Dimension::TIME),
+        Argument::Any | Argument::File | Argument::Mode | Argument::Output | Argument::Path => None,
     }
 }

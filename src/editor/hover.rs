@@ -189,23 +189,14 @@ fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String 
     for (index, element) in chosen {
         let turns = element.geometry == Geometry::Torsion;
         let name = scene.words.display(element.name);
-        match &element.law {
-            Law::Spring { stiffness, .. } => {
-                text += &format!(
-                    "`{name}`: k = {}\n\n",
-                    shown::with_unit(stiffness, if turns { "N*m/rad" } else { "N/m" })
-                );
-                let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
-                text += &spring.map_or(String::new(), |spring| rest(&spring.tension, &spring.change, stiffness, turns));
-            }
-            Law::Damper { damping } => {
-                text += &format!(
-                    "`{name}`: c = {}\n\n",
-                    shown::with_unit(damping, if turns { "N*m*s/rad" } else { "N*s/m" })
-                );
-            }
+        let Law { kind, coefficient, .. } = &element.law;
+        let (word, unit) = (kind.coefficient().name, kind.unit(turns));
+        text += &format!("`{name}`: {word} = {}\n\n", shown::with_unit(coefficient, unit));
+        if let Some((stiffness, _)) = element.law.spring() {
+            let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
+            text += &spring.map_or(String::new(), |spring| rest(&spring.tension, &spring.change, stiffness, turns));
         }
-        if let (Some(motions), Law::Spring { .. }) = (&known.motions, &element.law) {
+        if let Some(motions) = known.motions.as_ref().filter(|_| kind.is_elastic()) {
             let own = Origin::Element(index as u32);
             text += &shares(motions, "strain energy", |mode| {
                 mode.strain.iter().filter(|share| share.of.origin == own).map(|share| share.part.0).sum()

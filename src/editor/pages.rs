@@ -1,146 +1,30 @@
-//! What an editor tells of the words of the language: keywords, fields, functions, motions, units.
+//! What an editor says about the words of the language: keywords, fields, functions, motions, units.
 
 use super::shown;
 use crate::base::unit::{self, Scale};
 use crate::base::{Number, Quantity};
-use crate::syntax::manual;
+use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::kinds::{self, Declaration, functions};
 
 /// A keyword's page.
 pub fn keyword(word: &str) -> Option<String> {
-    manual::entry(word).map(manual::Entry::markdown)
-}
-
-/// The fields of a declaration, each with a form to type and what it says.
-pub fn fields(keyword: &str) -> &'static [(&'static str, &'static str, &'static str)] {
-    match keyword {
-        "body" => &[
-            ("mass", "mass = 1 kg", "The body's mass, kg."),
-            ("moves", "moves x", "The body stands on the ground and moves so: `x`, `y`, `x y`, or `along (1, 1)`."),
-            ("turns", "turns", "The body turns about its place on the ground."),
-            ("free", "free", "The body moves along x and y and turns."),
-            ("at", "at = (0, 0)", "The centre of mass in the drawing."),
-            (
-                "shape",
-                "shape = rod((0, 0), (0, 1 m))",
-                "`rod(A, B)`, `disk(r)`, `ring(r)` or `box(w, h)`: centre and inertia follow.",
-            ),
-            (
-                "inertia",
-                "inertia = 0.8 kg*m^2",
-                "The moment of inertia about the centre, kg*m^2; `about A` about a point.",
-            ),
-        ],
-        "base" => &[
-            ("moves", "moves y", "The motion that is prescribed: `x`, `y`, `x y`, or `along (1, 1)`."),
-            ("turns", "turns", "The base turns as prescribed."),
-            ("at", "at = (0, 0)", "The place of the base in the drawing; it turns about it."),
-        ],
-        "spring" => &[
-            ("k", "k = 10 N/m", "The stiffness, N/m; in N*m/rad the spring is torsional."),
-            ("along", "along = x", "The fixed direction in which it acts."),
-            ("free_length", "free_length = 0.5 m", "Its length without tension."),
-            ("preload", "preload = 2 N", "Its tension as drawn; pull is positive."),
-        ],
-        "damper" => &[
-            ("c", "c = 5 N*s/m", "The damping coefficient, N*s/m; in N*m*s/rad the damper is torsional."),
-            ("along", "along = x", "The fixed direction in which it acts."),
-        ],
-        "initial" => &[
-            ("x", "x = 1 mm", "Displacement along x at t = 0, from rest."),
-            ("y", "y = 1 mm", "Displacement along y at t = 0, from rest."),
-            ("angle", "angle = 1 deg", "Rotation at t = 0, from rest; counter-clockwise."),
-            ("vx", "vx = 0.1 m/s", "Velocity along x at t = 0."),
-            ("vy", "vy = 0.1 m/s", "Velocity along y at t = 0."),
-            ("omega", "omega = 1 rad/s", "Angular velocity at t = 0."),
-        ],
-        _ => &[],
-    }
+    kinds::declaration(word).map(Declaration::page)
 }
 
 pub fn field(keyword: &str, word: &str) -> Option<String> {
-    let (_, form, meaning) = fields(keyword).iter().find(|(name, ..)| *name == word)?;
-    Some(format!("`{form}`\n\n{meaning}"))
-}
-
-/// Functions with their forms and meanings: shapes, signals, measures, and those of numbers.
-pub const FUNCTIONS: [(&str, &str, &str, Kind); 35] = [
-    ("rod", "rod(A, B)", "A slender rod from A to B.", Kind::Shape),
-    ("disk", "disk(r)", "A disk of radius r.", Kind::Shape),
-    ("ring", "ring(r)", "A thin ring of radius r.", Kind::Shape),
-    ("box", "box(w, h)", "A rectangle of width w and height h.", Kind::Shape),
-    ("constant", "constant(a)", "A load that is there always: part of rest.", Kind::Signal),
-    ("step", "step(a, at)", "Nothing before the time `at`, then a.", Kind::Signal),
-    ("impulse", "impulse(J, at)", "A blow of J at the time `at`.", Kind::Signal),
-    ("ramp", "ramp(a, from, to)", "From 0 to a between two times.", Kind::Signal),
-    ("pulse", "pulse(a, from, to)", "a between two times.", Kind::Signal),
-    ("harmonic", "harmonic(a, f, phase)", "a sin(2 pi f t + phase); the phase may be left out.", Kind::Signal),
-    ("chirp", "chirp(a, f0, f1, duration)", "A sine whose frequency goes from f0 to f1.", Kind::Signal),
-    ("table", "table(\"file.csv\")", "Two columns of a file: time in s, value in SI units.", Kind::Signal),
-    ("frequency", "frequency(1)", "The natural frequency of a mode, Hz.", Kind::Measure),
-    ("damping", "damping(1)", "The damping ratio of a mode.", Kind::Measure),
-    (
-        "gain",
-        "gain(input -> output, f)",
-        "The amplitude of the output over that of the input at a frequency.",
-        Kind::Measure,
-    ),
-    ("phase", "phase(input -> output, f)", "The phase of the output against the input at a frequency.", Kind::Measure),
-    ("amplitude", "amplitude(output)", "The amplitude in the steady state under the harmonic signals.", Kind::Measure),
-    ("static", "static(output)", "The value that the output settles at.", Kind::Measure),
-    ("peak", "peak(output)", "The largest size over the simulated time.", Kind::Measure),
-    ("rms", "rms(output)", "The root mean square over the simulated time.", Kind::Measure),
-    ("rayleigh", "rayleigh(a, b)", "Damping a M + b K: a rate and a time.", Kind::Damping),
-    ("sqrt", "sqrt(x)", "The square root.", Kind::Number),
-    ("abs", "abs(x)", "The size without the sign.", Kind::Number),
-    ("min", "min(a, b)", "The least of its arguments.", Kind::Number),
-    ("max", "max(a, b)", "The greatest of its arguments.", Kind::Number),
-    ("sin", "sin(x)", "The sine of an angle.", Kind::Number),
-    ("cos", "cos(x)", "The cosine of an angle.", Kind::Number),
-    ("tan", "tan(x)", "The tangent of an angle.", Kind::Number),
-    ("asin", "asin(x)", "The angle whose sine is x.", Kind::Number),
-    ("acos", "acos(x)", "The angle whose cosine is x.", Kind::Number),
-    ("atan", "atan(x)", "The angle whose tangent is x.", Kind::Number),
-    ("atan2", "atan2(y, x)", "The angle of the direction (x, y).", Kind::Number),
-    ("exp", "exp(x)", "e to the power of x.", Kind::Number),
-    ("ln", "ln(x)", "The natural logarithm.", Kind::Number),
-    ("stable", "stable", "Whether every motion stays small.", Kind::Measure),
-];
-
-/// Where a function stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Shape,
-    Signal,
-    Measure,
-    Damping,
-    Number,
+    let field = kinds::declaration(keyword)?.field(word)?;
+    Some(format!("`{}`\n\n{}", field.example, field.meaning))
 }
 
 pub fn function(word: &str) -> Option<String> {
-    let (_, form, meaning, _) = FUNCTIONS.iter().find(|(name, ..)| *name == word)?;
-    Some(format!("`{form}`\n\n{meaning}"))
+    let (_, function) = functions::function(word)?;
+    Some(format!("`{}`\n\n{}", function.form, function.meaning))
 }
 
-/// What may be asked of a part, after a dot.
-pub const BODY_MOTIONS: [(&str, &str); 9] = [
-    ("x", "Displacement along x from rest, m."),
-    ("y", "Displacement along y from rest, m."),
-    ("angle", "Rotation from rest, rad, counter-clockwise."),
-    ("vx", "Velocity along x, m/s."),
-    ("vy", "Velocity along y, m/s."),
-    ("omega", "Angular velocity, rad/s."),
-    ("ax", "Acceleration along x, m/s^2."),
-    ("ay", "Acceleration along y, m/s^2."),
-    ("alpha", "Angular acceleration, rad/s^2."),
-];
-
-pub const ELEMENT_MOTIONS: [(&str, &str); 2] = [
-    ("force", "The change of a spring's tension from rest (pull positive); a damper's force. N or N*m."),
-    ("stretch", "The change of its stretch from rest, m or rad."),
-];
-
 pub fn motion(word: &str) -> Option<&'static str> {
-    BODY_MOTIONS.iter().chain(&ELEMENT_MOTIONS).find(|(name, _)| *name == word).map(|(_, meaning)| *meaning)
+    let bodies = BODY_MOTIONS.iter().map(|motion| (motion.name, motion.meaning));
+    let elements = ELEMENT_MOTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
+    bodies.chain(elements).find(|(name, _)| *name == word).map(|(_, meaning)| meaning)
 }
 
 /// Words between: what they say where they stand.
@@ -149,15 +33,12 @@ pub fn word(word: &str) -> Option<&'static str> {
         "ground" => "What never moves.",
         "pi" => "The circle constant.",
         "stable" => "A measure: whether every motion stays small.",
-        "moves" => "The body stands on the ground and moves so: `x`, `y`, `x y`, or `along (1, 1)`.",
-        "turns" => "The body turns about its place.",
-        "free" => "The body moves along x and y and turns.",
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
         "about" => "The point that an inertia is given about.",
         "in" => "The range, bounds included.",
         "modal" => "The same damping ratio for every oscillation.",
         "as" | "drawn" => "The drawing is the rest: the tensions that make it so are found.",
-        _ => return None,
+        _ => return kinds::field(word).filter(|field| field.stands_alone()).map(|field| field.meaning),
     })
 }
 

@@ -5,16 +5,10 @@
 
 use super::outline::{Outline, Statement};
 use super::tokens::{Token, TokenKind};
+use crate::base::Field;
+pub use crate::kinds::Space;
+use crate::kinds::{self, Argument, Declaration, Naming, Piece, functions};
 use crate::syntax::words;
-
-/// The two name spaces (spec.md#names).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Space {
-    /// Parameters, points and indices.
-    Values,
-    /// Bodies, bases, joints, couplings, elements, inputs, outputs.
-    Parts,
-}
 
 /// What a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,16 +132,15 @@ impl Reader<'_> {
 
     /// The word after the keyword.
     fn second(&self, at: usize) -> Role {
-        let declared = |space| Role::Declaration { space, scope: None };
-        match self.keyword {
-            "param" | "let" | "point" => declared(Space::Values),
-            "repeat" => Role::Declaration { space: Space::Values, scope: Some(self.index) },
-            "model" => Role::Title,
-            "initial" => Role::Reference { space: Space::Parts, scope: None },
-            "solve" => self.value(at),
-            "damping" | "rest" => Role::Word,
-            "gravity" | "require" => self.expression(at, None, &[]),
-            _ => declared(Space::Parts),
+        let Some(declaration) = kinds::declaration(self.keyword) else { return Role::None };
+        match declaration.naming() {
+            Some(Naming::New(space)) => Role::Declaration { space, scope: None },
+            Some(Naming::Index) => Role::Declaration { space: Space::Values, scope: Some(self.index) },
+            Some(Naming::Title) => Role::Title,
+            Some(Naming::Of(Space::Parts)) => Role::Reference { space: Space::Parts, scope: None },
+            Some(Naming::Of(Space::Values)) => self.value(at),
+            None if matches!(declaration.pieces.first(), Some(Piece::Apart)) => self.expression(at, None, &[]),
+            None => Role::Word,
         }
     }
 
@@ -168,11 +161,8 @@ impl Reader<'_> {
         let field_starts = braces && (self.is(last, "{") || self.is(last, ",") || line_ended && after_value);
         if field_starts {
             state.directions = matches!(word, "moves" | "along");
-            return if self.is(next, "=") || word != "moves" && word != "turns" && word != "free" {
-                Role::Field
-            } else {
-                Role::Word
-            };
+            let alone = !self.is(next, "=") && kinds::field(word).is_some_and(Field::stands_alone);
+            return if alone { Role::Word } else { Role::Field };
         }
         if matches!(word, "along" | "about" | "in") && after_value && !self.is(last, ":") && !self.is(last, "--") {
             state.directions = word == "along";
@@ -208,7 +198,8 @@ impl Reader<'_> {
         let of_output = open
             .last()
             .and_then(|open| open.function)
-            .is_some_and(|function| matches!(self.word(function), "amplitude" | "static" | "peak" | "rms"));
+            .and_then(|function| functions::function(self.word(function)))
+            .is_some_and(|(_, function)| function.arguments.first() == Some(&Argument::Output));
         if named_before || self.is(last, "->") || of_output {
             return part(word);
         }
@@ -264,7 +255,7 @@ fn part(word: &str) -> Role {
 
 /// Declarations that lie between two ends.
 pub fn has_ends(keyword: &str) -> bool {
-    matches!(keyword, "spring" | "damper" | "pivot" | "slide" | "weld" | "force" | "torque")
+    kinds::declaration(keyword).is_some_and(Declaration::has_ends)
 }
 
 fn is_gap(token: &Token) -> bool {

@@ -1,11 +1,30 @@
 //! A damper: force c de/dt of a stretch e. At rest it does nothing, so it adds C = c (grad e)(grad e)^T and no stiffness.
 //! See docs/method/linearisation.md.
 
-use super::Stretch;
+use super::kind::{ALONG, Kind, Negative, Order};
+use crate::base::{Code, Dimension, Expected, Field};
 
-#[derive(Clone, Debug)]
-pub struct Damper<S> {
-    pub stretch: Stretch<S>,
-    /// N s/m or N m s/rad.
-    pub damping: S,
-}
+pub const KIND: Kind = Kind {
+    keyword: "damper",
+    noun: "a damper",
+    plural: "dampers",
+    form: "damper d: ground -- block { c = 5 N*s/m }",
+    forms: "damper d: ground -- block { c = 5 N*s/m }\ndamper t: ground -- rod { c = 2 N*m*s/rad }",
+    summary: "A viscous damper between two parts; torsional if its coefficient is in N*m*s/rad.",
+    rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
+            they have different known places, and otherwise along the one line on which both parts can move.",
+    heading: "Springs and dampers",
+    synonyms: &["dashpot"],
+    fields: &[
+        Field::either(
+            "c",
+            Expected::new("a damping coefficient", Dimension::DAMPING, "c = 5 N*s/m"),
+            Expected::new("a damping coefficient", Dimension::TORSIONAL_DAMPING, "c = 5 N*s/m"),
+            "The damping coefficient, N*s/m; in N*m*s/rad the damper is torsional.",
+        ),
+        ALONG,
+    ],
+    units: ["N*s/m", "N*m*s/rad"],
+    order: Order::Velocity,
+    negative: Negative::Noted(Code::model("vib::damper::negative"), "this damping is negative: it feeds energy in"),
+};

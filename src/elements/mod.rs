@@ -6,18 +6,31 @@
 //! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
 
 pub mod damper;
+#[cfg(test)]
+mod dummy;
 pub mod force;
+pub mod inerter;
+pub mod kind;
 pub mod scalar;
 pub mod spring;
 pub mod stretch;
 pub mod vector;
 
-pub use damper::Damper;
 pub use force::{DeadForce, Pull};
+pub use kind::{Kind, Negative, Order};
 pub use scalar::Scalar;
 pub use spring::Spring;
 pub use stretch::{Stretch, Stretched};
 pub use vector::Vector;
+
+/// Every kind of element, in the order in which they are listed to people.
+pub const KINDS: &[&Kind] = &[
+    &spring::KIND,
+    &damper::KIND,
+    &inerter::KIND,
+    #[cfg(test)]
+    &dummy::KIND,
+];
 
 /// A signed square `weight (direction . delta)^2` of a second derivative, of a relative displacement delta.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use super::motion::Motion;
 use super::names::{Label, Names, class};
 use crate::base::Span;
 use crate::model::scene::Motion as Moved;
-use crate::model::scene::{JointKind, MotionTerm, Part, Scene};
+use crate::model::scene::{MotionTerm, Part, Scene};
 use crate::model::written::{Pair, Written, WrittenTerm, difference, dot};
 use crate::symbols::{Sum, Symbol};
 
@@ -28,18 +28,20 @@ pub fn constraints(scene: &Scene, written: &Written, motion: &Motion, names: &mu
         let (joint, written) = (scene.joints.get(index)?, written.joints.get(index)?);
         let parts = [0, 1].map(|end| joint.ends[end].part);
         let turn = &motion.angle(parts[1]).unwrap_or_default() - &motion.angle(parts[0]).unwrap_or_default();
-        let equations = match &joint.kind {
-            JointKind::Pivot { .. } => apart(motion, parts, written.at.as_ref()).to_vec(),
-            JointKind::Weld => {
+        let equations = match (joint.kind.turns, joint.kind.slides) {
+            (true, false) => apart(motion, parts, written.at.as_ref()).to_vec(),
+            (false, false) => {
                 let at = written.ends[0].as_ref().or(written.ends[1].as_ref());
                 let [x, y] = apart(motion, parts, at);
                 vec![x, y, turn]
             }
-            JointKind::Slide { .. } => {
+            (turns, true) => {
                 let along = names.unit(written.along.as_ref()?);
                 let across = motion.turned(parts[0], &[-&along[1], along[0].clone()]);
                 let at = written.ends[0].as_ref().or(written.ends[1].as_ref());
-                vec![dot(&across, &apart(motion, parts, at)), turn]
+                let mut equations = vec![dot(&across, &apart(motion, parts, at))];
+                equations.extend((!turns).then_some(turn));
+                equations
             }
         };
         for equation in equations.into_iter().filter(|equation| !equation.is_zero()) {

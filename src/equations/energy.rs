@@ -10,7 +10,8 @@ use super::linear::still;
 use super::motion::Motion;
 use super::names::{Label, Names, class};
 use crate::base::{Number, Span, Vec3};
-use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Law, Part, Scene, SpringRest};
+use crate::elements::Order;
+use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -23,7 +24,7 @@ pub enum Stretch {
     Line { length: Symbol, square: Sum, drawn: Sum },
 }
 
-/// A spring or damper.
+/// A spring, a damper or an inerter.
 #[derive(Clone, Debug)]
 pub struct Element {
     /// Its place among the elements of the scene.
@@ -31,7 +32,7 @@ pub struct Element {
     pub name: String,
     pub span: Span,
     pub is_spring: bool,
-    /// k or c.
+    /// k, c or b.
     pub coefficient: Sum,
     pub stretch: Stretch,
     /// What the stretch is counted from, so that k times the difference is the tension: the free length of a line, or what is added
@@ -45,6 +46,10 @@ pub struct Element {
 #[derive(Clone, Debug, Default)]
 pub struct Energies {
     pub kinetic: Sum,
+    /// Those elements whose energy is kinetic, and part of it.
+    pub inerters: Vec<Element>,
+    /// One of them along a line that turns, whose energy is not written in symbols.
+    pub unwritten: Option<Span>,
     /// Of weights and constant loads, up to a constant.
     pub weights: Sum,
     pub elements: Vec<Element>,
@@ -125,11 +130,11 @@ impl Energies {
             &name,
             names,
         )?;
-        let (is_spring, mut free, mut tension) = (matches!(element.law, Law::Spring { .. }), Sum::ZERO, Sum::ZERO);
+        let (is_spring, mut free, mut tension) = (element.law.kind.is_elastic(), Sum::ZERO, Sum::ZERO);
         if let Stretch::Line { drawn, .. } = &stretch {
             free = drawn.clone();
         }
-        if let Law::Spring { rest, .. } = &element.law {
+        if let Some((_, rest)) = element.law.spring() {
             match rest {
                 SpringRest::FreeLength(_) => {
                     let given = written.free_length.clone()?;
@@ -152,10 +157,26 @@ impl Energies {
         let coefficient = written.coefficient.clone();
         let idle = matches!(&stretch, Stretch::Plain(plain) if plain.is_zero());
         if !idle {
-            let span = element.span;
-            self.elements.push(Element { number, name, span, is_spring, coefficient, stretch, free, tension });
+            let (span, order) = (element.span, element.law.kind.order);
+            let element = Element { number, name, span, is_spring, coefficient, stretch, free, tension };
+            match order {
+                Order::Displacement | Order::Velocity => self.elements.push(element),
+                Order::Acceleration => self.inerter(element, motion),
+            }
         }
         Some(())
+    }
+
+    /// b (de/dt)^2 / 2.
+    fn inerter(&mut self, element: Element, motion: &Motion) {
+        match &element.stretch {
+            Stretch::Plain(stretch) => {
+                let rate = motion.rate(stretch, &Lengths::default());
+                self.kinetic = &self.kinetic + &(&element.coefficient * &rate.square()).halved();
+            }
+            Stretch::Line { .. } => self.unwritten = self.unwritten.or(Some(element.span)),
+        }
+        self.inerters.push(element);
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -260,6 +281,11 @@ impl Energies {
         }
         self.weights = varying(&self.weights);
         Some(())
+    }
+
+    /// An element by its place among those of the scene; `None` where nothing stretches it.
+    pub fn element_of(&self, number: usize) -> Option<&Element> {
+        self.elements.iter().chain(&self.inerters).find(|known| known.number == number)
     }
 
     /// The potential of springs and loads.

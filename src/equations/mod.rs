@@ -178,6 +178,9 @@ fn derived(
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;
     let constraints = constraint::constraints(scene, written, &motion, names).ok_or_else(without)?;
+    if let Some(span) = energies.unwritten {
+        return Err(EquationsError::TurningInerter { span });
+    }
     let equations = lagrange::equations(&motion, &energies, &constraints);
     Ok(Derived { motion, energies, constraints, equations })
 }

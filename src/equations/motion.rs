@@ -5,7 +5,7 @@
 
 use super::names::Names;
 use crate::base::{Name, Span};
-use crate::model::scene::{BaseId, BodyId, Freedom, InputKind, Joint, JointKind, Part, Scene};
+use crate::model::scene::{BaseId, BodyId, Freedom, InputKind, Joint, Part, Scene};
 use crate::model::written::{Pair, Written};
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -179,7 +179,7 @@ impl<'a> Growth<'a> {
     /// Joins welded parts; what stands represents them, else what is declared first.
     fn weld(&mut self) {
         for (index, joint) in self.scene.joints.iter().enumerate() {
-            if joint.kind != JointKind::Weld {
+            if !joint.kind.is_rigid() {
                 continue;
             }
             let [a, b] = [0, 1].map(|end| self.class[self.number(joint.ends[end].part)]);
@@ -207,7 +207,7 @@ impl<'a> Growth<'a> {
             }
         }
         let mut joints_of: Vec<Vec<usize>> = vec![Vec::new(); self.class.len()];
-        for (index, joint) in self.scene.joints.iter().enumerate().filter(|(_, joint)| joint.kind != JointKind::Weld) {
+        for (index, joint) in self.scene.joints.iter().enumerate().filter(|(_, joint)| !joint.kind.is_rigid()) {
             for end in &joint.ends {
                 joints_of[self.class[self.number(end.part)]].push(index);
             }
@@ -297,11 +297,10 @@ impl<'a> Growth<'a> {
     fn motions(&self, number: usize, piece: usize) -> Vec<&'static str> {
         let Part::Body(body) = self.part(number) else { return Vec::new() };
         match (self.carriers[piece], &self.scene.bodies[body.index()].freedom) {
-            (Some((_, joint)), _) => match self.scene.joints[joint].kind {
-                JointKind::Pivot { .. } => vec!["angle"],
-                JointKind::Slide { .. } => vec!["slide"],
-                JointKind::Weld => Vec::new(),
-            },
+            (Some((_, joint)), _) => {
+                let kind = self.scene.joints[joint].kind;
+                kind.slides.then_some("slide").into_iter().chain(kind.turns.then_some("angle")).collect()
+            }
             (None, Freedom::OnGround { translations, turns }) => {
                 let turn = turns.then_some("angle");
                 translations.iter().map(|translation| translation.motion).chain(turn).collect()
@@ -360,13 +359,13 @@ impl<'a> Growth<'a> {
     ) -> Option<Piece> {
         let written = self.written.joints.get(joint)?;
         let first: &Joint = self.scene.joints.get(joint)?;
-        match &first.kind {
-            JointKind::Pivot { .. } => {
+        match (first.kind.turns, first.kind.slides) {
+            (true, false) => {
                 let at = written.at.clone()?;
                 let base = place(coordinates, carrier, Some(&at));
                 Some(Piece { base, anchor: Some(at), angle: own.first().copied() })
             }
-            JointKind::Slide { .. } => {
+            (false, true) => {
                 let direction = names.unit(written.along.as_ref()?);
                 let direction = match carrier.angle {
                     Some(angle) => turn(&direction, &angle_of(&coordinates[angle])),
@@ -375,7 +374,7 @@ impl<'a> Growth<'a> {
                 let base = along(&carrier.base, &direction, &coordinates[*own.first()?]);
                 Some(Piece { base, anchor: carrier.anchor.clone(), angle: carrier.angle })
             }
-            JointKind::Weld => None,
+            _ => None,
         }
     }
 }

@@ -66,17 +66,16 @@ fn form(
         Moved::Stretch { element } => (0, stretch(energies, element.index(), motion, at_rest)),
         Moved::Force { element } => {
             let own: &Element = scene.elements.get(element.index())?;
-            let is_spring = matches!(own.law, crate::model::scene::Law::Spring { .. });
             let form = stretch(energies, element.index(), motion, at_rest);
-            let coefficient = energies.elements.iter().find(|known| known.number == element.index());
+            let coefficient = energies.element_of(element.index());
             let coefficient = coefficient.map_or(Sum::ZERO, |known| known.coefficient.clone());
-            (usize::from(!is_spring), &coefficient * &form)
+            (own.law.kind.order as usize, &coefficient * &form)
         }
     })
 }
 
 fn stretch(energies: &Energies, number: usize, motion: &Motion, at_rest: &AtRest) -> Sum {
-    let Some(element) = energies.elements.iter().find(|known| known.number == number) else { return Sum::ZERO };
+    let Some(element) = energies.element_of(number) else { return Sum::ZERO };
     match &element.stretch {
         Stretch::Plain(sum) => first_order(sum, motion, &Lengths::default(), at_rest),
         Stretch::Line { .. } => first_order(&element.stretch.sum(), motion, &energies.lengths, at_rest),

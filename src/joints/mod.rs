@@ -1,12 +1,17 @@
-//! One file a kind of joint: the freedoms it leaves between the two parts it ties, or the constraint it closes.
-//! See docs/method/kinematics.md.
+//! One file a kind of joint: its words, the freedoms it leaves between the two parts it ties, or the constraint it closes.
+//! Clause: spec.md, "Freedoms".
 
+pub mod kind;
 pub mod pivot;
 pub mod slide;
 pub mod weld;
 
+pub use kind::Kind;
+
 use crate::base::Vec3;
-use crate::model::scene::JointKind;
+
+/// Every kind of joint, in the order in which they are listed to people.
+pub const KINDS: &[&Kind] = &[&pivot::KIND, &slide::KIND, &weld::KIND];
 
 /// What a joint leaves free between a part and the part that carries it.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,15 +22,6 @@ pub struct Relative {
     pub turns: bool,
     /// The direction in which it slides.
     pub slide: Option<Vec3>,
-}
-
-/// The freedoms that a joint of the tree leaves.
-pub fn freedoms(kind: &JointKind) -> Relative {
-    match kind {
-        JointKind::Pivot { .. } => pivot::freedoms(),
-        JointKind::Slide { along } => slide::freedoms(along),
-        JointKind::Weld => weld::freedoms(),
-    }
 }
 
 /// What a joint that closes a loop holds.
@@ -44,11 +40,15 @@ pub enum Displacement {
     Across(Vec3),
 }
 
-/// The constraint that a joint is where the tree does not need it.
-pub fn held(kind: &JointKind) -> Held {
-    match kind {
-        JointKind::Pivot { .. } => pivot::held(),
-        JointKind::Slide { along } => slide::held(along),
-        JointKind::Weld => weld::held(),
+impl Kind {
+    /// The freedoms that a joint of the tree leaves.
+    pub fn freedoms(&self, along: Option<&Vec3>) -> Relative {
+        Relative { holds_point: self.turns && !self.slides, turns: self.turns, slide: along.cloned() }
+    }
+
+    /// The constraint that a joint is where the tree does not need it.
+    pub fn held(&self, along: Option<&Vec3>) -> Held {
+        let displacement = along.map_or(Displacement::All, |along| Displacement::Across(along.clone()));
+        Held { displacement, turn: !self.turns }
     }
 }

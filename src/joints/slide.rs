@@ -1,12 +1,15 @@
 //! A slide: the carried part moves along a direction fixed to the other and does not turn against it.
 
-use super::{Displacement, Held, Relative};
-use crate::base::Vec3;
+use super::Kind;
 
-pub fn freedoms(along: &Vec3) -> Relative {
-    Relative { holds_point: false, turns: false, slide: Some(along.clone()) }
-}
-
-pub fn held(along: &Vec3) -> Held {
-    Held { displacement: Displacement::Across(along.clone()), turn: true }
-}
+pub const KIND: Kind = Kind {
+    keyword: "slide",
+    form: "slide g: arm -- slug along (1, 0)",
+    forms: "slide g: arm -- slug along (1, 0)",
+    summary: "A prismatic joint: the second part slides on the first along one direction and does not turn against it.",
+    rules: "The direction is fixed to the first part and is given as drawn. A slide that closes a loop becomes a constraint.",
+    heading: "Joints",
+    synonyms: &["slider", "prismatic"],
+    turns: false,
+    slides: true,
+};

@@ -1,11 +1,15 @@
 //! A weld: the two parts move as one.
 
-use super::{Displacement, Held, Relative};
+use super::Kind;
 
-pub fn freedoms() -> Relative {
-    Relative { holds_point: false, turns: false, slide: None }
-}
-
-pub fn held() -> Held {
-    Held { displacement: Displacement::All, turn: true }
-}
+pub const KIND: Kind = Kind {
+    keyword: "weld",
+    form: "weld w: block -- box",
+    forms: "weld w: block -- box",
+    summary: "Fixes two parts to each other, as drawn.",
+    rules: "Two points written for a weld must coincide. A weld that closes a loop becomes a constraint.",
+    heading: "Joints",
+    synonyms: &["fixed"],
+    turns: false,
+    slides: false,
+};

@@ -8,8 +8,10 @@ use super::Lowered;
 use super::kinematics::{End, Kinematics, Path};
 use super::loads::{self, Between};
 use crate::base::{Name, Number};
+use crate::elements::{KINDS, Kind};
+use crate::kinds::listed;
 use crate::model::CheckedScene;
-use crate::model::scene::{Body, BodyId, Element, InputKind, Law, Part, Scene};
+use crate::model::scene::{Body, BodyId, Element, InputKind, Part, Scene};
 use crate::system::{Form, LinearSystem, Origin};
 
 /// What a model was taken for.
@@ -132,9 +134,11 @@ impl Explanation<'_> {
 
     fn elements(&mut self) {
         let mut acts = vec![false; self.scene.elements.len()];
-        for origin in origins(&self.system.k).chain(origins(&self.system.c)) {
-            if let Origin::Element(element) = origin {
-                acts[element as usize] = true;
+        for form in [&self.system.k, &self.system.c, &self.system.m] {
+            for origin in origins(form) {
+                if let Origin::Element(element) = origin {
+                    acts[element as usize] = true;
+                }
             }
         }
         let mut between = Between::default();
@@ -142,18 +146,22 @@ impl Explanation<'_> {
             let why = self.why_idle(element, &mut between);
             self.leave_out(self.name(element.name), why);
         }
-        let count = acts.iter().filter(|acts| **acts).count();
-        if count > 0 {
-            self.keep(counted(count, "spring or damper", "springs and dampers"), "their ends move against each other");
+        let of = |kind: &'static Kind| {
+            let elements = self.scene.elements.iter().zip(&acts);
+            let count = elements.filter(|(element, acts)| **acts && element.law.kind == kind).count();
+            (count > 0).then(|| counted(count, kind.keyword, kind.plural))
+        };
+        let counts: Vec<String> = KINDS.iter().filter_map(|kind| of(kind)).collect();
+        if !counts.is_empty() {
+            self.keep(listed(&counts, "and"), "their ends move against each other");
         }
     }
 
     fn why_idle(&self, element: &Element, between: &mut Between<Number>) -> &'static str {
         let [a, b] = [0, 1].map(|end| self.kinematics.end(&element.ends[end]).piece);
-        let (Law::Spring { stiffness: size, .. } | Law::Damper { damping: size }) = &element.law;
         between.connect(self.kinematics, &element.ends, &element.geometry);
         match () {
-            () if size.is_zero() => "its value is zero",
+            () if element.law.coefficient.is_zero() => "its value is zero",
             () if a == b => "both ends are on one rigid piece",
             () if between.path.is_empty() && between.angles == [None; 2] => "its ends cannot move against each other",
             () => "no motion stretches it, and it carries no tension",

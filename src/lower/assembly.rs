@@ -15,8 +15,8 @@ use super::loads::{self, Between};
 use super::rest::{Held, Slack, survey};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
-use crate::elements::{Damper, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Law, Motion, MotionTerm, Output, Scene};
+use crate::elements::{Order, Stretch, Stretched, Vector};
+use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Motion, MotionTerm, Output, Scene};
 use crate::system::chain::ChainedRow;
 use crate::system::{
     self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Origin, Source,
@@ -26,14 +26,6 @@ use crate::system::{
 pub type Row = Vec<(Index, Number)>;
 
 type Sparse = Vec<(CoordinateId, Number)>;
-
-/// Order of the derivative that a matrix belongs to: K, C, M.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
-    Displacement = 0,
-    Velocity = 1,
-    Acceleration = 2,
-}
 
 /// What is known of tensions beside what the state says.
 #[derive(Clone, Copy)]
@@ -254,9 +246,7 @@ impl<'a> Assembly<'a> {
 
     /// What was declared to act and does nothing: a value of zero says so itself.
     fn idle_parts(&self) -> Vec<Idle> {
-        let acts = |element: &Element| match &element.law {
-            Law::Spring { stiffness: size, .. } | Law::Damper { damping: size } => !size.is_zero(),
-        };
+        let acts = |element: &Element| !element.law.coefficient.is_zero();
         let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
         let still = |columns: &[Row; 3]| columns.iter().all(Vec::is_empty);
         let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
@@ -264,7 +254,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn element(&mut self, number: usize, element: &Element) {
-        let terms = |assembly: &Self| assembly.k.terms().len() + assembly.c.terms().len();
+        let terms = |assembly: &Self| [&assembly.k, &assembly.c, &assembly.m].map(|form| form.terms().len());
         let before = terms(self);
         self.terms_of(number, element);
         if terms(self) == before {
@@ -272,29 +262,33 @@ impl<'a> Assembly<'a> {
         }
     }
 
+    /// The square of an element in the matrix of its order, and what the tension of an elastic one adds to K.
     fn terms_of(&mut self, number: usize, element: &Element) {
+        let law = &element.law;
+        let order = law.kind.order;
+        let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
+        let stretched = self.stretched(&stretch);
         let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
-        match &element.law {
-            Law::Spring { stiffness, rest } => {
-                let law = (stiffness, rest);
-                let spring = loads::spring(self.kinematics, &element.ends, &element.geometry, law, &mut self.between);
-                let stretched = self.stretched(&spring.stretch);
-                let source = self.k.source(made_by);
-                self.slope_square(Order::Displacement, source, &spring.stiffness, &stretched);
-                let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
-                    Some(rate) => rate.clone(),
-                    None if self.tensions.slack.has(self.kinematics, &self.between) => Number::ZERO,
-                    None => stretched.rate(&spring.tension(&stretched)),
-                };
-                self.tension(source, &rate, &stretched);
-            }
-            Law::Damper { damping } => {
-                let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
-                let damper = Damper { stretch, damping: damping.clone() };
-                let stretched = self.stretched(&damper.stretch);
-                let source = self.c.source(made_by);
-                self.slope_square(Order::Velocity, source, &damper.damping, &stretched);
-            }
+        let source = self.form(order).source(made_by);
+        self.slope_square(order, source, &law.coefficient, &stretched);
+        if let Some(law) = law.spring() {
+            let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
+                Some(rate) => rate.clone(),
+                None if self.tensions.slack.has(self.kinematics, &self.between) => Number::ZERO,
+                None => {
+                    let spring = loads::spring_of(stretch, &element.ends, &element.geometry, law);
+                    stretched.rate(&spring.tension(&stretched))
+                }
+            };
+            self.tension(source, &rate, &stretched);
+        }
+    }
+
+    fn form(&mut self, order: Order) -> &mut Form {
+        match order {
+            Order::Displacement => &mut self.k,
+            Order::Velocity => &mut self.c,
+            Order::Acceleration => &mut self.m,
         }
     }
 
@@ -558,12 +552,9 @@ impl<'a> Assembly<'a> {
         self.slope_row(&stretched)
     }
 
-    /// Change of tension of a spring, force of a damper.
+    /// Change of tension of a spring, force of another element: its coefficient times a derivative of its stretch.
     fn element_force(&mut self, element: &Element) -> (u8, Row) {
-        let (derivative, factor) = match &element.law {
-            Law::Spring { stiffness, .. } => (0, stiffness),
-            Law::Damper { damping } => (1, damping),
-        };
+        let (derivative, factor) = (element.law.kind.order as u8, &element.law.coefficient);
         let slope = self.element_slope(element);
         (derivative, slope.into_iter().map(|(i, value)| (i, &value * factor)).collect())
     }

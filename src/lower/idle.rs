@@ -4,7 +4,7 @@
 use super::assembly::Idle;
 use super::kinematics::Kinematics;
 use crate::base::{Code, Diagnostic, Span, Vec3};
-use crate::model::scene::{Element, Geometry, Input, InputKind, Law, Scene};
+use crate::model::scene::{Element, Geometry, Input, InputKind, Scene};
 use std::collections::HashSet;
 
 const ELEMENT: Code = Code::model("vib::unused::element");
@@ -34,11 +34,13 @@ pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Di
 }
 
 fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnostic {
-    let what = match element.law {
-        Law::Spring { .. } => "spring",
-        Law::Damper { .. } => "damper",
-    };
+    let kind = element.law.kind;
     let [a, b] = [0, 1].map(|end| kinematics.end(&element.ends[end]).piece);
+    let on_turning = format!(
+        "name the points that it holds, as in `wheel@(0, 0.1 m)`; on turning acts {} in {}",
+        kind.coefficient().expected(true).noun,
+        kind.unit(true)
+    );
     let (read, help) = match &element.geometry {
         _ if a == b => ("between two points of one rigid body".into(), "tie one end to another part"),
         Geometry::Along(direction) => (
@@ -46,13 +48,9 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
             "let it act along a motion of its ends: `along = x`",
         ),
         Geometry::Torsion => ("on turning, and no motion turns its ends against each other".into(), "leave it out"),
-        Geometry::Line => (
-            "along the line of its ends, whose distance no motion changes".into(),
-            "name the points that it holds, as in `wheel@(0, 0.1 m)`; on turning acts a stiffness in N*m/rad, a damping in \
-             N*m*s/rad",
-        ),
+        Geometry::Line => ("along the line of its ends, whose distance no motion changes".into(), on_turning.as_str()),
     };
-    let message = format!("the {what} `{}` does nothing: it acts {read}", scene.words.display(element.name));
+    let message = format!("the {} `{}` does nothing: it acts {read}", kind.keyword, scene.words.display(element.name));
     Diagnostic::warning(ELEMENT, element.span, message).help(help)
 }
 

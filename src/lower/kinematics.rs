@@ -21,9 +21,7 @@ use super::error::LowerError;
 use super::tree::{GROUND, Owner, PieceId, Tree};
 use crate::base::{FileId, Number, Span, Vec3};
 use crate::elements::{Scalar, Vector};
-use crate::model::scene::{
-    Attachment, BodyId, Freedom, Geometry, Input, InputKind, JointKind, Motion, MotionTerm, Part, Scene,
-};
+use crate::model::scene::{Attachment, BodyId, Freedom, Geometry, Input, InputKind, Motion, MotionTerm, Part, Scene};
 use crate::system::CoordinateKind;
 use std::collections::BTreeMap;
 
@@ -185,7 +183,7 @@ impl Kinematics {
             InputKind::ForceBetween { ends } => &ends[..],
             InputKind::Torque { .. } | InputKind::Base { .. } => &[],
         });
-        let joints = scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld);
+        let joints = scene.joints.iter().filter(|joint| !joint.kind.is_rigid());
         let ends = joints.flat_map(|joint| &joint.ends).chain(elements.flat_map(|element| &element.ends)).chain(inputs);
         let ends = ends.filter(|end| end.at.is_some()).map(|end| (end.part, end.span));
         let nowhere = |(part, _): &(Part, Span)| self.turns_about_nowhere(self.tree.piece(*part));
@@ -717,7 +715,7 @@ impl<'a> Numbering<'a> {
             }
             return self.free_turn(piece, body);
         };
-        if let JointKind::Slide { along } = &self.scene.joints[joint.index()].kind {
+        if let Some(along) = &self.scene.joints[joint.index()].along {
             let coordinate = self.free(body, "slide", CoordinateKind::Translation);
             self.slide(piece, coordinate, along);
         }

@@ -5,7 +5,7 @@ use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
 use crate::base::{Number, Vec3};
 use crate::elements::stretch::over_length;
 use crate::elements::{Pull, Scalar, Spring, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Signal, SpringRest};
+use crate::model::scene::{Attachment, Geometry, Input, InputKind, Scene, Signal, SpringRest};
 
 /// The way between two ends, and the angles of the two.
 #[derive(Clone, Debug)]
@@ -117,10 +117,19 @@ pub fn spring(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],
     geometry: &Geometry,
-    (stiffness, rest): (&Number, &SpringRest),
+    law: (&Number, &SpringRest),
     between: &mut Between<Number>,
 ) -> Spring<Number> {
-    let stretch = between.connect(kinematics, ends, geometry);
+    spring_of(between.connect(kinematics, ends, geometry), ends, geometry, law)
+}
+
+/// The spring of a stretch between two ends.
+pub fn spring_of(
+    stretch: Stretch<Number>,
+    ends: &[Attachment; 2],
+    geometry: &Geometry,
+    (stiffness, rest): (&Number, &SpringRest),
+) -> Spring<Number> {
     let preload = preload(&stretch, ends, geometry, stiffness, rest);
     Spring { stretch, stiffness: stiffness.clone(), preload }
 }
@@ -169,7 +178,7 @@ pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see:
     }
     let mut between = Between::default();
     for element in &scene.elements {
-        if let Law::Spring { stiffness, rest } = &element.law
+        if let Some((stiffness, rest)) = element.law.spring()
             && !(loaded_only && *rest == SpringRest::AsDrawn)
         {
             let spring = spring(kinematics, &element.ends, &element.geometry, (stiffness, rest), &mut between);

@@ -9,7 +9,7 @@ use super::loads::{self, Between};
 use super::rest::Rest;
 use super::{Lowered, assembly};
 use crate::base::{Dimension, Name, Number, Span};
-use crate::model::scene::{ElementId, Law, MotionTerm, Output, Scene};
+use crate::model::scene::{ElementId, MotionTerm, Output, Scene};
 
 /// The kinematics of a scene and the state in which it rests.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Mechanism {
         let (mut between, mut reach) = (Between::default(), Reach::default());
         let mut list = Vec::new();
         for (index, element) in (0..).zip(&scene.elements) {
-            let Law::Spring { stiffness, rest } = &element.law else { continue };
+            let Some((stiffness, rest)) = element.law.spring() else { continue };
             let law = (stiffness, rest);
             let spring = loads::spring(&self.kinematics, &element.ends, &element.geometry, law, &mut between);
             reach.measure(&self.kinematics, &self.state, &between.path);

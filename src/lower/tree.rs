@@ -6,8 +6,7 @@
 
 use super::error::LowerError;
 use crate::base::Vec3;
-use crate::joints;
-use crate::model::scene::{BaseId, BodyId, Freedom, JointId, JointKind, Part, Scene};
+use crate::model::scene::{BaseId, BodyId, Freedom, JointId, Part, Scene};
 use std::sync::Arc;
 
 /// Index of a piece: a set of welded parts. Piece 0 is the ground, and carriers come before what they carry.
@@ -170,7 +169,7 @@ impl Welded {
 fn weld_all(parts: &Parts, welded: &mut Welded) -> Vec<JointId> {
     let mut closing = Vec::new();
     for (index, joint) in parts.scene.joints.iter().enumerate() {
-        if joint.kind == JointKind::Weld {
+        if joint.kind.is_rigid() {
             let [a, b] = [0, 1].map(|end| parts.number(joint.ends[end].part));
             if !welded.unite(a, b) {
                 closing.push(JointId(index as u32));
@@ -271,7 +270,7 @@ impl Growth {
 /// The piece that `joint` ties to its carrier.
 fn carried(parts: &Parts, carrier: PieceId, class: u32, joint: u32, carried_by: &Piece) -> Piece {
     let joint_of = &parts.scene.joints[joint as usize];
-    let relative = joints::freedoms(&joint_of.kind);
+    let relative = joint_of.freedoms();
     // Where the joint holds no point any will do: parts that do not turn against each other share the carrier's.
     let held = relative.holds_point.then(|| joint_of.ends[0].at.clone()).flatten();
     let anchor = held.or_else(|| carried_by.anchor.clone());
@@ -288,7 +287,7 @@ struct Incidence {
 impl Incidence {
     fn new(parts: &Parts, class_at: impl Fn(u32, usize) -> u32) -> Incidence {
         let ends = || {
-            let ties = parts.scene.joints.iter().enumerate().filter(|(_, joint)| joint.kind != JointKind::Weld);
+            let ties = parts.scene.joints.iter().enumerate().filter(|(_, joint)| !joint.kind.is_rigid());
             ties.flat_map(|(index, _)| [(index as u32, 0), (index as u32, 1)])
         };
         let mut starts = vec![0u32; parts.count() + 1];

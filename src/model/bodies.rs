@@ -9,26 +9,25 @@ use super::fields::Given;
 use super::scene::{Base, BaseId, Body, BodyId, Freedom, Shape, Translation};
 use super::scope::{Environment, Instance};
 use super::suggestion::nearest;
+use crate::base::field::place;
 use crate::base::{Dimension, Number, Rational, Span, Vec3};
+use crate::kinds::declarations::{BASE_FIELDS, BODY_FIELDS};
+use crate::kinds::functions::{self, SHAPES};
 use crate::syntax::tree::{DeclKind, ExprId, ExprKind, Field, FieldValue, Rare};
 use std::sync::Arc;
 
-const BODY_FIELDS: [&str; 7] = ["mass", "moves", "at", "shape", "turns", "inertia", "free"];
-const MASS_FIELD: usize = 0;
-const MOVES: usize = 1;
-const AT: usize = 2;
-const SHAPE: usize = 3;
-const TURNS: usize = 4;
-const INERTIA_FIELD: usize = 5;
-const FREE: usize = 6;
+const MASS: usize = place(&BODY_FIELDS, "mass");
+const MOVES: usize = place(&BODY_FIELDS, "moves");
+const AT: usize = place(&BODY_FIELDS, "at");
+const SHAPE: usize = place(&BODY_FIELDS, "shape");
+const TURNS: usize = place(&BODY_FIELDS, "turns");
+const INERTIA: usize = place(&BODY_FIELDS, "inertia");
+const FREE: usize = place(&BODY_FIELDS, "free");
 
-const BASE_FIELDS: [&str; 3] = ["moves", "at", "turns"];
-const BASE_MOVES: usize = 0;
-const BASE_AT: usize = 1;
-const BASE_TURNS: usize = 2;
+const BASE_MOVES: usize = place(&BASE_FIELDS, "moves");
+const BASE_AT: usize = place(&BASE_FIELDS, "at");
+const BASE_TURNS: usize = place(&BASE_FIELDS, "turns");
 
-const MASS: Expected = Expected::new("a mass", Dimension::MASS, "mass = 1 kg");
-const INERTIA: Expected = Expected::new("a moment of inertia", Dimension::INERTIA, "inertia = 0.8 kg*m^2");
 const LENGTH: Expected = Expected::new("a length", Dimension::LENGTH, "0.3 m");
 
 /// What a shape says of the body.
@@ -98,12 +97,12 @@ impl<'a> Check<'a> {
     }
 
     /// Fills in what the fields say; every mistake among them is told.
-    fn body(&mut self, body: &mut Body, given: &Given<'a, 7>, environment: Environment) -> Evaluated<()> {
-        let mass = self.field_number(given.get(MASS_FIELD), environment, &MASS);
+    fn body(&mut self, body: &mut Body, given: &Given<'a>, environment: Environment) -> Evaluated<()> {
+        let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected(false));
         let at = self.field_position(given.get(AT), environment);
         let freedom = self.freedom(given, environment);
         let shape = self.shape(given, environment);
-        let inertia = self.inertia(given.get(INERTIA_FIELD), environment);
+        let inertia = self.inertia(given.get(INERTIA), environment);
         body.freedom = freedom?;
         let (at, shape) = (at?, shape?);
         body.shape = shape.as_ref().map(|shaped| Arc::new(shaped.shape.clone()));
@@ -153,7 +152,7 @@ impl<'a> Check<'a> {
             }
             _ => (self.field_expr(field, environment)?, None),
         };
-        let number = self.number(expr, environment, &INERTIA)?;
+        let number = self.number(expr, environment, &BODY_FIELDS[INERTIA].expected(false))?;
         let span = self.tree.expr(expr).span;
         self.not_negative(&number, span, "inertia", environment)?;
         let about = about.map(|about| self.position(about, environment)).transpose()?;
@@ -184,9 +183,9 @@ impl<'a> Check<'a> {
     }
 
     /// `shape = rod(A, B)`, `disk(r)`, `ring(r)`, `box(w, h)`; with what it may not stand beside.
-    fn shape(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Option<Shaped>> {
+    fn shape(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Option<Shaped>> {
         let Some(field) = given.get(SHAPE) else { return Ok(None) };
-        if let Some(inertia) = given.get(INERTIA_FIELD) {
+        if let Some(inertia) = given.get(INERTIA) {
             let error = PartError::GivenTwice { span: inertia.key, other: field.key, what: "the inertia" };
             return self.fail(environment, error);
         }
@@ -206,18 +205,24 @@ impl<'a> Check<'a> {
             return self.fail(environment, PartError::UnknownShape { span: node.span, suggestion: None });
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
-        match (self.sources.slice(word), tree.list(arguments)) {
-            ("rod", &[a, b]) => self.rod(a, b, environment),
-            ("disk", &[radius]) => {
+        let name = self.sources.slice(word);
+        let Some(shape) = functions::named(SHAPES, name) else {
+            let suggestion = nearest(name, SHAPES.iter().map(|shape| shape.function.name));
+            return self.fail(environment, PartError::UnknownShape { span: word, suggestion });
+        };
+        match (shape.kind, tree.list(arguments)) {
+            (functions::Shape::Rod, &[a, b]) => self.rod(a, b, environment),
+            (functions::Shape::Disk, &[radius]) => {
                 self.round(radius, Rational::new(1, 2), |radius| Shape::Disk { radius }, environment)
             }
-            ("ring", &[radius]) => self.round(radius, Rational::ONE, |radius| Shape::Ring { radius }, environment),
-            ("box", &[width, height]) => self.rectangle(width, height, environment),
-            (name @ ("rod" | "box"), given) => self.fail(environment, wrong_count(node.span, name, 2, given.len())),
-            (name @ ("disk" | "ring"), given) => self.fail(environment, wrong_count(node.span, name, 1, given.len())),
-            (name, _) => {
-                let suggestion = nearest(name, ["rod", "disk", "ring", "box"]);
-                self.fail(environment, PartError::UnknownShape { span: word, suggestion })
+            (functions::Shape::Ring, &[radius]) => {
+                self.round(radius, Rational::ONE, |radius| Shape::Ring { radius }, environment)
+            }
+            (functions::Shape::Box, &[width, height]) => self.rectangle(width, height, environment),
+            (_, given) => {
+                let (function, expected) = (shape.function.name, shape.function.arguments.len());
+                let found = given.len();
+                self.fail(environment, ValueError::ArgumentCount { span: node.span, function, expected, found })
             }
         }
     }
@@ -270,7 +275,7 @@ impl<'a> Check<'a> {
     }
 
     /// The freedom clause: `moves ...`, `turns`, both, or `free`.
-    fn freedom(&mut self, given: &Given<'a, 7>, environment: Environment) -> Evaluated<Freedom> {
+    fn freedom(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Freedom> {
         let free = self.flag(given.get(FREE), environment);
         let turns = self.flag(given.get(TURNS), environment);
         let translations = self.translations(given.get(MOVES), environment)?;
@@ -374,12 +379,4 @@ struct GivenInertia {
 
 fn unknown_body(name: crate::base::Name, span: Span) -> Body {
     Body { name, span, mass: None, inertia: None, centre: None, shape: None, freedom: Freedom::FromJoints }
-}
-
-fn wrong_count(span: Span, function: &str, expected: usize, found: usize) -> ValueError {
-    ValueError::ArgumentCount { span, function: shape_name(function), expected, found }
-}
-
-fn shape_name(name: &str) -> &'static str {
-    ["rod", "disk", "ring", "box"].into_iter().find(|shape| *shape == name).unwrap_or("shape")
 }

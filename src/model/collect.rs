@@ -302,6 +302,22 @@ impl<'a> Check<'a> {
         self.declared_ident(decl).map_or(decl.span, |ident| ident.span)
     }
 
+    /// What a part is, with its article.
+    pub fn noun_of(&self, part: Part) -> &'static str {
+        match part {
+            Part::Body(_) => "a body",
+            Part::Base(_) => "a base",
+            Part::Joint(_) => "a joint",
+            Part::Couple(_) => "a coupling",
+            Part::Element(index) => match self.instances.elements[index as usize].decl.kind {
+                DeclKind::Element { kind, .. } => kind.kind().noun,
+                _ => "an element",
+            },
+            Part::Input(_) => "a force or torque",
+            Part::Output(_) => "an output",
+        }
+    }
+
     /// The identifier that a declaration declares.
     pub fn declared_ident(&self, decl: &Decl) -> Option<Ident> {
         match decl.kind {

@@ -4,23 +4,12 @@
 use super::Check;
 use super::error::{NameError, QuestionError};
 use super::evaluate::{Evaluated, Stop};
-use super::expect::Expected;
 use super::motions::{Combination, Piece};
 use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
 use super::scope::{Environment, Instance};
-use crate::base::{Dimension, Number, Span};
+use crate::base::{Number, Span};
+use crate::kinds::motions::INITIAL_FIELDS;
 use crate::syntax::tree::{DeclKind, ExprId, Fields, Ident, Rare};
-
-/// What an initial state may give, with what it is called and an example.
-const INITIAL_FIELDS: [&str; 6] = ["x", "y", "angle", "vx", "vy", "omega"];
-const INITIAL_VALUES: [Expected; 6] = [
-    Expected::new("a displacement", Dimension::LENGTH, "x = 16 mm"),
-    Expected::new("a displacement", Dimension::LENGTH, "y = 16 mm"),
-    Expected::new("an angle", Dimension::NONE, "angle = 2 deg"),
-    Expected::new("a velocity", Dimension::VELOCITY, "vx = 0.375 m/s"),
-    Expected::new("a velocity", Dimension::VELOCITY, "vy = 0.375 m/s"),
-    Expected::new("an angular velocity", Dimension::ANGULAR_VELOCITY, "omega = 2 rad/s"),
-];
 
 impl<'a> Check<'a> {
     pub fn couples(&mut self) {
@@ -113,9 +102,10 @@ impl<'a> Check<'a> {
             return self.fail(environment, QuestionError::NoInitialState { span: ident.span, word, found });
         };
         let mut values = Vec::new();
-        for (index, expected) in INITIAL_VALUES.iter().enumerate() {
+        for (index, described) in INITIAL_FIELDS.iter().enumerate() {
             let Some(field) = given.get(index) else { continue };
-            let value: Option<(Number, Span)> = self.field_number(Some(field), environment, expected)?;
+            let value: Option<(Number, Span)> =
+                self.field_number(Some(field), environment, &described.expected(false))?;
             let word = self.sources.slice(field.key);
             let (motion, _) = self.part_motion(part, None, word, field.key, environment)?;
             values.extend(value.map(|(value, span)| (motion, value, span)));

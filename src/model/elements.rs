@@ -1,43 +1,33 @@
-//! Springs and dampers: law and geometry. In: two ends and the fields; out: an [`Element`] that says whether it acts along
-//! the line of its points, along a direction, or on the rotation. See spec.md.
+//! Elements: law and geometry. In: two ends and the fields; out: an [`Element`] that says whether it acts along
+//! the line of its points, along a direction, or on the rotation. Clause: spec.md, "Parts".
 
 use super::Check;
 use super::ends::are_apart;
 use super::error::{NameError, PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
-use super::expect::Expected;
 use super::fields::Given;
 use super::freedoms::{Line, are_parallel};
 use super::scene::{Attachment, Element, Geometry, Law, SpringRest};
 use super::scope::{Environment, Instance};
 use super::value::Value;
-use crate::base::{Dimension, Number, Span, Vec3};
-use crate::syntax::tree::{DeclKind, ElementKeyword, EndId, Fields, Ident};
+use crate::base::{Number, Span, Vec3};
+use crate::elements::kind::ALONG;
+use crate::elements::{Kind, Negative};
+use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
-
-const SPRING_FIELDS: [&str; 4] = ["k", "along", "free_length", "preload"];
-const DAMPER_FIELDS: [&str; 2] = ["c", "along"];
-const COEFFICIENT: usize = 0;
-const ALONG: usize = 1;
-const FREE_LENGTH: usize = 2;
-const PRELOAD: usize = 3;
-
-const STIFFNESS: Expected = Expected::new("a stiffness", Dimension::STIFFNESS, "k = 10 N/m");
-const DAMPING: Expected = Expected::new("a damping coefficient", Dimension::DAMPING, "c = 5 N*s/m");
-const FREE: Expected = Expected::new("a length", Dimension::LENGTH, "free_length = 0.5 m");
-const FREE_ANGLE: Expected = Expected::new("an angle", Dimension::NONE, "free_length = 30 deg");
-const TENSION: Expected = Expected::new("a force", Dimension::FORCE, "preload = 20 N");
-const TWIST: Expected = Expected::new("a torque", Dimension::TORQUE, "preload = 2 N*m");
 
 /// Between what, by what law, and on which motion.
 type Acting = ([Attachment; 2], Law, Geometry);
 
-/// Stiffness or damping coefficient with what its unit says.
+/// The coefficient of an element with what its unit says.
 #[derive(Clone, Debug)]
 pub struct Coefficient {
     value: Number,
-    /// The value whose unit says that the element acts on the rotation.
-    torsional: Option<Span>,
+    /// Whether its unit says that the element acts on the rotation.
+    torsional: bool,
+    /// The field's word, and its value.
+    key: Span,
+    at: Span,
 }
 
 impl<'a> Check<'a> {
@@ -47,56 +37,66 @@ impl<'a> Check<'a> {
             let Instance { decl, environment } = self.instances.elements[index];
             let DeclKind::Element { kind, name, ends, fields } = decl.kind else { continue };
             self.walk.varies = false;
-            let element = match kind {
-                ElementKeyword::Spring => self.spring(name, ends, fields, environment),
-                ElementKeyword::Damper => self.damper(name, ends, fields, environment),
-            };
-            let element = element.map(|(ends, law, geometry)| {
-                let (name, span) = (self.instances.element_names[index], name.span);
-                Element { name, span, ends, law, geometry }
-            });
-            match element {
-                Ok(element) => self.scene.elements.push(element),
+            match self.element(kind.kind(), name, ends, fields, environment) {
+                Ok((ends, law, geometry)) => {
+                    let (name, span) = (self.instances.element_names[index], name.span);
+                    self.scene.elements.push(Element { name, span, ends, law, geometry });
+                }
                 Err(_) => self.broken_elements = true,
             }
         }
     }
 
-    fn spring(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Acting> {
-        let given = self.fields(fields, &SPRING_FIELDS, environment);
+    fn element(
+        &mut self,
+        kind: &'static Kind,
+        ident: Ident,
+        ends: EndId,
+        fields: Fields,
+        environment: Environment,
+    ) -> Evaluated<Acting> {
+        let given = self.fields(fields, kind.fields, environment);
         let pair = self.element_ends(ends, environment);
-        let coefficient = self.coefficient(&given, ident, Dimension::TORSIONAL_STIFFNESS, &STIFFNESS, environment)?;
-        let geometry = pair
-            .and_then(|pair| Ok((self.geometry(given.get(ALONG), &pair, coefficient.torsional, environment)?, pair)));
-        // Where the unit of `k` is the slip, lengths are right: that no part turns is said alone.
-        if let (Some(_), Err(stop)) = (coefficient.torsional, &geometry) {
+        let Coefficient { value, torsional, key, at } = self.coefficient(kind, &given, ident, environment)?;
+        let torsional = torsional.then_some(at);
+        let geometry = pair.and_then(|pair| {
+            Ok((
+                self.geometry(kind, given.named(ALONG.name).map(|along| along.0), &pair, torsional, environment)?,
+                pair,
+            ))
+        });
+        // Where the unit of the coefficient is the slip, lengths are right: that no part turns is said alone.
+        if let (Some(_), Err(stop)) = (torsional, &geometry) {
             return Err(*stop);
         }
-        let rest = self.spring_rest(&given, coefficient.torsional.is_some(), environment)?;
+        let rest = self.spring_rest(&given, torsional.is_some(), environment)?;
         let (geometry, pair) = geometry?;
         if rest != SpringRest::AsDrawn {
             self.drawn_length_is_known(&rest, &geometry, &pair, environment)?;
         }
-        if coefficient.value.is_negative() {
-            let expr = given.get(COEFFICIENT).map_or(ident.span, |field| field.key);
-            self.report(environment, PartError::NegativeStiffness { span: expr });
+        if value.is_negative() {
+            self.negative_coefficient(kind, key, at, environment)?;
         }
-        let law = Law::Spring { stiffness: coefficient.value, rest };
-        Ok((pair, law, geometry))
+        Ok((pair, Law { kind, coefficient: value, rest }, geometry))
     }
 
-    fn damper(&mut self, ident: Ident, ends: EndId, fields: Fields, environment: Environment) -> Evaluated<Acting> {
-        let given = self.fields(fields, &DAMPER_FIELDS, environment);
-        let pair = self.element_ends(ends, environment);
-        let coefficient = self.coefficient(&given, ident, Dimension::TORSIONAL_DAMPING, &DAMPING, environment)?;
-        let pair = pair?;
-        let geometry = self.geometry(given.get(ALONG), &pair, coefficient.torsional, environment)?;
-        if coefficient.value.is_negative() {
-            let span = given.get(COEFFICIENT).map_or(ident.span, |field| field.key);
-            self.report(environment, PartError::NegativeDamping { span });
+    /// Says what a coefficient below zero means, or that there is none.
+    fn negative_coefficient(
+        &mut self,
+        kind: &'static Kind,
+        key: Span,
+        at: Span,
+        environment: Environment,
+    ) -> Evaluated<()> {
+        match kind.negative {
+            Negative::Noted(code, message) => {
+                self.report(environment, PartError::NegativeCoefficient { span: key, code, message });
+                Ok(())
+            }
+            Negative::Refused => {
+                self.fail(environment, ValueError::Negative { span: at, what: kind.coefficient().name })
+            }
         }
-        let law = Law::Damper { damping: coefficient.value };
-        Ok((pair, law, geometry))
     }
 
     /// The ends, which are two different parts.
@@ -110,61 +110,60 @@ impl<'a> Check<'a> {
         Ok(pair)
     }
 
-    /// `k` or `c`: its dimension says whether the element is torsional.
-    fn coefficient<const N: usize>(
+    /// Its dimension says whether the element is torsional.
+    fn coefficient(
         &mut self,
-        given: &Given<'a, N>,
+        kind: &'static Kind,
+        given: &Given<'a>,
         ident: Ident,
-        torsional: Dimension,
-        expected: &Expected,
         environment: Environment,
     ) -> Evaluated<Coefficient> {
-        let Some(field) = given.get(COEFFICIENT) else {
+        let described = kind.coefficient();
+        let (line, turn) = (described.expected(false), described.expected(true));
+        let Some(field) = given.get(0) else {
             if given.broken {
                 return Err(Stop::Reported);
             }
-            return self.fail(environment, NameError::FieldMissing { span: ident.span, expected: *expected });
+            return self.fail(environment, NameError::FieldMissing { span: ident.span, expected: line });
         };
         let expr = self.field_expr(field, environment)?;
-        let turns = Expected { dimension: torsional, ..*expected };
+        let (key, at) = (field.key, self.tree.expr(expr).span);
         self.remembered(
             expr,
             environment,
             |memory| &mut memory.coefficients,
             |check| {
                 let value = check.evaluate(expr, environment)?;
-                let is_torsional = matches!(&value, Value::Scalar(scalar) if scalar.dimension() == Some(torsional));
-                let expected = if is_torsional { &turns } else { expected };
+                let torsional = matches!(&value, Value::Scalar(scalar) if scalar.dimension() == Some(turn.dimension));
+                let expected = if torsional { &turn } else { &line };
                 let value = check.as_number(&value, expr, environment, expected)?;
-                Ok(Coefficient { value, torsional: is_torsional.then(|| check.tree.expr(expr).span) })
+                Ok(Coefficient { value, torsional, key, at })
             },
         )
     }
 
-    fn spring_rest<const N: usize>(
-        &mut self,
-        given: &Given<'a, N>,
-        torsional: bool,
-        environment: Environment,
-    ) -> Evaluated<SpringRest> {
-        let (free, preload) = (given.get(FREE_LENGTH), given.get(PRELOAD));
-        if let (Some(free), Some(preload)) = (free, preload) {
+    /// What a spring's fields say of its tension as drawn; other elements have no such fields.
+    fn spring_rest(&mut self, given: &Given<'a>, torsional: bool, environment: Environment) -> Evaluated<SpringRest> {
+        let (free, preload) = (given.named("free_length"), given.named("preload"));
+        if let (Some((free, _)), Some((preload, _))) = (free, preload) {
             return self.fail(environment, PartError::FreeLengthAndPreload { span: preload.key, free: free.key });
         }
-        let length = if torsional { &FREE_ANGLE } else { &FREE };
-        if let Some((length, span)) = self.field_number(free, environment, length)? {
+        if let Some((field, described)) = free
+            && let Some((length, span)) = self.field_number(Some(field), environment, &described.expected(torsional))?
+        {
             if !torsional && length.is_negative() {
                 return self.fail(environment, ValueError::Negative { span, what: "free_length" });
             }
             return Ok(SpringRest::FreeLength(length));
         }
-        let tension = if torsional { &TWIST } else { &TENSION };
-        let preload = self.field_number(preload, environment, tension)?;
-        Ok(preload.map_or(SpringRest::AsDrawn, |(tension, _)| SpringRest::Preload(tension)))
+        let Some((field, described)) = preload else { return Ok(SpringRest::AsDrawn) };
+        let tension = self.field_number(Some(field), environment, &described.expected(torsional))?;
+        Ok(tension.map_or(SpringRest::AsDrawn, |(tension, _)| SpringRest::Preload(tension)))
     }
 
     fn geometry(
         &mut self,
+        kind: &'static Kind,
         along: Option<&crate::syntax::tree::Field>,
         pair: &[Attachment; 2],
         torsional: Option<Span>,
@@ -180,13 +179,13 @@ impl<'a> Check<'a> {
         match (torsional, direction) {
             (Some(_), Some(_)) => {
                 let span = along.map_or(pair[0].span, |field| field.key);
-                self.fail(environment, PartError::DirectionOfTorsion { span })
+                self.fail(environment, PartError::DirectionOfTorsion { span, kind })
             }
             (Some(_), None) if pair.iter().any(|end| self.can_turn(end.part)) => Ok(Geometry::Torsion),
             (Some(_), None) if self.broken_joints => Err(Stop::Reported),
             (Some(unit), None) => {
                 let span = pair[0].span.to(pair[1].span);
-                self.fail(environment, PartError::NoEndTurns { span, torsional: Some(unit) })
+                self.fail(environment, PartError::NoEndTurns { span, torsional: Some((unit, kind)) })
             }
             (None, Some(direction)) => Ok(Geometry::Along(direction)),
             (None, None) => self.line_or_direction(pair, environment),

@@ -46,7 +46,7 @@ impl<'a> Check<'a> {
             scope::Part::Body(index) => Ok(Part::Body(BodyId(index))),
             scope::Part::Base(index) => Ok(Part::Base(BaseId(index))),
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
                 let error = NameError::NotABody { span: ident.span, word, found, declared: self.part_span(other) };
                 self.fail(environment, error)
             }

@@ -8,25 +8,10 @@ use super::error::ValueError;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{DefinitionId, Environment, Table};
 use super::value::{Scalar, Value, Vector};
+pub use crate::base::Expected;
 use crate::base::{Angle, Dimension, Number, Quantity, Span, Vec3};
 use crate::syntax::tree::{ExprId, ExprKind};
 use std::sync::Arc;
-
-/// What a place wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Expected {
-    /// With its article: "a mass".
-    pub noun: &'static str,
-    pub dimension: Dimension,
-    /// What to write, such as `mass = 1 kg`.
-    pub example: &'static str,
-}
-
-impl Expected {
-    pub const fn new(noun: &'static str, dimension: Dimension, example: &'static str) -> Expected {
-        Expected { noun, dimension, example }
-    }
-}
 
 /// What has been found once and holds in every repetition.
 #[derive(Debug, Default)]

@@ -1,5 +1,5 @@
 //! What stands in braces: each field at most once, none unknown. In: the fields of a declaration; out: the one of a given
-//! name, or all of them by place in a list of known ones. See spec.md.
+//! name, or all of them by place in the table of kinds. Clause: spec.md, "Parts".
 
 use super::Check;
 use super::error::NameError;
@@ -7,37 +7,43 @@ use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::scope::Environment;
 use super::suggestion::nearest;
-use crate::base::{Number, Span};
+use crate::base::{self, Number, Span};
 use crate::syntax::tree::{ExprId, Field, FieldValue, Fields};
 
-/// The fields of one declaration, in the order of the known names.
+/// More fields than any declaration has.
+const MOST: usize = 8;
+
+/// The fields of one declaration, in the order of the table.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a, const N: usize> {
-    fields: [Option<&'a Field>; N],
+pub struct Given<'a> {
+    table: &'static [base::Field],
+    fields: [Option<&'a Field>; MOST],
     /// Whether a field could not be read: then nobody says that one is missing.
     pub broken: bool,
 }
 
-impl<'a, const N: usize> Given<'a, N> {
-    pub fn get(&self, index: usize) -> Option<&'a Field> {
-        self.fields[index]
+impl<'a> Given<'a> {
+    /// The field at this place of the table.
+    pub fn get(&self, place: usize) -> Option<&'a Field> {
+        self.fields[place]
+    }
+
+    /// The field of this name, with what the table says of it; `None` where it is not given, or not in the table.
+    pub fn named(&self, name: &str) -> Option<(&'a Field, &'static base::Field)> {
+        let place = self.table.iter().position(|field| field.name == name)?;
+        Some((self.fields[place]?, &self.table[place]))
     }
 }
 
 impl<'a> Check<'a> {
-    /// Sorts the fields by the known names; says which are unknown or given twice.
-    pub fn fields<const N: usize>(
-        &mut self,
-        fields: Fields,
-        known: &'static [&'static str; N],
-        environment: Environment,
-    ) -> Given<'a, N> {
+    /// Sorts the fields by the table; says which are unknown or given twice.
+    pub fn fields(&mut self, fields: Fields, table: &'static [base::Field], environment: Environment) -> Given<'a> {
         let tree = self.tree;
-        let mut given = Given { fields: [None; N], broken: false };
+        let mut given = Given { table, fields: [None; MOST], broken: false };
         for field in tree.fields(fields) {
             let word = self.sources.slice(field.key);
-            let error = match known.iter().position(|name| *name == word) {
-                None => self.unknown_field(field, word, known),
+            let error = match table.iter().position(|known| known.name == word) {
+                None => self.unknown_field(field, word, table),
                 Some(place) => match given.fields[place] {
                     None => {
                         given.fields[place] = Some(field);
@@ -52,7 +58,8 @@ impl<'a> Check<'a> {
         given
     }
 
-    fn unknown_field(&self, field: &Field, word: &str, known: &'static [&'static str]) -> NameError {
+    fn unknown_field(&self, field: &Field, word: &str, table: &'static [base::Field]) -> NameError {
+        let known: Vec<&str> = table.iter().map(|field| field.name).collect();
         let suggestion = nearest(word, known.iter().copied());
         NameError::UnknownField { span: field.key, word: word.to_string(), suggestion, known }
     }

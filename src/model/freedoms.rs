@@ -6,7 +6,7 @@
 
 use super::Check;
 use super::bodies::Directions;
-use super::scene::{BodyId, Freedom, Joint, JointKind, Part, Scene};
+use super::scene::{BodyId, Freedom, Joint, Part, Scene};
 use crate::base::Vec3;
 use std::sync::Arc;
 
@@ -121,7 +121,7 @@ fn node(scene: &Scene, part: Part) -> usize {
 /// Which bodies turn: groups tied by slides and welds turn unless one of the group cannot.
 fn turning(scene: &Scene) -> Vec<bool> {
     let mut groups = Groups::new(scene.bodies.len() + 1 + scene.bases.len());
-    for joint in scene.joints.iter().filter(|joint| !matches!(joint.kind, JointKind::Pivot { .. })) {
+    for joint in scene.joints.iter().filter(|joint| !joint.kind.turns) {
         groups.join(node(scene, joint.ends[0].part), node(scene, joint.ends[1].part));
     }
     let mut held = vec![false; groups.parents.len()];
@@ -196,10 +196,11 @@ fn lines(scene: &Scene, directions: &Directions, freedoms: &Freedoms) -> Vec<Lin
 
 /// The line of the part at the other end of a joint.
 fn passed_on(line: &Line, joint: &Joint) -> Line {
-    match (line, &joint.kind) {
-        (line, JointKind::Weld) => line.clone(),
-        (Line::Fixed, JointKind::Slide { along }) => Line::Along(Arc::new(along.clone())),
-        (Line::Along(line), JointKind::Slide { along }) if are_parallel(line, along) => Line::Along(line.clone()),
+    match (line, &joint.along) {
+        _ if joint.kind.turns => Line::Other,
+        (line, None) => line.clone(),
+        (Line::Fixed, Some(along)) => Line::Along(Arc::new(along.clone())),
+        (Line::Along(line), Some(along)) if are_parallel(line, along) => Line::Along(line.clone()),
         _ => Line::Other,
     }
 }

@@ -6,8 +6,8 @@ use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
 use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part, Signal};
 use super::scope::{Environment, Instance};
-use super::signals::{ANGLE_SIGNAL, DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
 use crate::base::{Span, Vec3};
+use crate::kinds::functions::{ANGLE_SIGNAL, DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
 use crate::syntax::tree::{DeclKind, EndId, ExprId, Ident, Rare};
 use std::sync::Arc;
 

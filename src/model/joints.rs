@@ -4,10 +4,11 @@ use super::Check;
 use super::ends::are_apart;
 use super::error::PartError;
 use super::evaluate::Evaluated;
-use super::scene::{Attachment, Joint, JointKind, Part};
+use super::scene::{Attachment, Joint, Part};
 use super::scope::{Environment, Instance};
 use crate::base::Vec3;
-use crate::syntax::tree::{DeclKind, End, EndId, ExprId, Ident, JointKeyword, Rare};
+use crate::joints::Kind;
+use crate::syntax::tree::{DeclKind, End, EndId, ExprId, Ident, Rare};
 use std::sync::Arc;
 
 impl<'a> Check<'a> {
@@ -17,7 +18,7 @@ impl<'a> Check<'a> {
             let DeclKind::Rare { index } = decl.kind else { continue };
             let Rare::Joint { kind, name, ends, along } = self.tree.rare[index as usize] else { continue };
             self.walk.varies = false;
-            match self.joint(kind, name, ends, along, environment) {
+            match self.joint(kind.kind(), name, ends, along, environment) {
                 Ok(joint) => self.scene.joints.push(joint),
                 Err(_) => self.broken_joints = true,
             }
@@ -26,7 +27,7 @@ impl<'a> Check<'a> {
 
     fn joint(
         &mut self,
-        kind: JointKeyword,
+        kind: &'static Kind,
         name: Ident,
         ends: EndId,
         along: Option<ExprId>,
@@ -41,19 +42,18 @@ impl<'a> Check<'a> {
             let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
             return self.fail(environment, PartError::JointOfOnePart { span, part });
         }
-        let kind = match (kind, along) {
-            (JointKeyword::Pivot, _) => {
-                let at = self.common_point(ends, &mut pair, environment)?;
-                JointKind::Pivot { at: (*at).clone() }
-            }
-            (JointKeyword::Slide, Some(along)) => JointKind::Slide { along: (*along).clone() },
-            (JointKeyword::Slide, None) => return self.fail(environment, PartError::SlideWithoutDirection { span }),
-            (JointKeyword::Weld, _) => {
-                self.welded_points(ends, &pair, environment)?;
-                JointKind::Weld
-            }
+        let at = match kind.turns {
+            true => Some((*self.common_point(ends, &mut pair, environment)?).clone()),
+            false => None,
         };
-        Ok(Joint { name, span, kind, ends: pair })
+        if kind.slides && along.is_none() {
+            return self.fail(environment, PartError::SlideWithoutDirection { span, kind });
+        }
+        if kind.is_rigid() {
+            self.welded_points(ends, &pair, environment)?;
+        }
+        let along = along.map(|along| (*along).clone());
+        Ok(Joint { name, span, kind, ends: pair, at, along })
     }
 
     /// Where a pivot is: at the point given, which both ends then have; or where both parts' own positions coincide.

@@ -12,20 +12,8 @@ use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Name, Number, Quantity, Span};
+use crate::kinds::functions::{self, MEASURES, Named};
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
-
-/// Every measure with its form.
-const MEASURES: [(&str, &str); 9] = [
-    ("frequency", "frequency(1)"),
-    ("damping", "damping(1)"),
-    ("gain", "gain(input -> output, 30 Hz)"),
-    ("phase", "phase(input -> output, 30 Hz)"),
-    ("amplitude", "amplitude(output)"),
-    ("static", "static(output)"),
-    ("peak", "peak(output)"),
-    ("rms", "rms(output)"),
-    ("stable", "stable"),
-];
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
@@ -286,7 +274,7 @@ impl<'a> Check<'a> {
         let node = self.tree.expr(expr);
         let text = self.sources.slice(node.span);
         match node.kind {
-            ExprKind::Call { name_len, .. } => is_measure_name(&text[..usize::from(name_len)]),
+            ExprKind::Call { name_len, .. } => functions::named(MEASURES, &text[..usize::from(name_len)]).is_some(),
             ExprKind::Name { .. } => text == "stable",
             _ => false,
         }
@@ -315,22 +303,30 @@ impl<'a> Check<'a> {
         arguments: &[ExprId],
         environment: Environment,
     ) -> Evaluated<Measured> {
+        use functions::Measure as Word;
         let text = self.sources.slice(word);
-        let (make, output) = match (text, arguments) {
-            ("frequency", &[mode]) => {
+        let Some(Named { kind, function }) = functions::named(MEASURES, text) else {
+            let suggestion = nearest(text, MEASURES.iter().map(|measure| measure.function.name));
+            return self
+                .fail(environment, QuestionError::UnknownMeasure { span: word, word: text.to_string(), suggestion });
+        };
+        let (make, output) = match (*kind, arguments) {
+            (Word::Frequency, &[mode]) => {
                 let mode = self.mode(mode, environment)?;
                 return Ok(Measured { measure: Measure::Frequency { mode }, dimension: Dimension::FREQUENCY });
             }
-            ("damping", &[mode]) => {
+            (Word::Damping, &[mode]) => {
                 let mode = self.mode(mode, environment)?;
                 return Ok(Measured { measure: Measure::DampingRatio { mode }, dimension: Dimension::NONE });
             }
-            ("gain" | "phase", &[path, frequency]) => return self.response(text, path, frequency, environment),
-            ("amplitude", &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
-            ("static", &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
-            ("peak", &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
-            ("rms", &[output]) => ((|output| Measure::Rms { output }) as MakeMeasure, output),
-            _ => return self.fail(environment, unknown_measure(text, word, span)),
+            (measure @ (Word::Gain | Word::Phase), &[path, frequency]) => {
+                return self.response(measure, path, frequency, environment);
+            }
+            (Word::Amplitude, &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
+            (Word::Static, &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
+            (Word::Peak, &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
+            (Word::Rms, &[output]) => ((|output| Measure::Rms { output }) as MakeMeasure, output),
+            _ => return self.fail(environment, QuestionError::MeasureArguments { span, function }),
         };
         let Combination { terms, dimension, .. } = self.measured_output(output, environment)?;
         Ok(Measured { measure: make(terms), dimension })
@@ -339,7 +335,7 @@ impl<'a> Check<'a> {
     /// `gain(input -> output, f)`, `phase(input -> output, f)`.
     fn response(
         &mut self,
-        measure: &str,
+        measure: functions::Measure,
         path: ExprId,
         frequency: ExprId,
         environment: Environment,
@@ -353,7 +349,7 @@ impl<'a> Check<'a> {
         let frequency = self.frequency(frequency, environment)?;
         let (input, per) = input?;
         let Combination { terms: output, dimension, .. } = output?;
-        if measure == "phase" {
+        if measure == functions::Measure::Phase {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
         }
         let Some(dimension) = dimension.per(per) else {
@@ -375,7 +371,7 @@ impl<'a> Check<'a> {
                 self.combination(value, environment)
             }
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
                 let declared = self.part_span(other);
                 self.fail(environment, QuestionError::NotAnOutput { span: ident.span, word, found, declared })
             }
@@ -404,7 +400,7 @@ impl<'a> Check<'a> {
         }
         match self.input_of(name, motion) {
             Some(input) => Ok(input),
-            None => self.fail(environment, QuestionError::NotAnInput { span: node.span, found: part.noun() }),
+            None => self.fail(environment, QuestionError::NotAnInput { span: node.span, found: self.noun_of(part) }),
         }
     }
 
@@ -483,20 +479,6 @@ fn flipped(comparison: Comparison) -> Comparison {
         Comparison::LessEqual => Comparison::GreaterEqual,
         Comparison::Greater => Comparison::Less,
         Comparison::GreaterEqual => Comparison::LessEqual,
-    }
-}
-
-fn is_measure_name(text: &str) -> bool {
-    MEASURES.iter().any(|(name, _)| *name == text)
-}
-
-fn unknown_measure(text: &str, word: Span, span: Span) -> QuestionError {
-    match MEASURES.iter().find(|(name, _)| *name == text) {
-        Some((name, form)) => QuestionError::MeasureArguments { span, name, form },
-        None => {
-            let suggestion = nearest(text, MEASURES.iter().map(|(name, _)| *name));
-            QuestionError::UnknownMeasure { span: word, word: text.to_string(), suggestion }
-        }
     }
 }
 

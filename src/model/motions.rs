@@ -10,6 +10,8 @@ use super::scope::{self, Environment, Instance};
 use super::suggestion::nearest;
 use super::value::{Fault, Scalar, Value};
 use crate::base::{Angle, Dimension, Number, Span, Vec3};
+use crate::kinds::body_or_element;
+use crate::kinds::motions::{self, BODY_MOTIONS, Direction, ELEMENT_MOTIONS, ElementMotion};
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
 use std::sync::Arc;
 
@@ -27,36 +29,14 @@ pub enum Piece {
     Motions(Combination),
 }
 
-/// The direction of a translation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
-    X,
-    Y,
-}
-
-impl Axis {
-    fn direction(self) -> Vec3 {
-        match self {
-            Axis::X => Vec3::X,
-            Axis::Y => Vec3::Y,
-        }
+/// The direction of a motion; `None` for a rotation.
+fn axis(direction: Direction) -> Option<Vec3> {
+    match direction {
+        Direction::X => Some(Vec3::X),
+        Direction::Y => Some(Vec3::Y),
+        Direction::Turn => None,
     }
 }
-
-/// A motion of a body: its word, axis (`None` for a rotation), derivative, dimension.
-const BODY_MOTIONS: [(&str, Option<Axis>, u8, Dimension); 9] = [
-    ("x", Some(Axis::X), 0, Dimension::LENGTH),
-    ("y", Some(Axis::Y), 0, Dimension::LENGTH),
-    ("angle", None, 0, Dimension::NONE),
-    ("vx", Some(Axis::X), 1, Dimension::VELOCITY),
-    ("vy", Some(Axis::Y), 1, Dimension::VELOCITY),
-    ("omega", None, 1, Dimension::ANGULAR_VELOCITY),
-    ("ax", Some(Axis::X), 2, Dimension::ACCELERATION),
-    ("ay", Some(Axis::Y), 2, Dimension::ACCELERATION),
-    ("alpha", None, 2, Dimension::ANGULAR_ACCELERATION),
-];
-
-const ELEMENT_MOTIONS: [&str; 2] = ["force", "stretch"];
 
 impl<'a> Check<'a> {
     pub fn outputs(&mut self) {
@@ -242,12 +222,12 @@ impl<'a> Check<'a> {
         };
         let ident = Ident { span: self.word_of(owner.span), indices };
         let text = self.sources.slice(word);
-        let (motion, dimension) = match self.named_part(ident, environment, "body, spring or damper")? {
+        let (motion, dimension) = match self.named_part(ident, environment, body_or_element())? {
             scope::Part::Body(index) => self.part_motion(Part::Body(BodyId(index)), at, text, word, environment)?,
             scope::Part::Base(index) => self.part_motion(Part::Base(BaseId(index)), at, text, word, environment)?,
             scope::Part::Element(index) => self.element_motion(index, at.is_some(), text, word, environment)?,
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), other.noun());
+                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
                 let declared = self.part_span(other);
                 return self.fail(environment, NameError::NotABody { span: ident.span, word, found, declared });
             }
@@ -267,16 +247,16 @@ impl<'a> Check<'a> {
         word: Span,
         environment: Environment,
     ) -> Evaluated<(Motion, Dimension)> {
-        let found = BODY_MOTIONS.iter().find(|(name, ..)| *name == text);
-        let Some(&(_, axis, derivative, dimension)) = found else {
-            let known = || BODY_MOTIONS.iter().map(|(name, ..)| *name);
+        let found = BODY_MOTIONS.iter().find(|motion| motion.name == text);
+        let Some(&motions::Motion { direction, derivative, dimension, .. }) = found else {
+            let known = || BODY_MOTIONS.iter().map(|motion| motion.name);
             let (suggestion, of) = (nearest(text, known()), "a body");
             let known = known().collect();
             let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
             return self.fail(environment, error);
         };
         self.sound_part(part)?;
-        let direction = axis.map(Axis::direction);
+        let direction = axis(direction);
         if !self.has_freedom(part, at.as_deref(), direction.as_ref()) {
             let name = self.part_name(part);
             let error = QuestionError::NoSuchFreedom { span: word, name, turns: direction.is_none() };
@@ -340,22 +320,23 @@ impl<'a> Check<'a> {
         word: Span,
         environment: Environment,
     ) -> Evaluated<(Motion, Dimension)> {
-        if !ELEMENT_MOTIONS.contains(&text) || has_point {
-            let (suggestion, of) = (nearest(text, ELEMENT_MOTIONS), "a spring or damper");
-            let known = ELEMENT_MOTIONS.to_vec();
+        let found = ELEMENT_MOTIONS.iter().find(|(_, name, _)| *name == text && !has_point);
+        let Some((motion, ..)) = found else {
+            let known: Vec<&str> = ELEMENT_MOTIONS.iter().map(|(_, name, _)| *name).collect();
+            let (suggestion, of) = (nearest(text, known.iter().copied()), self.noun_of(scope::Part::Element(index)));
             let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
             return self.fail(environment, error);
-        }
+        };
         if self.broken_elements {
             return Err(Stop::Reported);
         }
         let element = ElementId(index);
         let torsional = self.scene.elements[element.index()].geometry == Geometry::Torsion;
-        Ok(match (text, torsional) {
-            ("force", false) => (Motion::Force { element }, Dimension::FORCE),
-            ("force", true) => (Motion::Force { element }, Dimension::TORQUE),
-            (_, false) => (Motion::Stretch { element }, Dimension::LENGTH),
-            (_, true) => (Motion::Stretch { element }, Dimension::NONE),
+        Ok(match (motion, torsional) {
+            (ElementMotion::Force, false) => (Motion::Force { element }, Dimension::FORCE),
+            (ElementMotion::Force, true) => (Motion::Force { element }, Dimension::TORQUE),
+            (ElementMotion::Stretch, false) => (Motion::Stretch { element }, Dimension::LENGTH),
+            (ElementMotion::Stretch, true) => (Motion::Stretch { element }, Dimension::NONE),
         })
     }
 }

@@ -7,7 +7,7 @@
 use super::Check;
 use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
-use super::scene::{Body, BodyId, Damping, Freedom, JointKind, Motion, Part};
+use super::scene::{Body, BodyId, Damping, Freedom, Motion, Part};
 use super::scope::Environment;
 use crate::base::{Number, Span, Vec3};
 use crate::syntax::tree::{DeclKind, Field};
@@ -82,10 +82,8 @@ impl<'a> Check<'a> {
         let on_ground = only.ends.iter().any(|end| end.part == Part::Ground);
         let hangs = self.instances.settings.iter().any(|setting| matches!(setting.decl.kind, DeclKind::Gravity { .. }));
         let centred = body.centre.as_ref().is_some_and(|centre| !super::ends::are_apart(centre, about));
-        match &only.kind {
-            JointKind::Pivot { at } => on_ground && !super::ends::are_apart(at, about) && (!hangs || centred),
-            JointKind::Slide { .. } | JointKind::Weld => false,
-        }
+        let is_about = only.at.as_ref().is_some_and(|at| !super::ends::are_apart(at, about));
+        is_about && !only.kind.slides && on_ground && (!hangs || centred)
     }
 
     fn missing(&mut self, id: BodyId, what: &'static str, freedom: &'static str, environment: Environment) {

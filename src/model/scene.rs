@@ -5,6 +5,7 @@
 //! million bodies has many more ends than places.
 
 use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
+use crate::{elements, joints};
 use std::sync::Arc;
 
 macro_rules! id {
@@ -151,21 +152,27 @@ pub struct Attachment {
 pub struct Joint {
     pub name: Name,
     pub span: Span,
-    pub kind: JointKind,
+    pub kind: &'static joints::Kind,
     pub ends: [Attachment; 2],
+    /// The common point of a joint that turns; both attachments have it too.
+    pub at: Option<Vec3>,
+    /// The direction of a joint that slides, fixed to the first end's part as drawn.
+    pub along: Option<Vec3>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub enum JointKind {
-    /// Common point, relative rotation about z left free. Both attachments have the position `at`.
-    Pivot { at: Vec3 },
-    /// Relative translation along a direction fixed to the first end's part as drawn; no relative rotation.
-    Slide { along: Vec3 },
-    /// No relative motion.
-    Weld,
+impl Joint {
+    /// What it leaves free where it carries a part.
+    pub fn freedoms(&self) -> joints::Relative {
+        self.kind.freedoms(self.along.as_ref())
+    }
+
+    /// What it holds where it closes a loop.
+    pub fn held(&self) -> joints::Held {
+        self.kind.held(self.along.as_ref())
+    }
 }
 
-/// A linear relation of motions: sum of coefficient times motion = 0. Issue B gives it its meaning.
+/// A linear relation of motions: sum of coefficient times motion = 0. It holds as drawn and always.
 #[derive(Clone, Debug)]
 pub struct Couple {
     pub name: Name,
@@ -187,13 +194,13 @@ pub enum Motion {
     Point { part: Part, at: Option<Vec3>, direction: Vec3, derivative: u8 },
     /// Rotation, angular velocity or angular acceleration from rest.
     Turn { part: Part, derivative: u8 },
-    /// Change of an element's tension (spring) or its force (damper), N or N m.
+    /// Change of an element's tension or force from rest, N or N m.
     Force { element: ElementId },
     /// Change of an element's stretch from rest, m or rad.
     Stretch { element: ElementId },
 }
 
-/// A spring or a damper.
+/// An element: a spring, a damper, ...
 #[derive(Clone, Debug)]
 pub struct Element {
     pub name: Name,
@@ -203,20 +210,22 @@ pub struct Element {
     pub geometry: Geometry,
 }
 
-/// The constitutive law.
+/// The constitutive law: force = coefficient times the derivative of the stretch that its kind names, beside the tension
+/// that an elastic element has as drawn.
 #[derive(Clone, Debug)]
-pub enum Law {
-    /// tension = preload + stiffness (stretch from drawn).
-    Spring {
-        /// N/m or N m/rad; may be negative.
-        stiffness: Number,
-        rest: SpringRest,
-    },
-    /// force = damping d(stretch)/dt.
-    Damper {
-        /// N s/m or N m s/rad.
-        damping: Number,
-    },
+pub struct Law {
+    pub kind: &'static elements::Kind,
+    /// In the SI units of its kind, along a line or on the rotation.
+    pub coefficient: Number,
+    /// [`SpringRest::AsDrawn`] where the kind is not elastic.
+    pub rest: SpringRest,
+}
+
+impl Law {
+    /// Stiffness and rest of an element that holds its ends where they are.
+    pub fn spring(&self) -> Option<(&Number, &SpringRest)> {
+        self.kind.is_elastic().then_some((&self.coefficient, &self.rest))
+    }
 }
 
 /// When a spring pulls as drawn.

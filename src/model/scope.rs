@@ -128,21 +128,6 @@ pub enum Part {
     Output(u32),
 }
 
-impl Part {
-    /// What it is, with its article.
-    pub fn noun(self) -> &'static str {
-        match self {
-            Part::Body(_) => "a body",
-            Part::Base(_) => "a base",
-            Part::Joint(_) => "a joint",
-            Part::Couple(_) => "a coupling",
-            Part::Element(_) => "a spring or damper",
-            Part::Input(_) => "a force or torque",
-            Part::Output(_) => "an output",
-        }
-    }
-}
-
 /// The indices that a word was declared with.
 #[derive(Clone, Debug)]
 pub struct Family {

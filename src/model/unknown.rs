@@ -9,35 +9,18 @@ use super::suggestion::nearest;
 use super::value::FUNCTIONS;
 use crate::base::unit::{self, UnitError};
 use crate::base::{Name, Span};
+use crate::kinds::functions::{self, FunctionKind};
 use crate::syntax::tree::Ident;
 
 /// Suggestions are looked for this many times: beyond, a file is not mistyped but something else.
 const MAX_SEARCHES: u32 = 100;
 
-/// Functions that stand in one place only, and that place.
-const FUNCTIONS_ELSEWHERE: [(&str, &str); 21] = [
-    ("rod", "a shape: write `shape = rod(A, B)` in a body"),
-    ("disk", "a shape: write `shape = disk(0.3 m)` in a body"),
-    ("ring", "a shape: write `shape = ring(0.3 m)` in a body"),
-    ("box", "a shape: write `shape = box(0.3 m, 0.2 m)` in a body"),
-    ("constant", "a signal: it follows a force, a torque or a base"),
-    ("step", "a signal: it follows a force, a torque or a base"),
-    ("impulse", "a signal: it follows a force, a torque or a base"),
-    ("ramp", "a signal: it follows a force, a torque or a base"),
-    ("pulse", "a signal: it follows a force, a torque or a base"),
-    ("harmonic", "a signal: it follows a force, a torque or a base"),
-    ("chirp", "a signal: it follows a force, a torque or a base"),
-    ("table", "a signal: it follows a force, a torque or a base"),
-    ("frequency", "a measure: it stands in `solve` and `require`"),
-    ("damping", "a measure: it stands in `solve` and `require`"),
-    ("gain", "a measure: it stands in `solve` and `require`"),
-    ("phase", "a measure: it stands in `solve` and `require`"),
-    ("amplitude", "a measure: it stands in `solve` and `require`"),
-    ("static", "a measure: it stands in `solve` and `require`"),
-    ("peak", "a measure: it stands in `solve` and `require`"),
-    ("rms", "a measure: it stands in `solve` and `require`"),
-    ("rayleigh", "a kind of damping: write `damping rayleigh(0.1 /s, 1e-4 s)`"),
-];
+/// What a function is that stands in one place only, and that place.
+fn elsewhere(name: &str) -> Option<String> {
+    let (kind, function) = functions::function(name)?;
+    let is_called = !function.arguments.is_empty() && kind != FunctionKind::Number;
+    is_called.then(|| format!("`{name}` is {}", kind.describe(function)))
+}
 
 /// What other programs and drawings call the ground.
 const WORDS_FOR_GROUND: [&str; 14] = [
@@ -95,10 +78,10 @@ impl<'a> Check<'a> {
         }
         let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol)));
         if let Some(part) = part {
-            return Some(format!("`{text}` is {}, not a number", part.noun()));
+            return Some(format!("`{text}` is {}, not a number", self.noun_of(part)));
         }
-        if let Some((_, place)) = FUNCTIONS_ELSEWHERE.iter().find(|(name, _)| *name == text) {
-            return Some(format!("`{text}` is {place}"));
+        if let Some(place) = elsewhere(text) {
+            return Some(place);
         }
         unit::is_known(text)
             .then(|| format!("`{text}` is a unit: it follows a number, as in `1 {text}` or `1 /{text}`"))
@@ -153,8 +136,7 @@ impl<'a> Check<'a> {
     /// A function that there is not, or not here.
     pub fn unknown_function(&mut self, word: Span) -> NameError {
         let text = self.sources.slice(word);
-        let help =
-            FUNCTIONS_ELSEWHERE.iter().find(|(name, _)| *name == text).map(|(_, place)| format!("`{text}` is {place}"));
+        let help = elsewhere(text);
         let suggestion = if help.is_some() { None } else { nearest(text, FUNCTIONS.iter().map(|f| f.name)) };
         NameError::UnknownFunction {
             span: word,

@@ -6,7 +6,7 @@
 
 use super::Check;
 use super::evaluate::Stop;
-use super::scene::{JointKind, Part};
+use super::scene::Part;
 use super::scope::{DefinitionId, DefinitionKind, Environment, Instance, State};
 use super::value::{Scalar, Value};
 use crate::base::{Dimension, Number, Rational, Span};
@@ -307,7 +307,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         let ids = [ends, EndId(ends.0 + 1)];
         let written = ids.map(|id| self.check.tree.end(id).at.is_some());
         let mut places = [self.end(ids[0], parts[0], environment), self.end(ids[1], parts[1], environment)];
-        let is_pivot = matches!(self.check.scene.joints[index].kind, JointKind::Pivot { .. });
+        let is_pivot = self.check.scene.joints[index].kind.turns;
         let at =
             is_pivot.then(|| if written[1] && !written[0] { places[1].clone() } else { places[0].clone() }).flatten();
         if is_pivot {
@@ -319,11 +319,10 @@ impl<'c, 'a> Writer<'c, 'a> {
 
     fn element(&mut self, instance: Instance<'a>) -> Option<WrittenElement> {
         let Instance { decl, environment } = instance;
-        let DeclKind::Element { ends, fields, .. } = decl.kind else { return None };
+        let DeclKind::Element { kind, ends, fields, .. } = decl.kind else { return None };
         let parts = [0, 1].map(|end| self.check.scene.elements[self.written.elements.len()].ends[end].part);
         let places = [self.end(ends, parts[0], environment), self.end(EndId(ends.0 + 1), parts[1], environment)];
-        let coefficient = self.field_number(fields, "k", environment);
-        let coefficient = coefficient.or_else(|| self.field_number(fields, "c", environment))?;
+        let coefficient = self.field_number(fields, kind.kind().coefficient().name, environment)?;
         let along = match self.field(fields, "along") {
             Some(FieldValue::Expr(expr)) => Some(self.direction(expr, environment)),
             _ => None,

@@ -9,6 +9,7 @@ use super::limits;
 use super::tree::*;
 use super::words;
 use crate::base::{FileId, Span};
+use crate::kinds::{self, ElementId, JointId, Shape};
 use pest::{Parser, Token, iterators::Tokens};
 use pest_derive::Parser;
 
@@ -39,41 +40,40 @@ pub(super) enum Refused {
     LongNumber(Span),
 }
 
-/// The grammar's rule for the declaration that starts with this word.
-fn rule_of(text: &str) -> Option<Rule> {
+/// The form of the declaration that starts with this word, and the grammar's rule for it.
+fn rule_of(text: &str) -> Option<(Shape, Rule)> {
     let end = text.bytes().position(|b| !b.is_ascii_lowercase()).unwrap_or(text.len());
-    Some(match &text[..end] {
-        "body" => Rule::body,
-        "spring" => Rule::spring,
-        "damper" => Rule::damper,
-        "param" => Rule::parameter,
-        "let" => Rule::definition,
-        "point" => Rule::point,
-        "pivot" => Rule::pivot,
-        "slide" => Rule::slide,
-        "weld" => Rule::weld,
-        "couple" => Rule::couple,
-        "base" => Rule::base,
-        "force" => Rule::force,
-        "torque" => Rule::torque,
-        "output" => Rule::output,
-        "initial" => Rule::initial,
-        "gravity" => Rule::gravity,
-        "model" => Rule::model,
-        "damping" if text[end..].trim_start().starts_with("rayleigh") => Rule::damping_rayleigh,
-        "damping" => Rule::damping_modal,
-        "rest" => Rule::rest,
-        "solve" => Rule::solve,
-        "require" => Rule::require,
-        "repeat" => Rule::repeat,
-        _ => return None,
-    })
+    let shape = kinds::declaration(&text[..end])?.shape;
+    let rule = match shape {
+        Shape::Body => Rule::body,
+        Shape::Element(_) => Rule::element,
+        Shape::Param => Rule::parameter,
+        Shape::Let => Rule::definition,
+        Shape::Point => Rule::point,
+        Shape::Joint(kind) if kind.kind().slides => Rule::slide,
+        Shape::Joint(_) => Rule::joint,
+        Shape::Couple => Rule::couple,
+        Shape::Base => Rule::base,
+        Shape::Force => Rule::force,
+        Shape::Torque => Rule::torque,
+        Shape::Output => Rule::output,
+        Shape::Initial => Rule::initial,
+        Shape::Gravity => Rule::gravity,
+        Shape::Model => Rule::model,
+        Shape::Damping if text[end..].trim_start().starts_with("rayleigh") => Rule::damping_rayleigh,
+        Shape::Damping => Rule::damping_modal,
+        Shape::Rest => Rule::rest,
+        Shape::Solve => Rule::solve,
+        Shape::Require => Rule::require,
+        Shape::Repeat => Rule::repeat,
+    };
+    Some((shape, rule))
 }
 
 /// Parses `text`, which starts at byte `offset` of the file, and appends it to the tree.
 pub(super) fn declaration(tree: &mut Tree, yard: &mut Yard, text: &str, offset: usize) -> Result<Built, Refused> {
-    let rule = rule_of(text).ok_or(Refused::Grammar)?;
-    take(rule, tree, yard, text, offset, |build| build.declaration())
+    let (shape, rule) = rule_of(text).ok_or(Refused::Grammar)?;
+    take(rule, tree, yard, text, offset, |build| build.declaration(shape))
 }
 
 /// Parses a value that stands alone, as that of `--set NAME=VALUE`. Its brackets have been counted.
@@ -220,25 +220,24 @@ impl Build<'_> {
         self.refused.get_or_insert(refused);
     }
 
-    fn declaration(&mut self) -> Built {
+    fn declaration(&mut self, shape: Shape) -> Built {
         let rule = self.next;
         self.step();
-        let kind = match rule {
-            Some(Rule::model) => DeclKind::Model { name: self.word() },
-            Some(Rule::parameter) => DeclKind::Param { name: self.name(), value: self.expression().id },
-            Some(Rule::definition) => DeclKind::Let { name: self.name(), value: self.expression().id },
-            Some(Rule::gravity) => DeclKind::Gravity { value: self.expression().id },
-            Some(Rule::point) => DeclKind::Point { name: self.name(), value: self.expression().id },
-            Some(Rule::body) => DeclKind::Body { name: self.name(), fields: self.fields() },
-            Some(Rule::spring) => self.element(ElementKeyword::Spring),
-            Some(Rule::damper) => self.element(ElementKeyword::Damper),
-            Some(Rule::repeat) => return Built::Repeat(self.repeat_head()),
-            rule => self.rare(rule),
+        let kind = match shape {
+            Shape::Model => DeclKind::Model { name: self.word() },
+            Shape::Param => DeclKind::Param { name: self.name(), value: self.expression().id },
+            Shape::Let => DeclKind::Let { name: self.name(), value: self.expression().id },
+            Shape::Gravity => DeclKind::Gravity { value: self.expression().id },
+            Shape::Point => DeclKind::Point { name: self.name(), value: self.expression().id },
+            Shape::Body => DeclKind::Body { name: self.name(), fields: self.fields() },
+            Shape::Element(kind) => self.element(kind),
+            Shape::Repeat => return Built::Repeat(self.repeat_head()),
+            shape => self.rare(shape, rule),
         };
         Built::Decl(Decl { span: self.span((0, self.text.len())), kind })
     }
 
-    fn element(&mut self, kind: ElementKeyword) -> DeclKind {
+    fn element(&mut self, kind: ElementId) -> DeclKind {
         DeclKind::Element { kind, name: self.name(), ends: self.ends(), fields: self.fields() }
     }
 
@@ -246,32 +245,28 @@ impl Build<'_> {
         RepeatHead { index: self.word(), first: self.expression().id, last: self.expression().id }
     }
 
-    fn rare(&mut self, rule: Option<Rule>) -> DeclKind {
-        let rare = match rule {
-            Some(Rule::pivot) => self.joint(JointKeyword::Pivot),
-            Some(Rule::slide) => self.joint(JointKeyword::Slide),
-            Some(Rule::weld) => self.joint(JointKeyword::Weld),
-            Some(Rule::couple) => {
+    fn rare(&mut self, shape: Shape, rule: Option<Rule>) -> DeclKind {
+        let rare = match shape {
+            Shape::Joint(kind) => self.joint(kind),
+            Shape::Couple => {
                 Rare::Couple { name: self.name(), left: self.expression().id, right: self.expression().id }
             }
-            Some(Rule::base) => {
-                Rare::Base { name: self.name(), fields: self.fields(), signal: self.clause(Rule::signal) }
-            }
-            Some(Rule::force) => self.force(),
-            Some(Rule::torque) => self.torque(),
-            Some(Rule::initial) => Rare::Initial { body: self.name(), fields: self.fields() },
-            Some(Rule::output) => Rare::Output { name: self.name(), value: self.expression().id },
-            Some(Rule::damping_modal) => Rare::DampingModal { ratio: self.expression().id },
-            Some(Rule::damping_rayleigh) => Rare::DampingRayleigh { arguments: self.arguments().0 },
-            Some(Rule::rest) => Rare::RestAsDrawn,
-            Some(Rule::solve) => self.solve(),
+            Shape::Base => Rare::Base { name: self.name(), fields: self.fields(), signal: self.clause(Rule::signal) },
+            Shape::Force => self.force(),
+            Shape::Torque => self.torque(),
+            Shape::Initial => Rare::Initial { body: self.name(), fields: self.fields() },
+            Shape::Output => Rare::Output { name: self.name(), value: self.expression().id },
+            Shape::Damping if rule == Some(Rule::damping_modal) => Rare::DampingModal { ratio: self.expression().id },
+            Shape::Damping => Rare::DampingRayleigh { arguments: self.arguments().0 },
+            Shape::Rest => Rare::RestAsDrawn,
+            Shape::Solve => self.solve(),
             _ => Rare::Require { condition: self.expression().id },
         };
         self.tree.rare.push(rare);
         DeclKind::Rare { index: (self.tree.rare.len() - 1) as u32 }
     }
 
-    fn joint(&mut self, kind: JointKeyword) -> Rare {
+    fn joint(&mut self, kind: JointId) -> Rare {
         Rare::Joint { kind, name: self.name(), ends: self.ends(), along: self.clause(Rule::along) }
     }
 

@@ -4,8 +4,8 @@
 //! Messages say in words what was expected and what to type; rules of the grammar are not named.
 
 use super::limits;
-use super::words;
 use crate::base::{Change, Code, Diagnostic, Span};
+use crate::kinds::{DECLARATIONS, Declaration, Piece, Shape, listed};
 
 const UNKNOWN_KEYWORD: Code = Code::model("vib::syntax::unknown_keyword");
 const UNEXPECTED: Code = Code::model("vib::syntax::unexpected");
@@ -95,7 +95,7 @@ pub enum SyntaxError {
 /// What may have been meant by something that is no keyword.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Meant {
-    Keyword(&'static str),
+    Declaration(&'static Declaration),
     /// `k = 10 N/m`, without `param` or `let`.
     Value,
     /// `s: ground -- block`, without `spring` or another.
@@ -114,6 +114,8 @@ pub enum Expected {
     Name(&'static str),
     /// A sign or word, and between or after what it stands.
     Sign(&'static str, &'static str),
+    /// One of several words, and after what they stand.
+    OneOf(&'static [&'static str], &'static str),
     /// A value, and which.
     Value(&'static str),
     /// A direction after `moves`.
@@ -133,7 +135,7 @@ pub enum Expected {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remark {
     /// How the declaration is written.
-    Form(&'static str),
+    Form(&'static Declaration),
     /// What to type for a character that looks like it.
     Write(&'static str),
     Plus,
@@ -272,6 +274,7 @@ impl Expected {
             Expected::Blank(keyword) => format!("a blank after `{keyword}`"),
             Expected::Name(whose) => format!("the name of {whose}"),
             Expected::Sign(sign, place) => format!("`{sign}` {place}"),
+            Expected::OneOf(words, place) => format!("{} {place}", listed(&quoted(words), "or")),
             Expected::Value(which) => which.into(),
             Expected::Motion => "a direction of motion: `x`, `y` or `along (a, b)`".into(),
             Expected::Field => "a field".into(),
@@ -288,7 +291,7 @@ impl Meant {
         let at = told.primary.span;
         let start = Span::new(at.file(), at.start(), at.start());
         match self {
-            Meant::Keyword(keyword) => told.mend(at, Change::Replace(keyword.to_string())),
+            Meant::Declaration(meant) => told.mend(at, Change::Replace(meant.keyword.to_string())),
             Meant::Value => told.mend(start, Change::After("param ".into())).mend(start, Change::After("let ".into())),
             Meant::Comment => told.mend(at, Change::Replace("//".into())),
             Meant::Part | Meant::Nothing => told,
@@ -297,13 +300,20 @@ impl Meant {
 
     fn help(&self) -> String {
         match self {
-            Meant::Keyword(keyword) => format!("did you mean `{keyword}`? It is written `{}`", words::form(keyword)),
+            Meant::Declaration(meant) => format!("did you mean `{}`? It is written `{}`", meant.keyword, forms(meant)),
             Meant::Value => "write `param` before it, or `let` where it is derived from others".into(),
             Meant::Part => {
-                "write what it is before it: `spring`, `damper`, `pivot`, `slide`, `weld`, `force`, ...".into()
+                let of = |is: fn(Shape) -> bool| DECLARATIONS.iter().filter(move |d| is(d.shape)).map(|d| d.keyword);
+                let elements = of(|shape| matches!(shape, Shape::Element(_)));
+                let joints = of(|shape| matches!(shape, Shape::Joint(_)));
+                let keywords: Vec<&str> = elements.chain(joints).chain(of(|shape| shape == Shape::Force)).collect();
+                format!("write what it is before it: {}, ...", quoted(&keywords).join(", "))
             }
             Meant::Comment => Remark::Hash.help(),
-            Meant::Nothing => format!("a declaration starts with one of: {}", words::KEYWORDS.join(", ")),
+            Meant::Nothing => {
+                let keywords: Vec<&str> = DECLARATIONS.iter().map(|declaration| declaration.keyword).collect();
+                format!("a declaration starts with one of: {}", keywords.join(", "))
+            }
         }
     }
 }
@@ -330,7 +340,7 @@ impl Remark {
 
     fn help(&self) -> String {
         let text = match self {
-            Remark::Form(form) => return format!("it is written `{form}`"),
+            Remark::Form(declaration) => return format!("it is written `{}`", forms(declaration)),
             Remark::Write(what) => return format!("write {what}"),
             Remark::Plus => "leave out the `+` before a value",
             Remark::Power => "write `^` for powers: `x^2`",
@@ -359,6 +369,16 @@ impl Remark {
         };
         text.into()
     }
+}
+
+fn quoted(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| format!("`{word}`")).collect()
+}
+
+/// A declaration as it is written; the kinds of damping differ so much that both are shown.
+fn forms(declaration: &Declaration) -> String {
+    let chooses = declaration.pieces.iter().any(|piece| matches!(piece, Piece::OneOf(..)));
+    if chooses { declaration.forms.replace('\n', "` or `") } else { declaration.form.into() }
 }
 
 fn character_error(at: Span, character: char) -> Diagnostic {

@@ -2,12 +2,13 @@
 //!
 //! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and
 //! what may help. pest tells how far it came in terms of its rules; an engineer wants to know what to type. So this module
-//! reads the text once more, rule by rule in the order of `grammar/vib.pest`, and stops at the first thing amiss. It makes
-//! nothing of what it reads: that it agrees with the grammar is shown by tests. See spec.md#text.
+//! reads the text once more, piece by piece as the table of kinds lists them, and stops at the first thing amiss. It makes
+//! nothing of what it reads: that it agrees with the grammar is shown by tests. Clause: spec.md 1.
 
 use super::error::{Expected, Remark};
 use super::words;
-use crate::base::unit;
+use crate::base::{Takes, unit};
+use crate::kinds::{self, Declaration, Piece, Shape};
 use std::ops::Range;
 
 /// Where a declaration leaves the grammar; places are bytes of its text.
@@ -22,11 +23,10 @@ pub(super) struct Problem {
 
 type Read = Result<(), Problem>;
 
-/// What is wrong with a declaration that starts with a keyword.
-pub(super) fn explain(text: &str) -> Problem {
-    let keyword = keyword_of(text).unwrap_or("require");
-    let mut reader = Reader { text, at: keyword.len(), form: words::form(keyword), keyword };
-    match reader.declaration().and_then(|()| reader.line_end()) {
+/// What is wrong with the text of a declaration, which starts with its keyword.
+pub(super) fn explain(declaration: &'static Declaration, text: &str) -> Problem {
+    let mut reader = Reader { text, at: declaration.keyword.len(), declaration };
+    match reader.pieces(declaration.pieces).and_then(|()| reader.line_end()) {
         Err(problem) => problem,
         Ok(()) => {
             reader.at = 0;
@@ -35,10 +35,10 @@ pub(super) fn explain(text: &str) -> Problem {
     }
 }
 
-/// The keyword at the start of a declaration.
-pub(super) fn keyword_of(text: &str) -> Option<&'static str> {
-    let end = text.find(|c: char| !words::is_letter(c) && !c.is_ascii_digit()).unwrap_or(text.len());
-    words::KEYWORDS.iter().find(|keyword| **keyword == &text[..end]).copied()
+/// The declaration whose keyword a text starts with.
+pub(super) fn declaration_of(text: &str) -> Option<&'static Declaration> {
+    let end = text.find(|c: char| !in_word(c)).unwrap_or(text.len());
+    kinds::declaration(&text[..end])
 }
 
 /// The thing that starts at a place: a word or number, an operator, or one character.
@@ -91,9 +91,7 @@ fn look_alike(c: char) -> Option<&'static str> {
 struct Reader<'a> {
     text: &'a str,
     at: usize,
-    keyword: &'static str,
-    /// A declaration of this kind as it is written.
-    form: &'static str,
+    declaration: &'static Declaration,
 }
 
 impl Reader<'_> {
@@ -162,7 +160,7 @@ impl Reader<'_> {
             return if matches!(expected, Expected::Value(_)) && operator {
                 Remark::LineGoesOn
             } else {
-                Remark::Form(self.form)
+                Remark::Form(self.declaration)
             };
         };
         if matches!(next, '\'' | '\u{2019}' | '\u{2032}' | '\u{2033}') && self.last().is_some_and(in_word) {
@@ -182,7 +180,7 @@ impl Reader<'_> {
             (Expected::LineEnd | Expected::Separator | Expected::Comma(_), _) => {
                 self.remark_after_value(expected, next)
             }
-            _ => Remark::Form(self.form),
+            _ => Remark::Form(self.declaration),
         }
     }
 
@@ -202,13 +200,13 @@ impl Reader<'_> {
             '[' if apart && after_word => Remark::IndexApart,
             _ if after_digit && apart && (words::is_letter(next) || matches!(next, '%' | '°')) => Remark::UnitApart,
             _ if apart && self.starts_unit() => Remark::UnitOfNoNumber,
-            '=' if self.keyword == "require" => Remark::Comparison,
+            '=' if self.declaration.shape == Shape::Require => Remark::Comparison,
             _ if expected == Expected::LineEnd && self.starts_keyword() => Remark::LineOfItsOwn,
-            ',' if expected == Expected::LineEnd && !self.form.contains("= (") => Remark::LineOfItsOwn,
-            _ if expected == Expected::LineEnd && self.keyword == "model" => Remark::NameJoined,
-            _ if expected == Expected::LineEnd && !self.ends_with_value() => Remark::Form(self.form),
+            ',' if expected == Expected::LineEnd && self.declaration.shape != Shape::Point => Remark::LineOfItsOwn,
+            _ if expected == Expected::LineEnd && self.declaration.shape == Shape::Model => Remark::NameJoined,
+            _ if expected == Expected::LineEnd && !self.ends_with_value() => Remark::Form(self.declaration),
             _ if expected != Expected::Separator && (next == '(' || in_word(next)) => Remark::OperatorMissing,
-            _ => Remark::Form(self.form),
+            _ => Remark::Form(self.declaration),
         }
     }
 
@@ -219,47 +217,38 @@ impl Reader<'_> {
     }
 
     fn ends_with_value(&self) -> bool {
-        ["param", "let", "point", "output", "gravity", "damping", "solve", "require", "couple"].contains(&self.keyword)
+        matches!(self.declaration.pieces.last(), Some(Piece::Value(..) | Piece::OneOf(..)))
     }
 
     fn starts_keyword(&self) -> bool {
-        keyword_of(self.rest()).is_some()
+        declaration_of(self.rest()).is_some()
     }
 
-    // ---- Declarations, as in the grammar ----
+    // ---- Declarations, as the table of kinds has them ----
 
-    fn declaration(&mut self) -> Read {
-        match self.keyword {
-            "model" => self.blank().and_then(|()| self.word("the model")),
-            "param" => {
-                self.named_value("the parameter", "between the parameter and its value", "the parameter's value")
-            }
-            "let" => self.named_value("the quantity", "between the name and its value", "a value"),
-            "point" => self.named_value("the point", "between the point and its place", "a place `(x, y)`"),
-            "output" => self.named_value("the output", "between the output and what it is", "what is put out"),
-            "gravity" => self.apart().and_then(|()| self.expression("the acceleration of gravity")),
-            "body" => self.named_fields("the body"),
-            "initial" => self.named_fields("the body"),
-            "base" => self.named_fields("the base").and_then(|()| self.signal()),
-            "spring" | "damper" => {
-                self.part()?;
-                self.two_ends()?;
-                self.blanks();
-                self.fields()
-            }
-            "pivot" | "weld" => self.part().and_then(|()| self.two_ends()),
-            "slide" => {
-                self.part()?;
-                self.two_ends()?;
-                self.along()
-            }
-            "couple" => self.couple(),
-            "force" | "torque" => self.load(),
-            "damping" => self.damping(),
-            "rest" => self.rest_as_drawn(),
-            "solve" => self.solve(),
-            "repeat" => self.repeat(),
-            _ => self.apart().and_then(|()| self.expression("a condition")),
+    fn pieces(&mut self, pieces: &'static [Piece]) -> Read {
+        pieces.iter().try_for_each(|piece| self.piece(piece))
+    }
+
+    fn piece(&mut self, piece: &'static Piece) -> Read {
+        match *piece {
+            Piece::Blank => self.blank(),
+            Piece::Apart => self.apart(),
+            Piece::Word(_, whose) => self.word(whose),
+            Piece::Name(_, whose) => self.name(whose),
+            Piece::Sign(sign, place) => self.sign(sign, place),
+            Piece::Marker(word, place) => self.marker(word, place),
+            Piece::OneOf(words, place, rest) => match words.iter().position(|word| self.eat_word(word)) {
+                Some(which) => self.pieces(rest[which]),
+                None => Err(self.problem(Expected::OneOf(words, place))),
+            },
+            Piece::Value(which, _) => self.expression(which),
+            Piece::Arguments(place, what) => self.arguments(place, what),
+            Piece::End(which) => self.end(which),
+            Piece::OtherEnd(which) => self.other_end(which),
+            Piece::Along => self.along(),
+            Piece::Signal(_) => self.signal(),
+            Piece::Fields => self.fields(),
         }
     }
 
@@ -269,28 +258,17 @@ impl Reader<'_> {
         }
         Err(match self.next() {
             None => self.problem(self.first()),
-            Some(_) => self.problem(Expected::Blank(self.keyword)),
+            Some(_) => self.problem(Expected::Blank(self.declaration.keyword)),
         })
     }
 
-    /// What comes first after the keyword.
+    /// What comes first after the keyword and its blank.
     fn first(&self) -> Expected {
-        match self.keyword {
-            "gravity" | "require" => Expected::Value("a value"),
-            "rest" => Expected::Sign("as drawn", "after `rest`"),
-            "damping" => Expected::Sign("modal` or `rayleigh", "after `damping`"),
-            "repeat" => Expected::Name("the index"),
-            "initial" => Expected::Name("the body"),
-            keyword => Expected::Name(match keyword {
-                "model" => "the model",
-                "param" | "solve" => "the parameter",
-                "let" => "the quantity",
-                "point" => "the point",
-                "body" => "the body",
-                "base" => "the base",
-                "output" => "the output",
-                _ => "the part",
-            }),
+        match self.declaration.pieces.get(1) {
+            Some(Piece::Word(_, whose) | Piece::Name(_, whose)) => Expected::Name(whose),
+            Some(Piece::Marker(word, place)) => Expected::Sign(word, place),
+            Some(Piece::OneOf(words, place, _)) => Expected::OneOf(words, place),
+            _ => Expected::Value("a value"),
         }
     }
 
@@ -314,8 +292,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A word between others, with a blank before it.
-    fn word_sign(&mut self, word: &'static str, place: &'static str) -> Read {
+    /// A word of the language between others, with a blank before it.
+    fn marker(&mut self, word: &'static str, place: &'static str) -> Read {
         self.blanks();
         if self.eat_word(word) { Ok(()) } else { Err(self.problem(Expected::Sign(word, place))) }
     }
@@ -357,25 +335,10 @@ impl Reader<'_> {
         }
     }
 
-    fn named_value(&mut self, whose: &'static str, between: &'static str, value: &'static str) -> Read {
-        self.blank()?;
-        self.name(whose)?;
-        self.sign("=", between)?;
-        self.expression(value)
-    }
-
-    fn named_fields(&mut self, whose: &'static str) -> Read {
-        self.blank()?;
-        self.name(whose)?;
-        self.blanks();
-        self.fields()
-    }
-
-    /// `spring s:`
-    fn part(&mut self) -> Read {
-        self.blank()?;
-        self.name("the part")?;
-        self.sign(":", "after the part's name")
+    /// `(0.1 /s, 1e-4 s)`
+    fn arguments(&mut self, place: &'static str, what: &'static str) -> Read {
+        self.sign("(", place)?;
+        if self.eat(")") { Ok(()) } else { self.list(what, ')') }
     }
 
     fn end(&mut self, which: &'static str) -> Read {
@@ -389,10 +352,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn two_ends(&mut self) -> Read {
-        self.end("the part at the first end")?;
-        self.sign("--", "between the two ends")?;
-        self.end("the part at the second end")
+    /// `-- box`, where it is there.
+    fn other_end(&mut self, which: &'static str) -> Read {
+        let before = self.at;
+        self.blanks();
+        if self.eat("--") {
+            self.blanks();
+            return self.end(which);
+        }
+        self.at = before;
+        Ok(())
     }
 
     /// The point behind `@`.
@@ -429,82 +398,6 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn couple(&mut self) -> Read {
-        self.part()?;
-        self.expression("a relation between motions")?;
-        self.sign("=", "between the two sides")?;
-        self.expression("the other side")
-    }
-
-    fn load(&mut self) -> Read {
-        self.part()?;
-        self.end("the part that is loaded")?;
-        let before = self.at;
-        self.blanks();
-        if self.eat("--") {
-            self.blanks();
-            self.end("the part at the second end")?;
-        } else {
-            self.at = before;
-        }
-        if self.keyword == "force" {
-            self.along()?;
-        }
-        self.signal()
-    }
-
-    fn damping(&mut self) -> Read {
-        self.blank()?;
-        if self.eat_word("modal") {
-            self.apart()?;
-            return self.expression("a damping ratio");
-        }
-        if !self.eat_word("rayleigh") {
-            return Err(self.problem(self.first()));
-        }
-        self.blanks();
-        if !self.eat("(") {
-            return Err(self.problem(Expected::Sign("(", "before the two factors")));
-        }
-        self.blanks();
-        if self.eat(")") {
-            return Ok(());
-        }
-        self.list("a factor", ')')
-    }
-
-    fn rest_as_drawn(&mut self) -> Read {
-        self.blank()?;
-        self.word_sign("as", "after `rest`")?;
-        self.word_sign("drawn", "after `rest as`")
-    }
-
-    /// `in low .. high`
-    fn range(&mut self) -> Read {
-        self.word_sign("in", "before the range")?;
-        self.apart()?;
-        self.expression("the lower bound")?;
-        self.sign("..", "between the bounds")?;
-        self.expression("the upper bound")
-    }
-
-    fn solve(&mut self) -> Read {
-        self.blank()?;
-        self.name("the parameter")?;
-        self.range()?;
-        self.sign(":", "before the measure")?;
-        self.expression("a measure")?;
-        self.sign("=", "between the measure and its value")?;
-        self.expression("the measure's value")
-    }
-
-    fn repeat(&mut self) -> Read {
-        self.blank()?;
-        self.word("the index")?;
-        self.range()?;
-        self.sign("{", "at the end of the line")
-    }
-
     fn line_end(&mut self) -> Read {
         self.blanks();
         if self.rest().is_empty() { Ok(()) } else { Err(self.problem(Expected::LineEnd)) }
@@ -513,6 +406,7 @@ impl Reader<'_> {
     // ---- Fields ----
 
     fn fields(&mut self) -> Read {
+        self.blanks();
         if !self.eat("{") {
             return Err(self.problem(Expected::Sign("{", "before the fields")));
         }
@@ -541,8 +435,9 @@ impl Reader<'_> {
         let start = self.at;
         self.word("a field")?;
         let key = &self.text[start..self.at];
-        let flag = matches!(key, "turns" | "free");
-        let moves = key == "moves";
+        let takes = kinds::field(key).map(|field| field.takes);
+        let flag = matches!(takes, Some(Takes::Nothing));
+        let moves = matches!(takes, Some(Takes::Motions));
         let after = self.at;
         let apart = self.blanks();
         if self.eat("=") {

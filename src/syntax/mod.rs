@@ -8,7 +8,6 @@ mod build;
 mod error;
 mod explain;
 pub mod limits;
-pub mod manual;
 mod report;
 mod split;
 pub mod tree;
@@ -202,20 +201,20 @@ impl<'a> Parse<'a> {
     /// The declaration before has lost its `{`, and this is no declaration: its fields, most likely.
     fn belongs_to_headless(&mut self, range: &Range<usize>) -> bool {
         let text = &self.text[range.clone()];
-        let belongs = explain::keyword_of(text).is_none();
+        let belongs = explain::declaration_of(text).is_none();
         self.headless = belongs && !text.starts_with('{');
         belongs
     }
 
     fn explain(&self, text: &str, offset: usize) -> SyntaxError {
         let place = |at: Range<usize>| self.span(offset + at.start..offset + at.end);
-        if explain::keyword_of(text).is_none() {
+        let Some(declaration) = explain::declaration_of(text) else {
             let at = explain::thing(text, 0);
             let word = &text[at.clone()];
             let found = explain::shown(word);
             return SyntaxError::UnknownKeyword { at: place(at.clone()), found, meant: meant(word, &text[at.end..]) };
-        }
-        let problem = explain::explain(text);
+        };
+        let problem = explain::explain(declaration, text);
         let (found, expected, remark) = (problem.found, problem.expected, problem.remark);
         SyntaxError::Unexpected { at: place(problem.at), found, expected, remark }
     }
@@ -260,7 +259,7 @@ impl<'a> Parse<'a> {
     /// A closing bracket too many in a declaration: most often its opening one is missing, and something stands there.
     fn stray_inside(&mut self, range: &Range<usize>, at: usize) {
         let before = self.text[range.start..at].trim_end();
-        if explain::keyword_of(before).is_some() && !self.report.is_full() {
+        if explain::declaration_of(before).is_some() && !self.report.is_full() {
             let error = self.explain(before, range.start);
             if matches!(&error, SyntaxError::Unexpected { found: Some(_), expected, .. } if *expected != Expected::Form)
             {
@@ -345,6 +344,6 @@ fn meant(word: &str, rest: &str) -> Meant {
     match rest.trim_start().chars().next() {
         Some('=') if is_word => Meant::Value,
         Some(':') if is_word => Meant::Part,
-        _ => words::nearest(word).map_or(Meant::Nothing, Meant::Keyword),
+        _ => words::nearest(word).map_or(Meant::Nothing, Meant::Declaration),
     }
 }

@@ -6,6 +6,7 @@
 //! and its words are read from the source.
 
 use crate::base::{FileId, Span};
+use crate::kinds::{ElementId, JointId};
 use std::num::NonZeroU32;
 
 /// One parsed file.
@@ -77,32 +78,19 @@ pub enum DeclKind {
     Point { name: Ident, value: ExprId },
     /// `body b { ... }`
     Body { name: Ident, fields: Fields },
-    /// `spring s: a -- b { ... }`, `damper ...`
-    Element { kind: ElementKeyword, name: Ident, ends: EndId, fields: Fields },
+    /// `spring s: a -- b { ... }`, `damper ...`, ...
+    Element { kind: ElementId, name: Ident, ends: EndId, fields: Fields },
     /// `repeat i in 2..100 { ... }`: index into [`Tree::repeats`].
     Repeat { index: u32 },
     /// Index into [`Tree::rare`].
     Rare { index: u32 },
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ElementKeyword {
-    Spring,
-    Damper,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointKeyword {
-    Pivot,
-    Slide,
-    Weld,
-}
-
 /// The declarations of which a scene has few.
 #[derive(Clone, Copy, Debug)]
 pub enum Rare {
     /// `pivot p: a@A -- b`, `slide g: a -- b along (1, 0)`, `weld w: a -- b`
-    Joint { kind: JointKeyword, name: Ident, ends: EndId, along: Option<ExprId> },
+    Joint { kind: JointId, name: Ident, ends: EndId, along: Option<ExprId> },
     /// `couple r: wheel.angle = -block.x / 0.3 m`
     Couple { name: Ident, left: ExprId, right: ExprId },
     /// `base floor { moves y }`, `base floor { moves y } = harmonic(1 mm, 30 Hz)`

@@ -1,85 +1,23 @@
-//! The words that start declarations, and what a declaration of each looks like. See spec.md#keywords.
+//! The words that start declarations, as the parser meets them in a text. Clause: spec.md 1.3.
 
+use crate::kinds::{self, DECLARATIONS, Declaration};
 use std::ops::Range;
 
-/// What a declaration may start with, in the order of spec.md.
-pub const KEYWORDS: [&str; 22] = [
-    "model", "param", "let", "gravity", "point", "body", "pivot", "slide", "weld", "couple", "spring", "damper",
-    "base", "force", "torque", "initial", "output", "damping", "rest", "repeat", "solve", "require",
-];
-
-/// What other languages and textbooks call them.
-const SYNONYMS: [(&str, &str); 26] = [
-    ("parameter", "param"),
-    ("var", "param"),
-    ("variable", "param"),
-    ("const", "let"),
-    ("def", "let"),
-    ("define", "let"),
-    ("node", "point"),
-    ("mass", "body"),
-    ("link", "body"),
-    ("rigid", "body"),
-    ("hinge", "pivot"),
-    ("pin", "pivot"),
-    ("joint", "pivot"),
-    ("revolute", "pivot"),
-    ("slider", "slide"),
-    ("prismatic", "slide"),
-    ("fixed", "weld"),
-    ("gear", "couple"),
-    ("rack", "couple"),
-    ("dashpot", "damper"),
-    ("support", "base"),
-    ("moment", "torque"),
-    ("sensor", "output"),
-    ("for", "repeat"),
-    ("assert", "require"),
-    ("check", "require"),
-];
-
 pub fn is_keyword(word: &str) -> bool {
-    KEYWORDS.contains(&word)
+    kinds::declaration(word).is_some()
 }
 
-/// A declaration of this keyword as it is written.
-pub fn form(keyword: &str) -> &'static str {
-    match keyword {
-        "model" => "model cart",
-        "param" => "param k = 10 N/m",
-        "let" => "let w = sqrt(k / m)",
-        "gravity" => "gravity 9.81 m/s^2",
-        "point" => "point A = (0, 1 m)",
-        "body" => "body block { mass = 1 kg, moves x }",
-        "pivot" => "pivot p: block@A -- rod",
-        "slide" => "slide g: arm -- slug along (1, 0)",
-        "weld" => "weld w: block -- box",
-        "couple" => "couple r: wheel.angle = -block.x / 0.3 m",
-        "spring" => "spring s: ground -- block { k = 10 N/m }",
-        "damper" => "damper d: ground -- block { c = 5 N*s/m }",
-        "base" => "base floor { moves y }",
-        "force" => "force F: block along x = harmonic(10 N, 1.5 Hz)",
-        "torque" => "torque T: rod",
-        "initial" => "initial block { x = 16 mm, vx = 0.375 m/s }",
-        "output" => "output theta = rod.angle",
-        "damping" => "damping modal 2 %` or `damping rayleigh(0.1 /s, 1e-4 s)",
-        "rest" => "rest as drawn",
-        "repeat" => "repeat i in 2..100 {",
-        "solve" => "solve f in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB",
-        _ => "require frequency(1) > 2 Hz",
-    }
-}
-
-/// The keyword that a word may have been meant as: a synonym, or the nearest one by the number of letters to change.
-pub(super) fn nearest(word: &str) -> Option<&'static str> {
+/// The declaration that a word may have been meant to start: by a synonym, or the nearest keyword by the number of letters to
+/// change.
+pub(super) fn nearest(word: &str) -> Option<&'static Declaration> {
     let word = word.to_lowercase();
-    if let Some((_, keyword)) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word) {
-        return Some(keyword);
+    if let Some(declaration) = DECLARATIONS.iter().find(|declaration| declaration.synonyms.contains(&&*word)) {
+        return Some(declaration);
     }
-    let distance = |keyword: &&&str| strsim::damerau_levenshtein(keyword, &word);
-    let nearest = KEYWORDS.iter().min_by_key(distance)?;
+    let distance = |declaration: &&Declaration| strsim::damerau_levenshtein(declaration.keyword, &word);
+    let nearest = DECLARATIONS.iter().min_by_key(distance)?;
     // A third of the letters, as rustc does.
-    (distance(&nearest) * 3 <= word.chars().count().max(nearest.len())).then_some(*nearest)
+    (distance(&nearest) * 3 <= word.chars().count().max(nearest.keyword.len())).then_some(nearest)
 }
 
 /// The word of small letters at the start of a text; may be empty.

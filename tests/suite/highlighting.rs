@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use vibc::editor::outline::Outline;
 use vibc::editor::roles::{Role, roles};
 use vibc::editor::tokens::{TokenKind, tokens};
-use vibc::syntax::words::KEYWORDS;
+use vibc::kinds::DECLARATIONS;
 
 const GRAMMAR: &str = include_str!("../../editors/vscode/syntaxes/vib.tmLanguage.json");
 const VIM: &str = include_str!("../../editors/neovim/syntax/vib.vim");
@@ -169,6 +169,10 @@ fn the_grammar_colours_every_word_of_every_example_as_the_language_has_it() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+fn keywords() -> impl Iterator<Item = &'static str> {
+    DECLARATIONS.iter().map(|declaration| declaration.keyword)
+}
+
 /// The words of the alternatives `a|b|c` or `a\|b\|c` of a text.
 fn alternatives(text: &str) -> Vec<&str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty()).collect()
@@ -179,7 +183,7 @@ fn every_grammar_knows_every_keyword_and_function() {
     for (name, text) in [("TextMate", GRAMMAR), ("Vim", VIM), ("tree-sitter's colours", TREE_SITTER_COLOURS)] {
         let words = alternatives(text);
         let functions = vibc::model::functions();
-        for word in KEYWORDS.into_iter().chain(functions).chain(["ground", "pi", "moves", "turns", "free", "about"]) {
+        for word in keywords().chain(functions).chain(["ground", "pi", "moves", "turns", "free", "about"]) {
             assert!(words.contains(&word), "{name} does not know `{word}`");
         }
     }
@@ -196,7 +200,7 @@ fn quoted<'a>(text: &'a str, comment: &str, quote: char) -> Vec<&'a str> {
 fn the_tree_sitter_grammar_its_parser_and_its_colours_have_the_same_keywords() {
     let grammar = quoted(TREE_SITTER, "//", '\'');
     let colours = quoted(TREE_SITTER_COLOURS, ";", '"');
-    for word in KEYWORDS.into_iter().chain(["as", "drawn", "in", "along", "about", "moves", "modal", "rayleigh"]) {
+    for word in keywords().chain(["as", "drawn", "in", "along", "about", "moves", "modal", "rayleigh"]) {
         assert!(grammar.contains(&word), "grammar.js does not know `{word}`");
         assert!(colours.contains(&word), "highlights.scm does not know `{word}`");
         // The parser is made from the grammar by `tree-sitter generate`.

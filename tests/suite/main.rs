@@ -30,6 +30,8 @@ mod highlighting;
 mod hostile;
 mod house;
 mod independent;
+mod inerters;
+mod kinds;
 mod language;
 mod language_page;
 mod literals;

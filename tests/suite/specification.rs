@@ -7,7 +7,8 @@ use std::fs;
 use std::path::Path;
 use vibc::backend::explain::{PAGES, explain};
 use vibc::base::{SourceFile, Sources};
-use vibc::syntax::{self, manual};
+use vibc::kinds::DECLARATIONS;
+use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no model gives): their
 /// pages describe the example in words.
@@ -94,9 +95,12 @@ fn what_a_terminal_shows_is_the_page() {
 
 #[test]
 fn the_forms_of_the_manual_parse() {
-    for entry in manual::ENTRIES {
+    for declaration in &DECLARATIONS {
         let mut sources = Sources::new();
-        let file = sources.add(SourceFile::model(entry.keyword, entry.forms));
-        assert_eq!(syntax::parse(&sources, file).errors.iter().count(), 0, "{}", entry.forms);
+        let forms = declaration.forms;
+        let file = sources.add(SourceFile::model(declaration.keyword, forms));
+        assert_eq!(syntax::parse(&sources, file).errors.iter().count(), 0, "{forms}");
+        let starts = |line: &str| line.starts_with(&format!("{} ", declaration.keyword));
+        assert!(forms.lines().any(starts), "{forms}");
     }
 }

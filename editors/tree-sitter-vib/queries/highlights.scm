@@ -7,8 +7,8 @@
 (unit) @type
 
 [
-  "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "base" "force"
-  "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require"
+  "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "base"
+  "force" "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require"
 ] @keyword
 ["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh"] @keyword
 (axis) @constant.builtin
@@ -19,9 +19,9 @@
 (call function: (word) @function)
 ((call function: (word) @function.builtin)
   (#any-of? @function.builtin
-    "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin" "acos" "atan" "atan2" "exp" "ln" "rod" "disk" "ring" "box"
-    "constant" "step" "impulse" "ramp" "pulse" "harmonic" "chirp" "table" "frequency" "damping" "gain" "phase"
-    "amplitude" "static" "peak" "rms"))
+    "rod" "disk" "ring" "box" "constant" "step" "impulse" "ramp" "pulse" "harmonic" "chirp" "table" "frequency"
+    "damping" "gain" "phase" "amplitude" "static" "peak" "rms" "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin"
+    "acos" "atan" "atan2" "exp" "ln"))
 
 ((name (word) @constant.builtin) (#any-of? @constant.builtin "ground" "pi" "stable"))
 (parameter name: (name (word) @variable))

@@ -3,6 +3,7 @@
 //! One blank around operators, after a comma and a colon and inside braces; none inside `( )` and `[ ]`, around `.`, `@`
 //! and `^`, after the sign of a value. Indices and the range of a `repeat` are written close: `m[i-1]`, `2..n-1`.
 
+use crate::editor::roles;
 use crate::editor::tokens::{Token, TokenKind};
 
 /// A token as it is written in a line.
@@ -181,7 +182,7 @@ impl Reader<'_> {
 
     /// `--` at hand stands between the two ends of a part, and not for two signs of a value.
     fn connects(&mut self) -> bool {
-        let has_ends = matches!(self.keyword, "spring" | "damper" | "pivot" | "slide" | "weld" | "force" | "torque");
+        let has_ends = roles::has_ends(self.keyword);
         let after_end = self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Close));
         let connects = has_ends && after_end && self.open.is_empty() && !self.connected;
         self.connected |= connects;

@@ -5,7 +5,7 @@ use super::equation::{Component, Equation};
 use super::{Constraint, Source};
 use crate::base::{Number, Vec3};
 use crate::elements::{Scalar, Vector};
-use crate::joints::{self, Displacement};
+use crate::joints::Displacement;
 use crate::lower::kinematics::{End, Kinematics, Path};
 use crate::lower::loads;
 use crate::model::scene::{Couple, Joint, Motion, MotionTerm, Scene};
@@ -25,7 +25,7 @@ pub fn all(scene: &Scene, kinematics: &Kinematics) -> Vec<Constraint> {
 }
 
 fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
-    let held = joints::held(&joint.kind);
+    let held = joint.held();
     let pieces = [0, 1].map(|end| kinematics.tree.piece(joint.ends[end].part));
     let angles = pieces.map(|piece| kinematics.angle(piece));
     // Parts that do not turn against each other may be compared at any point that is known.

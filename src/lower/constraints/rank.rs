@@ -11,7 +11,7 @@ use super::{Constraints, Reduction, Source};
 use crate::base::{Diagnostic, Number, Span, Vec3};
 use crate::lower::error::{self, LowerError};
 use crate::lower::kinematics::{Index, Kinematics, Reach, State};
-use crate::model::scene::{JointKind, Scene};
+use crate::model::scene::Scene;
 use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -249,12 +249,7 @@ fn in_line(scene: &Scene, kinematics: &Kinematics, sources: &[Source]) -> bool {
         Source::Joint(joint) => kinematics.tree.closed_by(scene, *joint),
         Source::Couple(_) => Vec::new(),
     });
-    let pivots: Vec<&Vec3> = joints
-        .filter_map(|joint| match &scene.joints[joint.index()].kind {
-            JointKind::Pivot { at } => Some(at),
-            _ => None,
-        })
-        .collect();
+    let pivots: Vec<&Vec3> = joints.filter_map(|joint| scene.joints[joint.index()].at.as_ref()).collect();
     let Some(far) = pivots.iter().map(|at| at.sub(pivots[0])).find(|way| !way.may_be_zero()) else { return false };
     pivots.len() >= 3 && pivots.iter().all(|at| at.sub(pivots[0]).cross(&far).may_be_zero())
 }

@@ -312,7 +312,7 @@ impl<'a> Balance<'a> {
 }
 
 fn gives_tension(law: &Law) -> bool {
-    matches!(law, Law::Spring { rest, .. } if *rest != SpringRest::AsDrawn)
+    law.rest != SpringRest::AsDrawn
 }
 
 /// The springs whose tension is not given and that pull at something.
@@ -320,7 +320,7 @@ fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state:
     let (mut between, mut reach, mut row) = (Between::default(), Reach::default(), Vec::new());
     let mut columns = Vec::new();
     for (element, declared) in scene.elements.iter().enumerate() {
-        let Law::Spring { stiffness, rest: rest @ SpringRest::AsDrawn } = &declared.law else { continue };
+        let Some((stiffness, rest @ SpringRest::AsDrawn)) = declared.law.spring() else { continue };
         let law = (stiffness, rest);
         let spring = loads::spring(kinematics, &declared.ends, &declared.geometry, law, &mut between);
         reach.measure(kinematics, state, &between.path);

@@ -125,7 +125,7 @@ const MAX_ALONG: usize = 2000;
 /// Whether anything could pull as drawn.
 fn is_loaded(scene: &Scene) -> bool {
     use crate::model::scene::{Law, SpringRest};
-    let pulls = |law: &Law| matches!(law, Law::Spring { rest, .. } if *rest != SpringRest::AsDrawn);
+    let pulls = |law: &Law| law.rest != SpringRest::AsDrawn;
     !scene.gravity.is_zero()
         || scene.elements.iter().any(|element| pulls(&element.law))
         || scene.inputs.iter().any(|input| loads::constant(input).is_some())

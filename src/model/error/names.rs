@@ -31,7 +31,7 @@ pub enum NameError {
     UnknownParameter { span: Span, word: String, suggestion: Option<String>, known: Vec<String> },
     NotAParameter { span: Span, word: String, kind: DefinitionKind, declared: Span },
     SettingTwice { span: Span, first: Span, what: &'static str },
-    UnknownField { span: Span, word: String, suggestion: Option<&'static str>, known: &'static [&'static str] },
+    UnknownField { span: Span, word: String, suggestion: Option<&'static str>, known: Vec<&'static str> },
     FieldTwice { span: Span, first: Span, word: String },
     FieldWithoutValue { span: Span, word: String },
     FlagWithValue { span: Span, word: String },
@@ -110,7 +110,7 @@ impl NameError {
                     .mend(span, Change::DropDeclaration)
             }
             UnknownField { span, word, suggestion, known } => {
-                let help = suggestion.is_none().then(|| format!("known here: {}", listed(known)));
+                let help = suggestion.is_none().then(|| format!("known here: {}", listed(&known)));
                 let message = format!("there is no field `{word}` here");
                 with_suggestion(error("vib::field::unknown", span, message), suggestion.map(str::to_string), help)
             }

@@ -2,6 +2,10 @@
 
 use super::{error, short, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
+use crate::elements::Kind;
+use crate::joints;
+use crate::kinds::functions::{Function, SHAPES, SIGNALS};
+use crate::kinds::listed;
 
 /// A table that cannot be read, or was not given to the check.
 pub const TABLE_UNREADABLE: Code = Code::file("vib::table::unreadable");
@@ -22,18 +26,17 @@ pub enum PartError {
     CentreMissing { span: Span, name: String },
     Empty { span: Span },
     JointOfOnePart { span: Span, part: String },
-    SlideWithoutDirection { span: Span },
+    SlideWithoutDirection { span: Span, kind: &'static joints::Kind },
     PivotWithoutPlace { span: Span, part: String },
     EndsApart { spans: [Span; 2], places: [(f64, f64); 2] },
     EqualEnds { span: Span, part: String },
     ZeroLength { span: Span },
     DirectionUnknown { span: Span, part: String },
-    DirectionOfTorsion { span: Span },
-    NoEndTurns { span: Span, torsional: Option<Span> },
+    DirectionOfTorsion { span: Span, kind: &'static Kind },
+    NoEndTurns { span: Span, torsional: Option<(Span, &'static Kind)> },
     FreeLengthAndPreload { span: Span, free: Span },
     NoDrawnLength { span: Span },
-    NegativeStiffness { span: Span },
-    NegativeDamping { span: Span },
+    NegativeCoefficient { span: Span, code: Code, message: &'static str },
     DampingFeeds { span: Span },
     DampingOverCritical { span: Span, ratio: f64 },
     DampingBesideBase { span: Span, base: Span, name: String },
@@ -42,7 +45,7 @@ pub enum PartError {
     SignalOfManyMotions { span: Span },
     NotASignal { span: Span },
     UnknownSignal { span: Span, word: String, suggestion: Option<&'static str> },
-    SignalArguments { span: Span, name: &'static str, form: &'static str },
+    SignalArguments { span: Span, function: &'static Function },
     TimesReversed { span: Span },
     TableUnread { span: Span, reason: String },
     TableRow { span: Span, found: RowFault, named: Span },
@@ -84,8 +87,8 @@ impl PartError {
                     .mend(span, Change::DropField)
             }
             UnknownShape { span, suggestion } => {
-                let help =
-                    suggestion.is_none().then(|| "write `rod(A, B)`, `disk(r)`, `ring(r)` or `box(w, h)`".into());
+                let forms = || SHAPES.iter().map(|shape| format!("`{}`", shape.function.form)).collect::<Vec<_>>();
+                let help = suggestion.is_none().then(|| format!("write {}", listed(&forms(), "or")));
                 with_suggestion(
                     error("vib::shape::unknown", span, "this is no shape"),
                     suggestion.map(str::to_string),
@@ -127,10 +130,12 @@ impl PartError {
                 error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
                     .help("a joint ties two different parts")
             }
-            SlideWithoutDirection { span } => error("vib::joint::direction", span, "a slide needs a direction")
-                .help("add it: `slide g: a -- b along (1, 0)`")
-                .mend(span, Change::Append(" along (1, 0)"))
-                .mend(span, Change::Append(" along (0, 1)")),
+            SlideWithoutDirection { span, kind } => {
+                error("vib::joint::direction", span, format!("a {} needs a direction", kind.keyword))
+                    .help(format!("add it: `{}`", kind.form))
+                    .mend(span, Change::Append(" along (1, 0)"))
+                    .mend(span, Change::Append(" along (0, 1)"))
+            }
             PivotWithoutPlace { span, part } => error("vib::joint::no_place", span, "where the pivot is, is not known")
                 .help(format!("write the point after one of the ends: `{part}@(0, 0)`"))
                 .mend(span, Change::After("@(0, 0)".into())),
@@ -147,9 +152,10 @@ impl PartError {
                     .help(format!("give the end a point, `{part}@(0, 0)`, or give a direction: `along = x`"))
                     .mend_by_field(span, &["along = x", "along = y"])
             }
-            DirectionOfTorsion { span } => {
+            DirectionOfTorsion { span, kind } => {
+                let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
                 error("vib::element::torsion_along", span, "what acts on the rotation has no direction")
-                    .help("leave `along` out, or write a stiffness in N/m or a damping coefficient in N*s/m")
+                    .help(format!("leave `along` out, or write {noun} in {unit}"))
                     .mend(span, Change::DropField)
             }
             NoEndTurns { span, torsional } => no_end_turns(span, torsional),
@@ -166,16 +172,7 @@ impl PartError {
                 "without positions the spring has no drawn length to compare with",
             )
             .help("give `preload` in place of `free_length`, or draw the ends: `ground@(-0.5 m, 0)`"),
-            NegativeStiffness { span } => Diagnostic::note(
-                Code::model("vib::spring::negative"),
-                span,
-                "this stiffness is negative: it drives away from rest",
-            ),
-            NegativeDamping { span } => Diagnostic::note(
-                Code::model("vib::damper::negative"),
-                span,
-                "this damping is negative: it feeds energy in",
-            ),
+            NegativeCoefficient { span, code, message } => Diagnostic::note(code, span, message),
             DampingFeeds { span } => Diagnostic::note(
                 Code::model("vib::damping::negative"),
                 span,
@@ -210,14 +207,15 @@ impl PartError {
             NotASignal { span } => error("vib::signal::unknown", span, "a signal is expected here")
                 .help("write `constant(10 N)`, `step(10 N, 0 s)`, `harmonic(10 N, 1.5 Hz)`, ... or a sum of them"),
             UnknownSignal { span, word, suggestion } => {
-                let help = "known are constant, step, impulse, ramp, pulse, harmonic, chirp, table".to_string();
+                let names: Vec<&str> = SIGNALS.iter().map(|signal| signal.function.name).collect();
+                let help = format!("known are {}", names.join(", "));
                 let message = format!("there is no signal `{word}`");
                 let help = suggestion.is_none().then_some(help);
                 with_suggestion(error("vib::signal::unknown", span, message), suggestion.map(str::to_string), help)
             }
-            SignalArguments { span, name, form } => {
-                error("vib::signal::arguments", span, format!("`{name}` has other arguments"))
-                    .help(format!("write `{form}`"))
+            SignalArguments { span, function } => {
+                error("vib::signal::arguments", span, format!("`{}` has other arguments", function.name))
+                    .help(format!("write `{}`", function.example))
             }
             TimesReversed { span } => error("vib::signal::times", span, "this time is not after the one before it"),
             TableUnread { span, reason } => Diagnostic::error(TABLE_UNREADABLE, span, "this table cannot be read")
@@ -261,14 +259,16 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
         .help("write a time in s and a value in SI units, such as `0.5, 12`")
 }
 
-/// `torsional` is the value of a spring or damper whose unit asks for a rotation.
-fn no_end_turns(span: Span, torsional: Option<Span>) -> Diagnostic {
+/// `torsional` is the coefficient of an element whose unit asks for a rotation.
+fn no_end_turns(span: Span, torsional: Option<(Span, &'static Kind)>) -> Diagnostic {
     let told = error("vib::element::no_end_turns", span, "none of these parts can turn");
     let turns = "give a body the freedom to turn: `turns`, `free` or a pivot";
     match torsional {
-        Some(unit) => told
-            .related(unit, "by the unit of this it acts on the rotation")
-            .help(format!("{turns}; a stiffness along a line is in N/m, a damping coefficient in N*s/m")),
+        Some((value, kind)) => {
+            let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
+            told.related(value, "by the unit of this it acts on the rotation")
+                .help(format!("{turns}; {noun} along a line is in {unit}"))
+        }
         None => told.help(turns),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{error, kind_noun, listed, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
+use crate::kinds::Function;
 use crate::model::scope::DefinitionKind;
 
 /// A word of the language.
@@ -20,7 +21,7 @@ pub enum QuestionError {
     NoInitialState { span: Span, word: String, found: &'static str },
     NotAMeasure { span: Span },
     UnknownMeasure { span: Span, word: String, suggestion: Option<&'static str> },
-    MeasureArguments { span: Span, name: &'static str, form: &'static str },
+    MeasureArguments { span: Span, function: &'static Function },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
@@ -79,9 +80,9 @@ impl QuestionError {
                 let message = format!("there is no measure `{word}`");
                 with_suggestion(error("vib::measure::unknown", span, message), suggestion.map(str::to_string), help)
             }
-            MeasureArguments { span, name, form } => {
-                error("vib::measure::arguments", span, format!("`{name}` has other arguments"))
-                    .help(format!("write `{form}`"))
+            MeasureArguments { span, function } => {
+                error("vib::measure::arguments", span, format!("`{}` has other arguments", function.name))
+                    .help(format!("write `{}`", function.example))
             }
             ArrowMissing { span } => error("vib::measure::arguments", span, "from which input to which output?")
                 .help("write `input -> output`, as in `gain(floor -> table.y, 30 Hz)`"),

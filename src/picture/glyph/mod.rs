@@ -11,6 +11,7 @@ mod force;
 mod gear;
 mod gravity;
 mod ground;
+mod inerter;
 mod initial;
 mod output;
 mod pivot;
@@ -32,7 +33,8 @@ use super::occupied::Occupied;
 use super::stage::Stage;
 use super::{Detail, Request, text};
 use crate::base::Span;
-use crate::model::scene::{Element, Geometry, InputKind, JointKind, Law, Scene};
+use crate::elements::Order;
+use crate::model::scene::{Element, Geometry, InputKind, Scene};
 use values::Says;
 
 /// A figure while it is drawn.
@@ -94,7 +96,7 @@ impl<'a> Sheet<'a> {
             self.element(stage, index);
         }
         for index in 0..self.scene.joints.len() {
-            if let JointKind::Slide { along } = &self.scene.joints[index].kind {
+            if let Some(along) = &self.scene.joints[index].along {
                 slide::draw(self, stage, index, along);
             }
         }
@@ -102,11 +104,11 @@ impl<'a> Sheet<'a> {
             self.body(stage, index);
         }
         for index in 0..self.scene.joints.len() {
-            match &self.scene.joints[index].kind {
-                JointKind::Pivot { .. } => pivot::draw(self, stage, index),
-                JointKind::Weld => weld::draw(self, stage, index),
-                // Behind the bodies.
-                JointKind::Slide { .. } => {}
+            // What slides is drawn behind the bodies.
+            match self.scene.joints[index].kind {
+                kind if kind.turns => pivot::draw(self, stage, index),
+                kind if kind.is_rigid() => weld::draw(self, stage, index),
+                _ => {}
             }
         }
     }
@@ -157,9 +159,10 @@ impl<'a> Sheet<'a> {
         }
         let mut strokes: Vec<Stroke> = leads(stage, link).collect();
         if let Some(place) = link.round {
-            let own = match &element.law {
-                Law::Spring { .. } => spiral::round(a, place),
-                Law::Damper { .. } => rotary_dashpot::round(a, place),
+            let own = match element.law.kind.order {
+                Order::Displacement => spiral::round(a, place),
+                Order::Velocity => rotary_dashpot::round(a, place),
+                Order::Acceleration => inerter::round(a, place),
             };
             let reach = own.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
             strokes.extend(own);
@@ -173,11 +176,12 @@ impl<'a> Sheet<'a> {
                 &[],
             );
         }
-        let (own, half) = match (&element.law, turns) {
-            (Law::Spring { .. }, false) => (spring::strokes(a, b), spring::HALF),
-            (Law::Spring { .. }, true) => (spiral::strokes(a, b), spiral::HALF),
-            (Law::Damper { .. }, false) => (damper::strokes(a, b), damper::HALF),
-            (Law::Damper { .. }, true) => (rotary_dashpot::strokes(a, b), rotary_dashpot::HALF),
+        let (own, half) = match (element.law.kind.order, turns) {
+            (Order::Displacement, false) => (spring::strokes(a, b), spring::HALF),
+            (Order::Displacement, true) => (spiral::strokes(a, b), spiral::HALF),
+            (Order::Velocity, false) => (damper::strokes(a, b), damper::HALF),
+            (Order::Velocity, true) => (rotary_dashpot::strokes(a, b), rotary_dashpot::HALF),
+            (Order::Acceleration, _) => (inerter::strokes(a, b), inerter::HALF),
         };
         strokes.extend(own);
         self.push(kind(element), of, strokes);
@@ -270,11 +274,13 @@ impl<'a> Sheet<'a> {
 
 /// What an element is drawn as.
 fn kind(element: &Element) -> Kind {
-    match (&element.law, &element.geometry) {
-        (Law::Spring { .. }, Geometry::Torsion) => Kind::TorsionSpring,
-        (Law::Spring { .. }, Geometry::Line | Geometry::Along(_)) => Kind::Spring,
-        (Law::Damper { .. }, Geometry::Torsion) => Kind::TorsionDamper,
-        (Law::Damper { .. }, Geometry::Line | Geometry::Along(_)) => Kind::Damper,
+    match (element.law.kind.order, &element.geometry) {
+        (Order::Displacement, Geometry::Torsion) => Kind::TorsionSpring,
+        (Order::Displacement, Geometry::Line | Geometry::Along(_)) => Kind::Spring,
+        (Order::Velocity, Geometry::Torsion) => Kind::TorsionDamper,
+        (Order::Velocity, Geometry::Line | Geometry::Along(_)) => Kind::Damper,
+        (Order::Acceleration, Geometry::Torsion) => Kind::TorsionInerter,
+        (Order::Acceleration, Geometry::Line | Geometry::Along(_)) => Kind::Inerter,
     }
 }
 

@@ -44,11 +44,9 @@ fn width(label: &str) -> f64 {
 /// `k = 10 N/m`
 fn value(says: &Says, element: &Element) -> String {
     let turns = element.geometry == Geometry::Torsion;
-    let (letter, number, unit) = match &element.law {
-        Law::Spring { stiffness, .. } => ("k", stiffness, if turns { "N*m/rad" } else { "N/m" }),
-        Law::Damper { damping } => ("c", damping, if turns { "N*m*s/rad" } else { "N*s/m" }),
-    };
-    format!("{letter} = {} {unit}", (says.request.digits)(number))
+    let Law { kind, coefficient, .. } = &element.law;
+    let (letter, unit) = (kind.coefficient().name, kind.unit(turns));
+    format!("{letter} = {} {unit}", (says.request.digits)(coefficient))
 }
 
 /// A name, and the value behind it where values are asked for; a name that is the letter of the value is not said twice.
@@ -65,10 +63,7 @@ pub fn element_label(says: &Says, element: &Element) -> String {
 }
 
 pub fn element_title(says: &Says, element: &Element) -> String {
-    let word = match &element.law {
-        Law::Spring { .. } => "spring",
-        Law::Damper { .. } => "damper",
-    };
+    let word = element.law.kind.keyword;
     let [a, b] = [0, 1].map(|end| says.part_name(element.ends[end].part));
     let name = says.display(element.name);
     format!("{word} {name}: {}, {a} to {b}{}", value(says, element), does(says, element.name))

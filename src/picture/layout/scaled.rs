@@ -4,7 +4,7 @@ use super::links::{self, Tie};
 use super::parts::{BOB, DOT, GROUND, Parts, straight};
 use super::{Layout, Outline, Placed, REACH, SIDE, TWISTED};
 use crate::base::Number;
-use crate::model::scene::{Attachment, Element, Freedom, Geometry, JointKind, Part, Scene, Shape};
+use crate::model::scene::{Attachment, Element, Freedom, Geometry, Part, Scene, Shape};
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::{Detail, Refusal};
 use std::collections::BTreeMap;
@@ -359,11 +359,8 @@ impl Drawing<'_> {
         let mut pivots = BTreeMap::new();
         for joint in &self.scene.joints {
             let [a, b] = [0, 1].map(|end| self.parts.number(joint.ends[end].part));
-            match &joint.kind {
-                JointKind::Pivot { at } => {
-                    pivots.entry([a.min(b), a.max(b)]).or_insert(self.map([at.x.to_f64(), at.y.to_f64()]));
-                }
-                JointKind::Slide { .. } | JointKind::Weld => {}
+            if let Some(at) = &joint.at {
+                pivots.entry([a.min(b), a.max(b)]).or_insert(self.map([at.x.to_f64(), at.y.to_f64()]));
             }
         }
         pivots
@@ -373,10 +370,10 @@ impl Drawing<'_> {
         let joint = &self.scene.joints[joint];
         let numbers = [0, 1].map(|end| self.parts.number(joint.ends[end].part));
         let own = |end: usize| (numbers[end] != GROUND).then(|| self.placed[numbers[end]].at);
-        match &joint.kind {
-            JointKind::Pivot { at } => self.map([at.x.to_f64(), at.y.to_f64()]),
-            JointKind::Slide { .. } => own(1).or_else(|| own(0)).unwrap_or_default(),
-            JointKind::Weld => match (own(0), own(1)) {
+        match &joint.at {
+            Some(at) => self.map([at.x.to_f64(), at.y.to_f64()]),
+            None if joint.kind.slides => own(1).or_else(|| own(0)).unwrap_or_default(),
+            None => match (own(0), own(1)) {
                 (Some(a), Some(b)) => a.middle(b),
                 (a, b) => a.or(b).unwrap_or_default(),
             },

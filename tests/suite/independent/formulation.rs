@@ -17,8 +17,7 @@ use super::extended::{Matrix, sin_cos, solve};
 use vibc::base::number::Dd;
 use vibc::base::{Number, Vec3};
 use vibc::model::scene::{
-    Attachment, Element, Freedom, Geometry, InputKind, Joint, JointKind, Law, Motion, MotionTerm, Part, Scene, Signal,
-    SpringRest,
+    Attachment, Element, Freedom, Geometry, InputKind, Joint, Law, Motion, MotionTerm, Part, Scene, Signal, SpringRest,
 };
 
 /// Step of the differences, m and rad.
@@ -195,6 +194,7 @@ pub struct Formulation<'a> {
     energies: Vec<Quantity<'a>>,
     constraints: Vec<Quantity<'a>>,
     dampers: Vec<(Dd, Quantity<'a>)>,
+    inerters: Vec<(Dd, Quantity<'a>)>,
 }
 
 fn dd(number: &Number) -> Dd {
@@ -231,6 +231,7 @@ impl<'a> Formulation<'a> {
             energies: Vec::new(),
             constraints: Vec::new(),
             dampers: Vec::new(),
+            inerters: Vec::new(),
         };
         it.clauses();
         it.joints();
@@ -303,12 +304,12 @@ impl<'a> Formulation<'a> {
     fn joints(&mut self) {
         for joint in &self.scene.joints {
             let [a, b] = [self.end(&joint.ends[0]), self.end(&joint.ends[1])];
-            match &joint.kind {
-                JointKind::Pivot { at } => {
-                    let at = Some(at);
+            match joint.kind.keyword {
+                "pivot" => {
+                    let at = joint.at.as_ref();
                     self.coincide(self.spot(joint.ends[0].part, at), self.spot(joint.ends[1].part, at));
                 }
-                JointKind::Weld => {
+                "weld" => {
                     // Any point will do where the parts turn together.
                     let at = Some(Vec3::ZERO);
                     self.coincide(
@@ -317,8 +318,8 @@ impl<'a> Formulation<'a> {
                     );
                     self.turn_together(a.part, b.part);
                 }
-                JointKind::Slide { along } => {
-                    let [x, y] = unit(along);
+                "slide" => {
+                    let [x, y] = unit(joint.along.as_ref().expect("a slide has a direction"));
                     let origin = Vec3::ZERO;
                     let [a, b] = [0, 1].map(|end| self.spot(joint.ends[end].part, Some(&origin)));
                     self.turn_together(a.part, b.part);
@@ -330,6 +331,7 @@ impl<'a> Formulation<'a> {
                         dot(normal, minus(b.now(p), a.now(p)))
                     }));
                 }
+                other => panic!("no equation for a {other}"),
             }
         }
     }
@@ -424,13 +426,15 @@ impl<'a> Formulation<'a> {
         if against { [-d[0], -d[1]] } else { d }
     }
 
-    /// Spring: T0 s + k s^2 / 2.
+    /// Spring: T0 s + k s^2 / 2. Damper: c s' against s'. Inerter: b s'^2 / 2 of kinetic energy.
     fn elements(&mut self) {
         for element in &self.scene.elements {
             let stretch = self.stretch(element);
-            match &element.law {
-                Law::Spring { stiffness, rest } => {
-                    let k = dd(stiffness);
+            let Law { kind, coefficient, rest } = &element.law;
+            let coefficient = dd(coefficient);
+            match kind.keyword {
+                "spring" => {
+                    let k = coefficient;
                     let tension = match rest {
                         SpringRest::AsDrawn => Dd::ZERO,
                         SpringRest::Preload(tension) => dd(tension),
@@ -442,7 +446,9 @@ impl<'a> Formulation<'a> {
                         tension * s + (k * s * s).scale(0.5)
                     }));
                 }
-                Law::Damper { damping } => self.dampers.push((dd(damping), stretch)),
+                "damper" => self.dampers.push((coefficient, stretch)),
+                "inerter" => self.inerters.push((coefficient, stretch)),
+                other => panic!("no law for a {other}"),
             }
         }
     }
@@ -484,7 +490,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// A motion as a function of the poses; forces of springs as their tension, of dampers as the stretch they resist.
+    /// A motion as a function of the poses; forces as the stretch that they belong to.
     fn motion(&self, motion: &Motion) -> Quantity<'a> {
         match motion {
             Motion::Point { part, at, direction, .. } => {
@@ -509,10 +515,11 @@ impl<'a> Formulation<'a> {
                 (coefficient, usize::from(*derivative))
             }
             Motion::Stretch { .. } => (coefficient, 0),
-            Motion::Force { element } => match &self.scene.elements[element.index()].law {
-                Law::Spring { stiffness, .. } => (coefficient * dd(stiffness), 0),
-                Law::Damper { damping } => (coefficient * dd(damping), 1),
-            },
+            Motion::Force { element } => {
+                let Law { kind, coefficient: own, .. } = &self.scene.elements[element.index()].law;
+                let order = ["spring", "damper", "inerter"].iter().position(|keyword| *keyword == kind.keyword);
+                (coefficient * dd(own), order.expect("a known element"))
+            }
         }
     }
 
@@ -560,14 +567,14 @@ impl<'a> Formulation<'a> {
         let mut reached: Vec<usize> = [0].into_iter().chain(bases).chain(standing).collect();
         let mut next = 0;
         while let Some(&from) = reached.get(next) {
-            for joint in self.scene.joints.iter().filter(|joint| joint.kind != JointKind::Weld) {
+            for joint in self.scene.joints.iter().filter(|joint| joint.kind.keyword != "weld") {
                 let ends = [class(&joint.ends[0]), class(&joint.ends[1])];
                 let to = if ends[0] == from { ends[1] } else { ends[0] };
                 if !ends.contains(&from) || reached.contains(&to) {
                     continue;
                 }
                 reached.push(to);
-                if let (true, JointKind::Slide { along }) = (to == classes[body], &joint.kind) {
+                if let (true, Some(along)) = (to == classes[body], &joint.along) {
                     return (joint, along);
                 }
             }
@@ -579,7 +586,7 @@ impl<'a> Formulation<'a> {
     /// For each part a number of what it is welded to; 0 is the ground.
     fn welded(&self) -> Vec<usize> {
         let mut classes: Vec<usize> = (1..=self.part_count()).collect();
-        for joint in self.scene.joints.iter().filter(|joint| joint.kind == JointKind::Weld) {
+        for joint in self.scene.joints.iter().filter(|joint| joint.kind.keyword == "weld") {
             let [a, b] = [0, 1].map(|end| self.part(joint.ends[end].part).map_or(0, |part| classes[part]));
             classes.iter_mut().filter(|class| **class == a.max(b)).for_each(|class| *class = a.min(b));
         }
@@ -712,7 +719,7 @@ impl<'a> Formulation<'a> {
             .chain(multipliers.iter().copied().zip(&self.constraints))
             .collect();
         let (_, stiffness) = self.assembled(size, &poses, &weighted);
-        let inertia = self.inertia();
+        let inertia = self.inertia(&poses);
         let damping = self.damping(&poses);
         let forces = [&stiffness, &damping, &inertia].map(|matrix| own.transposed().times(&matrix.times(&carried)));
         let (p, d) = self.outputs(&poses, &own, &carried, &supports);
@@ -786,7 +793,7 @@ impl<'a> Formulation<'a> {
         Some(tangent)
     }
 
-    fn inertia(&self) -> Matrix {
+    fn inertia(&self, poses: &[Pose]) -> Matrix {
         let mut inertia = Matrix::zero(3 * self.part_count(), 3 * self.part_count());
         for (i, body) in self.scene.bodies.iter().enumerate() {
             let mass = body.mass.as_ref().map_or(Dd::ZERO, dd);
@@ -794,20 +801,26 @@ impl<'a> Formulation<'a> {
             *inertia.at_mut(3 * i + 1, 3 * i + 1) = mass;
             *inertia.at_mut(3 * i + 2, 3 * i + 2) = body.inertia.as_ref().map_or(Dd::ZERO, dd);
         }
+        self.add_squares(&mut inertia, &self.inerters, poses);
         inertia
     }
 
     fn damping(&self, poses: &[Pose]) -> Matrix {
         let mut damping = Matrix::zero(3 * self.part_count(), 3 * self.part_count());
-        for (c, stretch) in &self.dampers {
+        self.add_squares(&mut damping, &self.dampers, poses);
+        damping
+    }
+
+    /// Adds coefficient (grad s)(grad s)^T of each element.
+    fn add_squares(&self, matrix: &mut Matrix, elements: &[(Dd, Quantity)], poses: &[Pose]) {
+        for (coefficient, stretch) in elements {
             let gradient = self.differences.gradient(stretch, poses);
             for (i, a) in &gradient {
                 for (j, b) in &gradient {
-                    *damping.at_mut(*i, *j) += *c * *a * *b;
+                    *matrix.at_mut(*i, *j) += *coefficient * *a * *b;
                 }
             }
         }
-        damping
     }
 
     /// b0, b1, b2: the work of loads, and minus stiffness, damping and inertia between the coordinates and a support.

@@ -1,0 +1,29 @@
+//! An element that exists in unit tests alone: a damper by other words. `kinds` takes it through every stage, so that a
+//! place which has to name kinds by hand shows itself.
+
+use super::kind::{ALONG, Kind, Negative, Order};
+use crate::base::{Dimension, Expected, Field};
+
+pub const KIND: Kind = Kind {
+    keyword: "gadget",
+    noun: "a gadget",
+    plural: "gadgets",
+    form: "gadget g: ground -- block { grip = 4 N*s/m }",
+    forms: "gadget g: ground -- block { grip = 4 N*s/m }",
+    summary: "A gadget between two parts.",
+    rules: "It stands for the next kind of element.",
+    heading: "Springs and dampers",
+    synonyms: &["gizmo"],
+    fields: &[
+        Field::either(
+            "grip",
+            Expected::new("a grip", Dimension::DAMPING, "grip = 4 N*s/m"),
+            Expected::new("a grip", Dimension::TORSIONAL_DAMPING, "grip = 4 N*m*s/rad"),
+            "How much it grips.",
+        ),
+        ALONG,
+    ],
+    units: ["N*s/m", "N*m*s/rad"],
+    order: Order::Velocity,
+    negative: Negative::Refused,
+};

@@ -1,0 +1,575 @@
+//! Every declaration: its keyword, how it is written, what it is made of, its fields and its page in the manual.
+
+use super::functions::{DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
+use super::motions::INITIAL_FIELDS;
+use super::piece::{Content, Naming, Piece, Space};
+use super::{ElementId, JointId};
+use crate::base::{Dimension, Expected, Field, Takes};
+use crate::{elements, joints};
+
+/// A kind of declaration.
+#[derive(Clone, Copy, Debug)]
+pub struct Declaration {
+    pub keyword: &'static str,
+    /// What the grammar and the tree make of it.
+    pub shape: Shape,
+    /// How it is written, as one example, to be shown and to be typed.
+    pub form: &'static str,
+    /// More examples, one a line.
+    pub forms: &'static str,
+    /// What it declares, in one sentence.
+    pub summary: &'static str,
+    /// Its rules, as Markdown paragraphs.
+    pub rules: &'static str,
+    /// The heading of `spec.md` with the whole story.
+    pub heading: &'static str,
+    /// What other languages and textbooks call it.
+    pub synonyms: &'static [&'static str],
+    pub pieces: &'static [Piece],
+    pub fields: &'static [Field],
+}
+
+/// The form of a declaration in the grammar; elements and joints share one each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    Model,
+    Param,
+    Let,
+    Gravity,
+    Point,
+    Body,
+    Base,
+    Element(ElementId),
+    Joint(JointId),
+    Couple,
+    Force,
+    Torque,
+    Initial,
+    Output,
+    Damping,
+    Rest,
+    Repeat,
+    Solve,
+    Require,
+}
+
+impl PartialEq for Declaration {
+    /// Each keyword has one declaration.
+    fn eq(&self, other: &Declaration) -> bool {
+        self.keyword == other.keyword
+    }
+}
+
+impl Eq for Declaration {}
+
+impl Declaration {
+    /// Whether it lies between ends.
+    pub fn has_ends(&self) -> bool {
+        self.pieces.iter().any(|piece| matches!(piece, Piece::End(_)))
+    }
+
+    /// Whether a direction may follow its ends.
+    pub fn has_along(&self) -> bool {
+        self.pieces.iter().any(|piece| matches!(piece, Piece::Along))
+    }
+
+    /// What its signal is measured in, where it may have one.
+    pub fn signal(&self) -> Option<&'static super::SignalKind> {
+        self.pieces.iter().find_map(|piece| match piece {
+            Piece::Signal(kind) => Some(*kind),
+            _ => None,
+        })
+    }
+
+    /// What the name after its keyword does.
+    pub fn naming(&self) -> Option<Naming> {
+        self.pieces.iter().find_map(|piece| match piece {
+            Piece::Word(naming, _) | Piece::Name(naming, _) => Some(*naming),
+            _ => None,
+        })
+    }
+
+    pub fn is_element(&self) -> bool {
+        matches!(self.shape, Shape::Element(_))
+    }
+
+    /// What its expressions are made of.
+    pub fn contents(&self) -> impl Iterator<Item = Content> + use<> {
+        let inner = |piece: &'static Piece| match piece {
+            Piece::OneOf(_, _, choices) => choices.iter().flat_map(|pieces| pieces.iter()).collect(),
+            piece => vec![piece],
+        };
+        self.pieces.iter().flat_map(inner).filter_map(|piece| match piece {
+            Piece::Value(_, content) => Some(*content),
+            _ => None,
+        })
+    }
+
+    /// Its page in the manual, as Markdown.
+    pub fn page(&self) -> String {
+        format!("# {}\n\n{}\n\n```vib\n{}\n```\n\n{}\n", self.keyword, self.summary, self.forms, self.rules)
+    }
+
+    pub fn field(&self, name: &str) -> Option<&'static Field> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+}
+
+/// What the manual says of a declaration.
+struct Page {
+    forms: &'static str,
+    summary: &'static str,
+    rules: &'static str,
+    heading: &'static str,
+}
+
+const fn declaration(
+    shape: Shape,
+    keyword: &'static str,
+    form: &'static str,
+    page: Page,
+    pieces: &'static [Piece],
+) -> Declaration {
+    let Page { forms, summary, rules, heading } = page;
+    Declaration { keyword, shape, form, forms, summary, rules, heading, synonyms: &[], pieces, fields: &[] }
+}
+
+const NEW_PART: Naming = Naming::New(Space::Parts);
+const NEW_VALUE: Naming = Naming::New(Space::Values);
+const EQUALS: &str = "=";
+const PART: Piece = Piece::Name(NEW_PART, "the part");
+const COLON: Piece = Piece::Sign(":", "after the part's name");
+const FIRST_END: Piece = Piece::End("the part at the first end");
+const DASHES: Piece = Piece::Sign("--", "between the two ends");
+const SECOND_END: Piece = Piece::End("the part at the second end");
+const LOADED_END: Piece = Piece::End("the part that is loaded");
+const OTHER_END: Piece = Piece::OtherEnd("the part at the second end");
+const IN: Piece = Piece::Marker("in", "before the range");
+const LOW: Piece = Piece::Value("the lower bound", Content::Any);
+const DOTS: Piece = Piece::Sign("..", "between the bounds");
+const HIGH: Piece = Piece::Value("the upper bound", Content::Any);
+
+/// The fields of a body.
+pub const BODY_FIELDS: [Field; 7] = [
+    Field::number("mass", Expected::new("a mass", Dimension::MASS, "mass = 1 kg"), "The body's mass, kg."),
+    Field::new(
+        "moves",
+        Takes::Motions,
+        "moves x",
+        "The body stands on the ground and moves so: `x`, `y`, `x y`, or `along (1, 1)`.",
+    ),
+    Field::new("at", Takes::Position, "at = (0, 0)", "The centre of mass in the drawing."),
+    Field::new(
+        "shape",
+        Takes::Shape,
+        "shape = rod((0, 0), (0, 1 m))",
+        "`rod(A, B)`, `disk(r)`, `ring(r)` or `box(w, h)`: centre and inertia follow.",
+    ),
+    Field::new("turns", Takes::Nothing, "turns", "The body turns about its place on the ground."),
+    Field::number(
+        "inertia",
+        Expected::new("a moment of inertia", Dimension::INERTIA, "inertia = 0.8 kg*m^2"),
+        "The moment of inertia about the centre, kg*m^2; `about A` about a point.",
+    ),
+    Field::new("free", Takes::Nothing, "free", "The body moves along x and y and turns."),
+];
+
+/// The fields of a base.
+pub const BASE_FIELDS: [Field; 3] = [
+    Field::new(
+        "moves",
+        Takes::Motions,
+        "moves y",
+        "The motion that is prescribed: `x`, `y`, `x y`, or `along (1, 1)`.",
+    ),
+    Field::new("at", Takes::Position, "at = (0, 0)", "The place of the base in the drawing; it turns about it."),
+    Field::new("turns", Takes::Nothing, "turns", "The base turns as prescribed."),
+];
+
+/// Declarations before the joints, in the order of spec.md 1.3.
+const FIRST: [Declaration; 6] = [
+    declaration(
+        Shape::Model,
+        "model",
+        "model cart",
+        Page {
+            forms: "model cart",
+            summary: "Names the model; reports and emitted code use the name.",
+            rules: "Without it the model has the name of its file. Stands at most once in a model.",
+            heading: "Scene",
+        },
+        &[Piece::Blank, Piece::Word(Naming::Title, "the model")],
+    ),
+    Declaration {
+        synonyms: &["parameter", "var", "variable"],
+        ..declaration(
+            Shape::Param,
+            "param",
+            "param k = 10 N/m",
+            Page {
+                forms: "param k = 10 N/m",
+                summary: "Declares a number that the command line may replace: `--set k=12N/m`.",
+                rules: "Order does not matter: a parameter may use names that are declared further down. A circle of parameters that \
+                 need each other is an error. The value given from outside must have the dimension of the declared one.",
+                heading: "Parameters",
+            },
+            &[
+                Piece::Blank,
+                Piece::Name(NEW_VALUE, "the parameter"),
+                Piece::Sign(EQUALS, "between the parameter and its value"),
+                Piece::Value("the parameter's value", Content::Any),
+            ],
+        )
+    },
+    Declaration {
+        synonyms: &["const", "def", "define"],
+        ..declaration(
+            Shape::Let,
+            "let",
+            "let w = sqrt(k / m)",
+            Page {
+                forms: "let w = sqrt(k / m)",
+                summary: "Names a number or a vector that follows from others; the command line cannot replace it.",
+                rules: "Order does not matter: it may use names that are declared further down.",
+                heading: "Parameters",
+            },
+            &[
+                Piece::Blank,
+                Piece::Name(NEW_VALUE, "the quantity"),
+                Piece::Sign(EQUALS, "between the name and its value"),
+                Piece::Value("a value", Content::Any),
+            ],
+        )
+    },
+    Declaration {
+        ..declaration(
+            Shape::Gravity,
+            "gravity",
+            "gravity 9.81 m/s^2",
+            Page {
+                forms: "gravity 9.81 m/s^2\ngravity (0, -9.81 m/s^2)",
+                summary: "Switches gravity on. A single number points along -y.",
+                rules: "Without this line there is no gravity. Stands at most once in a model.",
+                heading: "Scene",
+            },
+            &[Piece::Apart, Piece::Value("the acceleration of gravity", Content::Number(Dimension::ACCELERATION))],
+        )
+    },
+    Declaration {
+        synonyms: &["node"],
+        ..declaration(
+            Shape::Point,
+            "point",
+            "point A = (0, 1 m)",
+            Page {
+                forms: "point A = (0, 1 m)",
+                summary: "Names a place in the drawing.",
+                rules: "All places are coordinates (x, y) of one drawing, whatever part they belong to: x to the right, y upwards.",
+                heading: "Places and directions",
+            },
+            &[
+                Piece::Blank,
+                Piece::Name(NEW_VALUE, "the point"),
+                Piece::Sign(EQUALS, "between the point and its place"),
+                Piece::Value("a place `(x, y)`", Content::Number(Dimension::LENGTH)),
+            ],
+        )
+    },
+    Declaration {
+        synonyms: &["mass", "link", "rigid"],
+        fields: &BODY_FIELDS,
+        ..declaration(
+            Shape::Body,
+            "body",
+            "body block { mass = 1 kg, moves x }",
+            Page {
+                forms: "body block { mass = 1 kg, moves x }\nbody rod { mass = 0.5 kg, shape = rod(A, (0, -2 m)) }",
+                summary: "Declares a rigid body.",
+                rules: "Its freedom clause says how it moves against the ground: `moves x`, `moves y`, `moves x y`, \
+                 `moves along (1, 1)`, `turns`, or `free` for all three. A body without one gets its degrees of freedom from \
+                 its joints; a body with neither is an error.\n\n\
+                 `mass`, `at` (the centre of mass), `inertia` and `shape` are needed only where a degree of freedom uses them. \
+                 `inertia = 0.8 kg*m^2` is about the centre of mass, `inertia = 0.8 kg*m^2 about A` about a point. Centre and \
+                 inertia follow from `shape = rod(A, B)`; the inertia alone follows from `disk(r)`, `ring(r)` and `box(w, h)`.",
+                heading: "Bodies",
+            },
+            &[Piece::Blank, Piece::Name(NEW_PART, "the body"), Piece::Fields],
+        )
+    },
+];
+
+/// Between joints and elements.
+const MIDDLE: [Declaration; 1] = [Declaration {
+    synonyms: &["gear", "rack"],
+    ..declaration(
+        Shape::Couple,
+        "couple",
+        "couple r: wheel.angle = -block.x / 0.3 m",
+        Page {
+            forms: "couple r: wheel.angle = -block.x / 0.3 m",
+            summary: "Ties motions by a linear relation: gears, racks, rolling wheels, pulleys, levers.",
+            rules: "Both sides are sums of displacements and angles of bodies and bases, each times or divided by a number, or a \
+             bare zero. The relation holds for the deviations from the drawing.",
+            heading: "Couplings",
+        },
+        &[
+            Piece::Blank,
+            PART,
+            COLON,
+            Piece::Value("a relation between motions", Content::Motions),
+            Piece::Sign(EQUALS, "between the two sides"),
+            Piece::Value("the other side", Content::Motions),
+        ],
+    )
+}];
+
+/// After the elements.
+const LAST: [Declaration; 10] = [
+    Declaration {
+        synonyms: &["support"],
+        fields: &BASE_FIELDS,
+        ..declaration(
+            Shape::Base,
+            "base",
+            "base floor { moves y }",
+            Page {
+                forms: "base floor { moves y }\nbase floor { moves y } = harmonic(1 mm, 30 Hz)",
+                summary: "A support whose motion is prescribed: an input.",
+                rules: "`moves ...` and `turns` say which motions are prescribed; each is an input. A signal after the braces is a \
+                 displacement or an angle and needs a base with a single motion.",
+                heading: "Bases",
+            },
+            &[Piece::Blank, Piece::Name(NEW_PART, "the base"), Piece::Fields, Piece::Signal(&DISPLACEMENT_SIGNAL)],
+        )
+    },
+    Declaration {
+        ..declaration(
+            Shape::Force,
+            "force",
+            "force F: block along x = harmonic(10 N, 1.5 Hz)",
+            Page {
+                forms: "force F: block@A along x\nforce F: block along x = harmonic(10 N, 1.5 Hz)\nforce F: a -- b",
+                summary: "A force on a part, or between two parts: an input.",
+                rules: "`force F: a -- b` acts between its ends and is positive where it pushes them apart; with `along` it acts on b in \
+                 that direction and on a the other way. A signal may follow; without one the force is an input for transfer \
+                 functions and emitted code.",
+                heading: "Forces and torques",
+            },
+            &[Piece::Blank, PART, COLON, LOADED_END, OTHER_END, Piece::Along, Piece::Signal(&FORCE_SIGNAL)],
+        )
+    },
+    Declaration {
+        synonyms: &["moment"],
+        ..declaration(
+            Shape::Torque,
+            "torque",
+            "torque T: rod",
+            Page {
+                forms: "torque T: rod\ntorque T: rod = step(1 N*m, 0 s)\ntorque T: a -- b",
+                summary: "A torque on a part, or between two parts: an input, positive counter-clockwise.",
+                rules: "`torque T: a -- b` acts on b, and on a the other way. One end must be able to turn. A signal may follow.",
+                heading: "Forces and torques",
+            },
+            &[Piece::Blank, PART, COLON, LOADED_END, OTHER_END, Piece::Signal(&TORQUE_SIGNAL)],
+        )
+    },
+    Declaration {
+        fields: &INITIAL_FIELDS,
+        ..declaration(
+            Shape::Initial,
+            "initial",
+            "initial block { x = 16 mm, vx = 0.375 m/s }",
+            Page {
+                forms: "initial block { x = 16 mm, vx = 0.375 m/s }",
+                summary: "Where a body starts, measured from rest.",
+                rules: "`x`, `y`, `angle`, `vx`, `vy`, `omega` are motions of the body's own place at t = 0; those not given are zero. \
+                 One declaration for each body.",
+                heading: "Initial state",
+            },
+            &[Piece::Blank, Piece::Name(Naming::Of(Space::Parts), "the body"), Piece::Fields],
+        )
+    },
+    Declaration {
+        synonyms: &["sensor"],
+        ..declaration(
+            Shape::Output,
+            "output",
+            "output theta = rod.angle",
+            Page {
+                forms: "output theta = rod.angle\noutput tip = rod@(0, -2 m).x\noutput pull = s.force",
+                summary: "Names a quantity to be reported: a linear combination of motions.",
+                rules: "Motions of a body, a base or a point of either: `x y angle`, `vx vy omega`, `ax ay alpha`; of a spring or \
+                 damper: `force` and `stretch`. All are deviations from rest.",
+                heading: "Outputs",
+            },
+            &[
+                Piece::Blank,
+                Piece::Name(NEW_PART, "the output"),
+                Piece::Sign(EQUALS, "between the output and what it is"),
+                Piece::Value("what is put out", Content::Motions),
+            ],
+        )
+    },
+    Declaration {
+        ..declaration(
+            Shape::Damping,
+            "damping",
+            "damping modal 2 %",
+            Page {
+                forms: "damping modal 2 %\ndamping rayleigh(0.1 /s, 1e-4 s)",
+                summary: "Damping of the whole scene, added to the dampers.",
+                rules: "`modal` gives every oscillation the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act against the \
+                 ground. Stands at most once in a model.",
+                heading: "Damping of the whole scene",
+            },
+            &[
+                Piece::Blank,
+                Piece::OneOf(
+                    &["modal", "rayleigh"],
+                    "after `damping`",
+                    &[
+                        &[Piece::Apart, Piece::Value("a damping ratio", Content::Number(Dimension::NONE))],
+                        &[Piece::Arguments("before the two factors", "a factor")],
+                    ],
+                ),
+            ],
+        )
+    },
+    declaration(
+        Shape::Rest,
+        "rest",
+        "rest as drawn",
+        Page {
+            forms: "rest as drawn",
+            summary: "Declares that the drawing is the static equilibrium.",
+            rules: "Springs without `preload` and `free_length` get the tensions that make it so: the smallest ones, where several \
+             sets do. Stands at most once in a model.",
+            heading: "Scene",
+        },
+        &[Piece::Blank, Piece::Marker("as", "after `rest`"), Piece::Marker("drawn", "after `rest as`")],
+    ),
+    Declaration {
+        synonyms: &["for"],
+        ..declaration(
+            Shape::Repeat,
+            "repeat",
+            "repeat i in 2..100 {",
+            Page {
+                forms: "repeat i in 2..100 {\n    body m[i] { mass = 1 kg, moves x }\n}",
+                summary: "Declares its body once for each value of an index, bounds included.",
+                rules: "The names declared inside need the index, as in `m[i]`. Inside, `i` is a plain number. What is declared is \
+                 known everywhere in the model.",
+                heading: "Repetition",
+            },
+            &[
+                Piece::Blank,
+                Piece::Word(Naming::Index, "the index"),
+                IN,
+                Piece::Apart,
+                LOW,
+                DOTS,
+                HIGH,
+                Piece::Sign("{", "at the end of the line"),
+            ],
+        )
+    },
+    declaration(
+        Shape::Solve,
+        "solve",
+        "solve f in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB",
+        Page {
+            forms: "solve fn in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB",
+            summary: "Finds the value of a parameter in a range at which a measure has a given value.",
+            rules: "The rest of the model uses the value found. No root in the range, or more than one, is reported with the values \
+             that the measure took. Measures: `frequency(i)`, `damping(i)`, `gain(input -> output, f)`, \
+             `phase(input -> output, f)`, `amplitude(output)`, `static(output)`, `peak(output)`, `rms(output)`.",
+            heading: "Solving for parameters",
+        },
+        &[
+            Piece::Blank,
+            Piece::Name(Naming::Of(Space::Values), "the parameter"),
+            IN,
+            Piece::Apart,
+            LOW,
+            DOTS,
+            HIGH,
+            Piece::Sign(":", "before the measure"),
+            Piece::Value("a measure", Content::Measures),
+            Piece::Sign(EQUALS, "between the measure and its value"),
+            Piece::Value("the measure's value", Content::Measures),
+        ],
+    ),
+    Declaration {
+        synonyms: &["assert", "check"],
+        ..declaration(
+            Shape::Require,
+            "require",
+            "require frequency(1) > 2 Hz",
+            Page {
+                forms: "require frequency(1) > 2 Hz\nrequire stable",
+                summary: "A check of the model: a measure compared with a value, or `stable`.",
+                rules: "`vibc check` and `vibc analyze` print each requirement with its margin, and exit with status 1 if one fails.",
+                heading: "Requirements",
+            },
+            &[Piece::Apart, Piece::Value("a condition", Content::Measures)],
+        )
+    },
+];
+
+const fn of_joint(place: usize) -> Declaration {
+    let kind = joints::KINDS[place];
+    let pieces: &[Piece] = if kind.slides {
+        &[Piece::Blank, PART, COLON, FIRST_END, DASHES, SECOND_END, Piece::Along]
+    } else {
+        &[Piece::Blank, PART, COLON, FIRST_END, DASHES, SECOND_END]
+    };
+    let shape = Shape::Joint(JointId(place as u8));
+    let page = Page { forms: kind.forms, summary: kind.summary, rules: kind.rules, heading: kind.heading };
+    let declaration = declaration(shape, kind.keyword, kind.form, page, pieces);
+    Declaration { synonyms: kind.synonyms, ..declaration }
+}
+
+const fn of_element(place: usize) -> Declaration {
+    let kind = elements::KINDS[place];
+    let pieces: &[Piece] = &[Piece::Blank, PART, COLON, FIRST_END, DASHES, SECOND_END, Piece::Fields];
+    let shape = Shape::Element(ElementId(place as u8));
+    let page = Page { forms: kind.forms, summary: kind.summary, rules: kind.rules, heading: kind.heading };
+    let declaration = declaration(shape, kind.keyword, kind.form, page, pieces);
+    Declaration { synonyms: kind.synonyms, fields: kind.fields, ..declaration }
+}
+
+const COUNT: usize = FIRST.len() + joints::KINDS.len() + MIDDLE.len() + elements::KINDS.len() + LAST.len();
+
+/// Every declaration, in the order in which they are listed to people.
+pub static DECLARATIONS: [Declaration; COUNT] = table();
+
+const fn table() -> [Declaration; COUNT] {
+    let mut table = [FIRST[0]; COUNT];
+    let mut end = 0;
+    let mut place = 0;
+    while place < FIRST.len() {
+        table[end] = FIRST[place];
+        (end, place) = (end + 1, place + 1);
+    }
+    place = 0;
+    while place < joints::KINDS.len() {
+        table[end] = of_joint(place);
+        (end, place) = (end + 1, place + 1);
+    }
+    place = 0;
+    while place < MIDDLE.len() {
+        table[end] = MIDDLE[place];
+        (end, place) = (end + 1, place + 1);
+    }
+    place = 0;
+    while place < elements::KINDS.len() {
+        table[end] = of_element(place);
+        (end, place) = (end + 1, place + 1);
+    }
+    place = 0;
+    while place < LAST.len() {
+        table[end] = LAST[place];
+        (end, place) = (end + 1, place + 1);
+    }
+    table
+}

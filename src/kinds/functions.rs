@@ -1,0 +1,326 @@
+//! Functions of the language by the places where they stand: shapes, signals, measures, kinds of damping, and the functions
+//! of numbers. Clauses: spec.md 3.5, 5.2, 5.9, 5.13 and 5.14.
+
+use crate::base::{Dimension, Expected};
+
+/// A function: its words, and what it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Function {
+    pub name: &'static str,
+    /// With names for its arguments: `step(a, at)`.
+    pub form: &'static str,
+    /// With values for its arguments: `step(10 N, 0 s)`.
+    pub example: &'static str,
+    pub meaning: &'static str,
+    pub arguments: &'static [Argument],
+    /// How many of the last arguments may be left out.
+    pub optional: usize,
+}
+
+/// What a function takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Argument {
+    /// A number of any dimension.
+    Any,
+    Number(Dimension),
+    Frequency,
+    Position,
+    /// The size of an input.
+    Amplitude,
+    /// The integral of an input over time.
+    Impulse,
+    /// A time; this one comes after the time before it.
+    Time,
+    LaterTime,
+    /// The name of a file in quotes.
+    File,
+    /// The number of a mode, from 1.
+    Mode,
+    /// An output: its name, or a combination of motions.
+    Output,
+    /// `input -> output`
+    Path,
+}
+
+impl Function {
+    /// Whether so many arguments are what it takes.
+    pub fn takes(&self, count: usize) -> bool {
+        count <= self.arguments.len() && count + self.optional >= self.arguments.len()
+    }
+}
+
+/// What the signal of an input is measured in.
+#[derive(Clone, Copy, Debug)]
+pub struct SignalKind {
+    pub amplitude: Expected,
+    /// Its integral over time.
+    pub impulse: Expected,
+}
+
+pub const FORCE_SIGNAL: SignalKind = SignalKind {
+    amplitude: Expected::new("a force", Dimension::FORCE, "10 N"),
+    impulse: Expected::new("an impulse", Dimension::IMPULSE, "3 N*s"),
+};
+pub const TORQUE_SIGNAL: SignalKind = SignalKind {
+    amplitude: Expected::new("a torque", Dimension::TORQUE, "2 N*m"),
+    impulse: Expected::new("an angular impulse", Dimension::ANGULAR_IMPULSE, "2 N*m*s"),
+};
+pub const DISPLACEMENT_SIGNAL: SignalKind = SignalKind {
+    amplitude: Expected::new("a displacement", Dimension::LENGTH, "1 mm"),
+    impulse: Expected::new("a displacement times a time", Dimension::of(0, 1, 1), "1 mm*s"),
+};
+pub const ANGLE_SIGNAL: SignalKind = SignalKind {
+    amplitude: Expected::new("an angle", Dimension::NONE, "2 deg"),
+    impulse: Expected::new("an angle times a time", Dimension::TIME, "1 rad*s"),
+};
+
+/// A function with what it is to the stage that reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<K> {
+    pub kind: K,
+    pub function: Function,
+}
+
+/// The function of this name in a table.
+pub fn named<K>(table: &'static [Named<K>], name: &str) -> Option<&'static Named<K>> {
+    table.iter().find(|entry| entry.function.name == name)
+}
+
+const fn entry<K: Copy>(
+    kind: K,
+    words: [&'static str; 3],
+    meaning: &'static str,
+    arguments: &'static [Argument],
+) -> Named<K> {
+    let [name, form, example] = words;
+    Named { kind, function: Function { name, form, example, meaning, arguments, optional: 0 } }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    Rod,
+    Disk,
+    Ring,
+    Box,
+}
+
+const LENGTH: Argument = Argument::Number(Dimension::LENGTH);
+
+/// Every shape of a body.
+pub const SHAPES: &[Named<Shape>] = &[
+    entry(
+        Shape::Rod,
+        ["rod", "rod(A, B)", "rod(A, B)"],
+        "A slender rod from A to B.",
+        &[Argument::Position, Argument::Position],
+    ),
+    entry(Shape::Disk, ["disk", "disk(r)", "disk(0.3 m)"], "A disk of radius r.", &[LENGTH]),
+    entry(Shape::Ring, ["ring", "ring(r)", "ring(0.3 m)"], "A thin ring of radius r.", &[LENGTH]),
+    entry(
+        Shape::Box,
+        ["box", "box(w, h)", "box(0.3 m, 0.2 m)"],
+        "A rectangle of width w and height h.",
+        &[LENGTH, LENGTH],
+    ),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signal {
+    Constant,
+    Step,
+    Impulse,
+    Ramp,
+    Pulse,
+    Harmonic,
+    Chirp,
+    Table,
+}
+
+/// Every signal of an input.
+pub const SIGNALS: &[Named<Signal>] = &[
+    entry(
+        Signal::Constant,
+        ["constant", "constant(a)", "constant(10 N)"],
+        "A load that is there always: part of rest.",
+        &[Argument::Amplitude],
+    ),
+    entry(
+        Signal::Step,
+        ["step", "step(a, at)", "step(10 N, 0 s)"],
+        "Nothing before the time `at`, then a.",
+        &[Argument::Amplitude, Argument::Time],
+    ),
+    entry(
+        Signal::Impulse,
+        ["impulse", "impulse(J, at)", "impulse(3 N*s, 0 s)"],
+        "An impulse J at the time `at`.",
+        &[Argument::Impulse, Argument::Time],
+    ),
+    entry(
+        Signal::Ramp,
+        ["ramp", "ramp(a, from, to)", "ramp(10 N, 0 s, 1 s)"],
+        "From 0 to a between two times.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime],
+    ),
+    entry(
+        Signal::Pulse,
+        ["pulse", "pulse(a, from, to)", "pulse(10 N, 0 s, 1 s)"],
+        "a between two times.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime],
+    ),
+    Named {
+        kind: Signal::Harmonic,
+        function: Function {
+            name: "harmonic",
+            form: "harmonic(a, f, phase)",
+            example: "harmonic(10 N, 1.5 Hz, 90 deg)",
+            meaning: "a sin(2 pi f t + phase); the phase may be left out.",
+            arguments: &[Argument::Amplitude, Argument::Frequency, Argument::Number(Dimension::NONE)],
+            optional: 1,
+        },
+    },
+    entry(
+        Signal::Chirp,
+        ["chirp", "chirp(a, f0, f1, duration)", "chirp(10 N, 1 Hz, 20 Hz, 60 s)"],
+        "A sine whose frequency goes from f0 to f1.",
+        &[Argument::Amplitude, Argument::Frequency, Argument::Frequency, Argument::Time],
+    ),
+    entry(
+        Signal::Table,
+        ["table", "table(\"file.csv\")", "table(\"file.csv\")"],
+        "Two columns of a file: time in s, value in SI units.",
+        &[Argument::File],
+    ),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    Frequency,
+    Damping,
+    Gain,
+    Phase,
+    Amplitude,
+    Static,
+    Peak,
+    Rms,
+    Stable,
+}
+
+/// Every measure of `solve` and `require`.
+pub const MEASURES: &[Named<Measure>] = &[
+    entry(
+        Measure::Frequency,
+        ["frequency", "frequency(1)", "frequency(1)"],
+        "The natural frequency of a mode, Hz.",
+        &[Argument::Mode],
+    ),
+    entry(Measure::Damping, ["damping", "damping(1)", "damping(1)"], "The damping ratio of a mode.", &[Argument::Mode]),
+    entry(
+        Measure::Gain,
+        ["gain", "gain(input -> output, f)", "gain(input -> output, 30 Hz)"],
+        "The amplitude of the output over that of the input at a frequency.",
+        &[Argument::Path, Argument::Frequency],
+    ),
+    entry(
+        Measure::Phase,
+        ["phase", "phase(input -> output, f)", "phase(input -> output, 30 Hz)"],
+        "The phase of the output against the input at a frequency.",
+        &[Argument::Path, Argument::Frequency],
+    ),
+    entry(
+        Measure::Amplitude,
+        ["amplitude", "amplitude(output)", "amplitude(output)"],
+        "The amplitude in the steady state under the harmonic signals.",
+        &[Argument::Output],
+    ),
+    entry(
+        Measure::Static,
+        ["static", "static(output)", "static(output)"],
+        "The value that the output settles at.",
+        &[Argument::Output],
+    ),
+    entry(
+        Measure::Peak,
+        ["peak", "peak(output)", "peak(output)"],
+        "The largest size over the simulated time.",
+        &[Argument::Output],
+    ),
+    entry(
+        Measure::Rms,
+        ["rms", "rms(output)", "rms(output)"],
+        "The root mean square over the simulated time.",
+        &[Argument::Output],
+    ),
+    entry(Measure::Stable, ["stable", "stable", "stable"], "Whether every motion stays small.", &[]),
+];
+
+/// The kinds of damping that take arguments.
+pub const DAMPINGS: &[Named<()>] = &[entry(
+    (),
+    ["rayleigh", "rayleigh(a, b)", "rayleigh(0.1 /s, 1e-4 s)"],
+    "Damping a M + b K: a rate and a time.",
+    &[Argument::Frequency, Argument::Time],
+)];
+
+const ANGLE: Argument = Argument::Number(Dimension::NONE);
+
+/// The functions of numbers; `model::value` has their values.
+pub const NUMBERS: &[Named<()>] = &[
+    entry((), ["sqrt", "sqrt(x)", "sqrt(x)"], "The square root.", &[Argument::Any]),
+    entry((), ["abs", "abs(x)", "abs(x)"], "The size without the sign.", &[Argument::Any]),
+    entry((), ["min", "min(a, b)", "min(a, b)"], "The least of its arguments.", &[Argument::Any]),
+    entry((), ["max", "max(a, b)", "max(a, b)"], "The greatest of its arguments.", &[Argument::Any]),
+    entry((), ["sin", "sin(x)", "sin(x)"], "The sine of an angle.", &[ANGLE]),
+    entry((), ["cos", "cos(x)", "cos(x)"], "The cosine of an angle.", &[ANGLE]),
+    entry((), ["tan", "tan(x)", "tan(x)"], "The tangent of an angle.", &[ANGLE]),
+    entry((), ["asin", "asin(x)", "asin(x)"], "The angle whose sine is x.", &[Argument::Any]),
+    entry((), ["acos", "acos(x)", "acos(x)"], "The angle whose cosine is x.", &[Argument::Any]),
+    entry((), ["atan", "atan(x)", "atan(x)"], "The angle whose tangent is x.", &[Argument::Any]),
+    entry(
+        (),
+        ["atan2", "atan2(y, x)", "atan2(y, x)"],
+        "The angle of the direction (x, y).",
+        &[Argument::Any, Argument::Any],
+    ),
+    entry((), ["exp", "exp(x)", "exp(x)"], "e to the power of x.", &[Argument::Any]),
+    entry((), ["ln", "ln(x)", "ln(x)"], "The natural logarithm.", &[Argument::Any]),
+];
+
+/// What a function is, and so where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FunctionKind {
+    Shape,
+    Signal,
+    Measure,
+    Damping,
+    Number,
+}
+
+impl FunctionKind {
+    /// Says what a function of this kind is and where it stands, for messages about one that stands elsewhere.
+    pub fn describe(self, function: &Function) -> String {
+        match self {
+            FunctionKind::Shape => format!("a shape: write `shape = {}` in a body", function.example),
+            FunctionKind::Signal => "a signal: it follows a force, a torque or a base".into(),
+            FunctionKind::Measure => "a measure: it stands in `solve` and `require`".into(),
+            FunctionKind::Damping => format!("a kind of damping: write `damping {}`", function.example),
+            FunctionKind::Number => "a function of numbers".into(),
+        }
+    }
+}
+
+fn of<K>(table: &'static [Named<K>], kind: FunctionKind) -> impl Iterator<Item = (FunctionKind, &'static Function)> {
+    table.iter().map(move |entry| (kind, &entry.function))
+}
+
+/// Every function with its kind.
+pub fn functions() -> impl Iterator<Item = (FunctionKind, &'static Function)> {
+    let shapes = of(SHAPES, FunctionKind::Shape).chain(of(SIGNALS, FunctionKind::Signal));
+    let asked = of(MEASURES, FunctionKind::Measure).chain(of(DAMPINGS, FunctionKind::Damping));
+    shapes.chain(asked).chain(of(NUMBERS, FunctionKind::Number))
+}
+
+/// The function of this name.
+pub fn function(name: &str) -> Option<(FunctionKind, &'static Function)> {
+    functions().find(|(_, function)| function.name == name)
+}

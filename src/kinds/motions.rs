@@ -1,0 +1,97 @@
+//! Motions: what may be asked of a part behind a dot. Clause: spec.md 5.10.
+
+use crate::base::{Dimension, Expected, Field};
+
+/// A motion of a body, a base, or a point of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    pub name: &'static str,
+    pub direction: Direction,
+    /// 0 for a displacement, 1 for a velocity, 2 for an acceleration.
+    pub derivative: u8,
+    pub dimension: Dimension,
+    pub meaning: &'static str,
+}
+
+/// Along what a motion is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    X,
+    Y,
+    /// Not along anything: a rotation.
+    Turn,
+}
+
+const fn motion(
+    name: &'static str,
+    direction: Direction,
+    derivative: u8,
+    dimension: Dimension,
+    meaning: &'static str,
+) -> Motion {
+    Motion { name, direction, derivative, dimension, meaning }
+}
+
+/// The motions of a body.
+pub const BODY_MOTIONS: [Motion; 9] = [
+    motion("x", Direction::X, 0, Dimension::LENGTH, "Displacement along x from rest, m."),
+    motion("y", Direction::Y, 0, Dimension::LENGTH, "Displacement along y from rest, m."),
+    motion("angle", Direction::Turn, 0, Dimension::NONE, "Rotation from rest, rad, counter-clockwise."),
+    motion("vx", Direction::X, 1, Dimension::VELOCITY, "Velocity along x, m/s."),
+    motion("vy", Direction::Y, 1, Dimension::VELOCITY, "Velocity along y, m/s."),
+    motion("omega", Direction::Turn, 1, Dimension::ANGULAR_VELOCITY, "Angular velocity, rad/s."),
+    motion("ax", Direction::X, 2, Dimension::ACCELERATION, "Acceleration along x, m/s^2."),
+    motion("ay", Direction::Y, 2, Dimension::ACCELERATION, "Acceleration along y, m/s^2."),
+    motion("alpha", Direction::Turn, 2, Dimension::ANGULAR_ACCELERATION, "Angular acceleration, rad/s^2."),
+];
+
+/// A quantity of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementMotion {
+    Force,
+    Stretch,
+}
+
+/// The quantities of an element, with their names and meanings.
+pub const ELEMENT_MOTIONS: [(ElementMotion, &str, &str); 2] = [
+    (
+        ElementMotion::Force,
+        "force",
+        "The change of a spring's tension from rest (pull positive); the force of another element. N or N*m.",
+    ),
+    (ElementMotion::Stretch, "stretch", "The change of its stretch from rest, m or rad."),
+];
+
+/// The motions that an `initial` may give, from rest.
+pub const INITIAL_FIELDS: [Field; 6] = [
+    Field::number(
+        "x",
+        Expected::new("a displacement", Dimension::LENGTH, "x = 16 mm"),
+        "Displacement along x at t = 0, from rest.",
+    ),
+    Field::number(
+        "y",
+        Expected::new("a displacement", Dimension::LENGTH, "y = 16 mm"),
+        "Displacement along y at t = 0, from rest.",
+    ),
+    Field::number(
+        "angle",
+        Expected::new("an angle", Dimension::NONE, "angle = 2 deg"),
+        "Rotation at t = 0, from rest; counter-clockwise.",
+    ),
+    Field::number(
+        "vx",
+        Expected::new("a velocity", Dimension::VELOCITY, "vx = 0.375 m/s"),
+        "Velocity along x at t = 0.",
+    ),
+    Field::number(
+        "vy",
+        Expected::new("a velocity", Dimension::VELOCITY, "vy = 0.375 m/s"),
+        "Velocity along y at t = 0.",
+    ),
+    Field::number(
+        "omega",
+        Expected::new("an angular velocity", Dimension::ANGULAR_VELOCITY, "omega = 2 rad/s"),
+        "Angular velocity at t = 0.",
+    ),
+];
