@@ -115,7 +115,7 @@ fn assert_rest_from_the_drawing(answer: &Answer, text: &str) {
     }
 }
 
-/// Random trees with springs, dampers, loads and outputs of every kind; nothing pulls as drawn.
+/// Random trees with springs, dampers, inerters, loads and outputs of every kind; nothing pulls as drawn.
 #[test]
 fn random_trees_at_rest_as_drawn() {
     for seed in 1..=40 {

@@ -348,7 +348,7 @@ impl Scene {
         }
     }
 
-    /// A spring or damper of any geometry between any two parts.
+    /// A spring, damper or inerter of any geometry between any two parts.
     fn element(&mut self) {
         let e = self.fresh();
         let b = self.random.below(self.centres.len());
@@ -375,6 +375,11 @@ impl Scene {
     }
 
     fn law(&mut self, e: usize, ends: &str, along: &str, stiffness: &str, damping: &str, length: Option<f64>) {
+        if self.random.chance(15) {
+            let b = self.random.decimal(1, 40);
+            let unit = if stiffness == "/m" { "kg" } else { "kg*m^2" };
+            return self.line(format_args!("inerter e{e}: {ends} {{ b = {b} {unit}{along} }}"));
+        }
         if self.random.chance(40) {
             let c = self.random.decimal(1, 40);
             return self.line(format_args!("damper e{e}: {ends} {{ c = {c} N{damping}{along} }}"));
