@@ -183,7 +183,7 @@ fn what_a_model_was_taken_for_names_inerters() {
         "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ninerter j: ground -- a { b = 1 kg }\n\
          inerter z: ground -- a { b = 0 kg }\n",
     );
-    let account = account(&answer.scene, &answer.lowered.system);
+    let account = account(&answer.scene, &answer.lowered);
     assert!(account.kept.iter().any(|remark| remark.what == "1 spring and 1 inerter"), "{account:?}");
     assert!(
         account.left_out.iter().any(|remark| remark.what == "z" && remark.why == "its value is zero"),
