@@ -146,7 +146,7 @@ fn a_spring_called_gravity_is_not_gravity() {
     let account = explained(hanging);
     let idle: Vec<&str> = account.left_out.iter().map(|remark| remark.what.as_str()).collect();
     assert_eq!(idle, ["gravity"]);
-    assert!(account.kept.iter().any(|remark| remark.what == "1 spring or damper"), "{:?}", account.kept);
+    assert!(account.kept.iter().any(|remark| remark.what == "1 spring"), "{:?}", account.kept);
     let shares = &ask(hanging).modes.list[0].strain;
     assert_eq!(shares.len(), 1, "the rod swings: {shares:?}");
     assert_eq!(shares[0].of.origin, vibc::system::Origin::Gravity);
