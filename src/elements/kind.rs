@@ -1,4 +1,4 @@
-//! What a kind of element is: its words, its fields and its law. Clause: spec.md, "Parts" and "Linearisation".
+//! What a kind of element is: its words, its fields and its law. See spec.md and docs/method/linearisation.md.
 //!
 //! An element lies between two ends and feels their stretch e. Its force is its coefficient times a derivative of e, and a
 //! spring's tension as drawn besides. So the law is one number, the order of that derivative: an element of order p adds

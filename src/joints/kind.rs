@@ -1,5 +1,4 @@
-//! What a kind of joint is: its words, and the freedoms that it leaves between the two parts it ties. Clause: spec.md,
-//! "Parts" and "Freedoms".
+//! What a kind of joint is: its words, and the freedoms that it leaves between the two parts it ties. See spec.md and docs/method/kinematics.md.
 
 /// A kind of joint.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
 //! One file a kind of joint: its words, the freedoms it leaves between the two parts it ties, or the constraint it closes.
-//! Clause: spec.md, "Freedoms".
+//! See docs/method/kinematics.md.
 
 pub mod kind;
 pub mod pivot;

@@ -186,7 +186,7 @@ pub const BASE_FIELDS: [Field; 3] = [
     Field::new("turns", Takes::Nothing, "turns", "The base turns as prescribed."),
 ];
 
-/// Declarations before the joints, in the order of spec.md 1.3.
+/// Declarations before the joints, in the order of spec.md#keywords.
 const FIRST: [Declaration; 6] = [
     declaration(
         Shape::Model,

@@ -1,5 +1,5 @@
 //! Functions of the language by the places where they stand: shapes, signals, measures, kinds of damping, and the functions
-//! of numbers. Clauses: spec.md 3.5, 5.2, 5.9, 5.13 and 5.14.
+//! of numbers. See spec.md#expressions, spec.md#bodies, spec.md#signals, spec.md#scene and spec.md#measures.
 
 use crate::base::{Dimension, Expected};
 

@@ -1,5 +1,5 @@
 //! The one table of what a model is written in: every declaration with its words, fields and documentation, every function,
-//! every motion. Clause: spec.md, "Grammar" and "Parts".
+//! every motion. See spec.md#text and spec.md.
 //!
 //! The parser, the check, the editor, the formatter and the word lists of editors read it, so that a new kind of element is
 //! a file in `elements` and its line there; a new joint a file in `joints`; a signal, measure or shape a row of

@@ -1,4 +1,4 @@
-//! Motions: what may be asked of a part behind a dot. Clause: spec.md 5.10.
+//! Motions: what may be asked of a part behind a dot. See spec.md#outputs.
 
 use crate::base::{Dimension, Expected, Field};
 

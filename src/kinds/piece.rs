@@ -3,7 +3,7 @@
 use super::SignalKind;
 use crate::base::Dimension;
 
-/// The two name spaces (spec.md 4.1).
+/// The two name spaces (spec.md#names).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// Parameters, points and indices.

@@ -1,5 +1,5 @@
 //! Elements: law and geometry. In: two ends and the fields; out: an [`Element`] that says whether it acts along
-//! the line of its points, along a direction, or on the rotation. Clause: spec.md, "Parts".
+//! the line of its points, along a direction, or on the rotation. See spec.md.
 
 use super::Check;
 use super::ends::are_apart;

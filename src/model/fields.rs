@@ -1,5 +1,5 @@
 //! What stands in braces: each field at most once, none unknown. In: the fields of a declaration; out: the one of a given
-//! name, or all of them by place in the table of kinds. Clause: spec.md, "Parts".
+//! name, or all of them by place in the table of kinds. See spec.md.
 
 use super::Check;
 use super::error::NameError;

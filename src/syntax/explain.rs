@@ -3,7 +3,7 @@
 //! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and
 //! what may help. pest tells how far it came in terms of its rules; an engineer wants to know what to type. So this module
 //! reads the text once more, piece by piece as the table of kinds lists them, and stops at the first thing amiss. It makes
-//! nothing of what it reads: that it agrees with the grammar is shown by tests. Clause: spec.md 1.
+//! nothing of what it reads: that it agrees with the grammar is shown by tests. See spec.md#text.
 
 use super::error::{Expected, Remark};
 use super::words;

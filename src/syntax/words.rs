@@ -1,4 +1,4 @@
-//! The words that start declarations, as the parser meets them in a text. Clause: spec.md 1.3.
+//! The words that start declarations, as the parser meets them in a text. See spec.md#keywords.
 
 use crate::kinds::{self, DECLARATIONS, Declaration};
 use std::ops::Range;
