@@ -8,8 +8,8 @@ use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 use vibc::backend::diagnostics::{HumanStyle, human};
 use vibc::base::{SourceFile, SourceKind, Sources};
+use vibc::kinds::DECLARATIONS;
 use vibc::model::Overrides;
-use vibc::syntax::manual;
 
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -188,7 +188,7 @@ fn every_model_that_is_shown_is_laid_out() {
 #[test]
 fn the_manual_leads_to_headings_of_the_language_page() {
     let anchors = anchors(&page("spec.md"));
-    for entry in manual::ENTRIES {
+    for entry in &DECLARATIONS {
         assert!(
             anchors.contains(&anchor(entry.heading)),
             "`{}`: spec.md has no heading `{}`",
