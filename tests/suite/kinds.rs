@@ -164,6 +164,10 @@ fn no_other_file_has_the_words_of_elements_and_joints() {
         ("equations/motion.rs", "slide"),
         ("backend/equations/document.rs", "slide"),
         ("backend/report/rest.rs", "spring"),
+        // Classes of glyphs in a written figure.
+        ("picture/figure.rs", "spring"),
+        ("picture/figure.rs", "damper"),
+        ("picture/figure.rs", "inerter"),
     ];
     let words = keywords(|declaration| matches!(declaration.shape, Shape::Element(_) | Shape::Joint(_)));
     assert!(words.contains(&"inerter") && words.contains(&"weld"));
