@@ -266,8 +266,8 @@ impl<'a> Growth<'a> {
             coordinates.push(coordinate);
         }
         names.name_coordinates(&coordinates, &self.scene.words);
-        for index in 0..free {
-            coordinates[index].rest = rests(names, &coordinates[index], index);
+        for (index, coordinate) in coordinates.iter_mut().enumerate().take(free) {
+            coordinate.rest = rests(names, coordinate, index);
         }
         let pieces = self.pieces(&coordinates, &own, names)?;
         let piece_of: Option<Vec<usize>> = self.class.iter().map(|class| self.piece_of_class[*class]).collect();

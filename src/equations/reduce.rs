@@ -64,11 +64,11 @@ pub fn reduced(
         reactions(motion, constraints, equations, &others, names, rest, at_rest)?;
         for constraint in constraints.iter().filter(|constraint| !constraint.is_linear) {
             let multiplier = at_rest_multiplier(rest, constraint.multiplier);
-            for i in 0..n {
-                let first = constraint.equation.derivative(motion.coordinates[i].symbols[0], &none);
-                for j in 0..n {
-                    let second = still(&first.derivative(motion.coordinates[j].symbols[0], &none));
-                    stiffness[i][j] = &stiffness[i][j] + &(&multiplier * &second);
+            for (row, of_row) in stiffness.iter_mut().zip(&motion.coordinates[..n]) {
+                let first = constraint.equation.derivative(of_row.symbols[0], &none);
+                for (entry, of_column) in row.iter_mut().zip(&motion.coordinates[..n]) {
+                    let second = still(&first.derivative(of_column.symbols[0], &none));
+                    *entry = &*entry + &(&multiplier * &second);
                 }
             }
         }

@@ -296,7 +296,7 @@ impl<'a> Check<'a> {
         self.diagnostics.extend(errors.more(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
         self.diagnostics.extend(others.more(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
         self.scene.words = std::mem::take(&mut self.words);
-        let scene = (!self.diagnostics.has_errors()).then(|| CheckedScene { scene: self.scene });
+        let scene = (!self.diagnostics.has_errors()).then_some(CheckedScene { scene: self.scene });
         Checked { scene, diagnostics: self.diagnostics }
     }
 }

@@ -104,9 +104,9 @@ const TITLED: usize = 20_000;
 impl Detail {
     pub fn of(scene: &Scene) -> Detail {
         match scene.bodies.len() + scene.bases.len() + scene.joints.len() + scene.elements.len() + scene.couples.len() {
-            0..=NAMED => Detail::Full,
-            ..=COILED => Detail::Unnamed,
-            ..=TITLED => Detail::Plain,
+            parts if parts <= NAMED => Detail::Full,
+            parts if parts <= COILED => Detail::Unnamed,
+            parts if parts <= TITLED => Detail::Plain,
             _ => Detail::Bare,
         }
     }

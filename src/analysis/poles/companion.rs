@@ -188,7 +188,7 @@ impl Family {
 
     fn is_wide(&self) -> bool {
         let size = |entry: Option<&(Complex<f64>, Eigenvalue)>| entry.map_or(1.0, |(s, _)| s.abs());
-        !(size(self.list.last()) < WIDE * size(self.list.first()))
+        size(self.list.last()) >= WIDE * size(self.list.first())
     }
 
     /// Approximate solutions z of (s_j - A) z_j = b_j, A being the state matrix: with the inverse, (A^-1 - 1/s) z = A^-1 b / s.

@@ -136,12 +136,13 @@ impl Column {
 
 /// Bounds of |x_i . f_p|: a row for each column, a column for each force.
 pub fn dot_products(columns: &Columns, forces: &[Vec<Near>]) -> Matrix<f64> {
-    let table = |list: &[&[Near]], part: fn(&Near) -> f64| {
+    type Part = fn(&Near) -> f64;
+    let table = |list: &[&[Near]], part: Part| {
         Matrix::from_fn(list.first().map_or(0, |x| x.len()), list.len(), |i, j| part(&list[j][i]))
     };
     let x: Vec<&[Near]> = columns.list.iter().map(|column| column.x.as_slice()).collect();
     let f: Vec<&[Near]> = forces.iter().map(Vec::as_slice).collect();
-    let (re, im): (fn(&Near) -> f64, fn(&Near) -> f64) = (|near| near.value.re, |near| near.value.im);
+    let (re, im): (Part, Part) = (|near| near.value.re, |near| near.value.im);
     let (x_re, x_im, f_re, f_im) = (table(&x, re), table(&x, im), table(&f, re), table(&f, im));
     let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transposed(), View::of(b));
     let (rr, ii, ri, ir) = (times(&x_re, &f_re), times(&x_im, &f_im), times(&x_re, &f_im), times(&x_im, &f_re));

@@ -328,7 +328,7 @@ impl Writer<'_> {
     fn equation(&self, equation: &Equation) -> Formula {
         let plain = self.without_balance(equation);
         let (mut left, mut right) = (Vec::new(), Vec::new());
-        for (moving, part) in plain.collected(|factor| is_driving(factor)) {
+        for (moving, part) in plain.collected(is_driving) {
             match moving.factors() {
                 [] => left.push(part),
                 _ => {

@@ -110,17 +110,15 @@ fn pieces(panel: &Panel, frame: Bounds, curve: &Curve) -> Vec<Vec<Point>> {
     let mut before: Option<(f64, f64)> = None;
     for &(x, y) in &curve.points {
         let shares = panel.x.share(x).zip(panel.y.share(y)).filter(|(x, _)| (-0.001..=1.001).contains(x));
-        if let (Some(a), Some(b)) = (before, shares) {
-            if let Some([from, to]) = cut(a, b) {
-                let on_page =
-                    |(x, y): (f64, f64)| Point::new(frame.low.x + x * frame.width(), frame.high.y - y * frame.height());
-                let (from, to) = (on_page(from), on_page(to));
-                let piece = pieces.last_mut().expect("there is one from the start");
-                if piece.last() == Some(&from) {
-                    piece.push(to);
-                } else {
-                    pieces.push(vec![from, to]);
-                }
+        if let Some([from, to]) = before.zip(shares).and_then(|(a, b)| cut(a, b)) {
+            let on_page =
+                |(x, y): (f64, f64)| Point::new(frame.low.x + x * frame.width(), frame.high.y - y * frame.height());
+            let (from, to) = (on_page(from), on_page(to));
+            let piece = pieces.last_mut().expect("there is one from the start");
+            if piece.last() == Some(&from) {
+                piece.push(to);
+            } else {
+                pieces.push(vec![from, to]);
             }
         }
         before = shares;

@@ -206,7 +206,7 @@ fn both(
         derived = derived - force * shifted.sum(&work.displacement)?.a;
     }
     let written = shifted.written(&equations.nonlinear[index])?;
-    (derived.is_finite() && written.is_finite()).then(|| (Number::Ball(written), Number::Ball(derived)))
+    (derived.is_finite() && written.is_finite()).then_some((Number::Ball(written), Number::Ball(derived)))
 }
 
 impl Point<'_> {

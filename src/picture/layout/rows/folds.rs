@@ -23,7 +23,7 @@ impl Folds {
         let rows = rows(families, square.max(LONGEST[usize::from(upright)]));
         let mut along: Vec<f64> = vec![0.0; columns];
         for column in 1..columns {
-            let way = if rows[column] % 2 == 0 { 1.0 } else { -1.0 };
+            let way = if rows[column].is_multiple_of(2) { 1.0 } else { -1.0 };
             along[column] = if rows[column] == rows[column - 1] {
                 along[column - 1] + way * families.step(column)
             } else {
