@@ -2,6 +2,9 @@
 //! `cargo bench --bench bounds` prints the table of `benches/README.md`; `cargo bench --bench bounds -- 100` takes as many of
 //! each kind.
 
+// Tests compare with the platform's functions to a few digits.
+#![allow(clippy::disallowed_methods)]
+
 #[allow(dead_code)]
 #[path = "../tests/suite/exact.rs"]
 mod exact;

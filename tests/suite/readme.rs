@@ -46,8 +46,13 @@ fn filled(block: &str, folder: &Path) -> String {
     for command in block.lines().filter_map(|line| line.strip_prefix("$ ")) {
         let words: Vec<&str> = command.split_whitespace().collect();
         assert_eq!(words[0], "vibc", "{command}");
-        let output = Command::new(env!("CARGO_BIN_EXE_vibc")).args(&words[1..]).current_dir(folder).output().unwrap();
-        let printed = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_vibc"))
+            .args(&words[1..])
+            .current_dir(folder)
+            .output()
+            .expect("the program starts");
+        let printed =
+            String::from_utf8(output.stdout).expect("UTF-8") + &String::from_utf8(output.stderr).expect("UTF-8");
         text += &format!("$ {command}\n{printed}");
     }
     text
