@@ -64,6 +64,8 @@ pub struct Analyze {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
+    #[command(flatten)]
+    pub page: Page,
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
@@ -146,6 +148,8 @@ pub struct Transfer {
     /// Write a Bode plot to this file too: gain and phase, peaks and antiresonances marked
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub page: Page,
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
@@ -169,6 +173,8 @@ pub struct Simulate {
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
     pub format: TableFormat,
+    #[command(flatten)]
+    pub page: Page,
     /// Write a plot of the outputs over time to this file too
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
@@ -328,6 +334,8 @@ pub struct Check {
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
+    pub page: Page,
+    #[command(flatten)]
     pub overrides: OverrideOptions,
     #[command(flatten)]
     pub measured: MeasureOptions,
@@ -374,21 +382,35 @@ pub struct Completions {
 #[derive(Debug, Args)]
 pub struct Man {
     /// A command, such as `analyze`
+    #[arg(value_parser = AnyText(commands), hide_possible_values = true)]
     pub command: Option<String>,
 }
 
 #[derive(Debug, Args)]
 pub struct Explain {
     /// A code such as `vib::unit::mismatch`, or a keyword such as `spring`; without it, all codes are listed
-    #[arg(value_name = "CODE", value_parser = Explained, hide_possible_values = true)]
+    #[arg(value_name = "CODE", value_parser = AnyText(subjects), hide_possible_values = true)]
     pub subject: Option<String>,
 }
 
-/// Takes any text, and gives shells the codes and keywords to complete.
-#[derive(Clone, Debug)]
-struct Explained;
+/// The commands that have a manual page.
+fn commands() -> Vec<&'static str> {
+    let program = Command::augment_subcommands(clap::Command::new("vibc"));
+    // clap takes names of the program's whole life; these few are made once, for a script or an error.
+    program.get_subcommands().map(|command| &*String::from(command.get_name()).leak()).collect()
+}
 
-impl TypedValueParser for Explained {
+/// What is explained: codes and keywords.
+fn subjects() -> Vec<&'static str> {
+    let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
+    PAGES.iter().map(|page| page.code).chain(keywords).collect()
+}
+
+/// Takes any text, and gives shells words to complete.
+#[derive(Clone, Debug)]
+struct AnyText(fn() -> Vec<&'static str>);
+
+impl TypedValueParser for AnyText {
     type Value = String;
 
     fn parse_ref(
@@ -401,9 +423,7 @@ impl TypedValueParser for Explained {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        let codes = PAGES.iter().map(|page| page.code);
-        let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
-        Some(Box::new(codes.chain(keywords).map(PossibleValue::new)))
+        Some(Box::new((self.0)().into_iter().map(PossibleValue::new)))
     }
 }
 
@@ -424,6 +444,13 @@ pub struct OverrideOptions {
 }
 
 #[derive(Debug, Args)]
+pub struct Page {
+    /// Columns that a text report fills [default: those of the terminal, or 100]
+    #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(20..=10_000))]
+    pub width: Option<u32>,
+}
+
+#[derive(Debug, Args)]
 pub struct Messages {
     /// Colour diagnostics
     #[arg(long, value_enum, global = true, default_value_t = Colour::Auto, value_name = "WHEN")]
@@ -440,6 +467,8 @@ pub struct Messages {
 pub enum Format {
     Text,
     Json,
+    /// The text report for pages and notes
+    Markdown,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -447,6 +476,8 @@ pub enum TableFormat {
     Text,
     Csv,
     Json,
+    /// The text report for pages and notes
+    Markdown,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

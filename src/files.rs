@@ -158,7 +158,7 @@ impl Unreadable {
         let (name, error) = (self.path.to_string_lossy(), &self.error);
         let name = diagnostics::readable(&name);
         let text = match messages.message_format {
-            MessageFormat::Human => format!("vibc: cannot read `{name}`: {error}\n"),
+            MessageFormat::Human => format!("error: cannot read `{name}`: {error}\n"),
             MessageFormat::Short => format!("{name}:1:1: error[io]: cannot read the file: {error}\n"),
             MessageFormat::Json => diagnostics::unreadable_json(&self.path.to_string_lossy(), &error.to_string()),
         };

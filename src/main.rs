@@ -8,7 +8,8 @@ mod transport;
 use clap::{CommandFactory, Parser};
 use cli::{
     Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt, Format,
-    HoldOption, MessageFormat, Messages, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption, Transfer,
+    HoldOption, MessageFormat, Messages, Page, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
+    Transfer,
 };
 use files::{Input, Tables, open, read, read_all, spare, write_result};
 use std::fs;
@@ -18,6 +19,7 @@ use std::process::ExitCode;
 use std::thread;
 use vibc::analysis::discrete::Hold;
 use vibc::analysis::{self, Roads, Sweep};
+use vibc::answers::report;
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
@@ -89,7 +91,12 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     let Some(answer) = &analysis.answer else {
         // A model that is too large to be analysed can be explained all the same.
         if let Some(explained) = explained.filter(|_| options.format == Format::Text) {
-            let text = backend::report::explanation(&explained.model, &explained.account, &explained.system);
+            let text = backend::report::explanation(
+                &explained.model,
+                &explained.account,
+                &explained.system,
+                columns(&options.page, options.output.as_deref()),
+            );
             return deliver(options.output.as_deref(), &text).max(status);
         }
         return status;
@@ -97,7 +104,11 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     let wanted =
         ReportOptions { normalise: options.normalise.into(), matrices: options.matrices, digits: options.digits };
     let text = match options.format {
-        Format::Text => backend::report::text(answer, &wanted),
+        Format::Text => {
+            let width = columns(&options.page, options.output.as_deref());
+            backend::report::laid_out(&report::modal(answer, &wanted), width)
+        }
+        Format::Markdown => backend::markdown::markdown(&report::modal(answer, &wanted)),
         Format::Json => backend::json::json(answer, &wanted),
     };
     // An accuracy that was not reached, or a requirement that fails, is told beside the answer.
@@ -145,7 +156,11 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
     let table = analysis::table(&Roads::of(system, &modes), &poles, &sweep);
     let text = match options.format {
-        TableFormat::Text => backend::transfer::text(&dynamics.model, system, &table),
+        TableFormat::Text => {
+            let width = columns(&options.page, options.output.as_deref());
+            backend::report::all_laid_out(&report::transfer(&dynamics.model, system, &table), width)
+        }
+        TableFormat::Markdown => backend::markdown::all(&report::transfer(&dynamics.model, system, &table)),
         TableFormat::Csv => backend::transfer::csv(system, &table),
         TableFormat::Json => backend::transfer::json(&dynamics.model, system, &table),
     };
@@ -200,8 +215,10 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         complain("the model declares no output");
         return Status::Usage;
     }
+    let report = || report::motion(&motion.model, &motion.system, &motion.history, &motion.steady);
     let text = match options.format {
-        TableFormat::Text => backend::simulation::text(&motion.model, &motion.system, &motion.history, &motion.steady),
+        TableFormat::Text => backend::report::laid_out(&report(), columns(&options.page, options.output.as_deref())),
+        TableFormat::Markdown => backend::markdown::markdown(&report()),
         TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history, options.bounds),
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
@@ -423,7 +440,11 @@ fn check(options: &Check, messages: &Messages) -> Status {
             let outcome = vibc::check(&input.sources, input.model, &input.overrides, until);
             let status = failure(outcome.failure());
             let stand = outcome.answer.map_or(String::new(), |list| {
-                backend::report::requirements(&input.sources.file(input.model).name, &list)
+                backend::report::requirements(
+                    &input.sources.file(input.model).name,
+                    &list,
+                    columns(&options.page, None),
+                )
             });
             show(&input.sources, outcome.diagnostics, messages);
             if stand.is_empty() { status } else { deliver(None, &stand).max(status) }
@@ -573,21 +594,30 @@ fn locale_is_unicode() -> bool {
     named.is_none_or(|name| name.to_ascii_lowercase().replace('-', "").contains("utf8"))
 }
 
+/// The columns of a text report: those asked for, those of the terminal that it is shown on, or those of a page.
+fn columns(page: &Page, output: Option<&Path>) -> usize {
+    let shown = output.is_none_or(|path| path == Path::new("-"));
+    let terminal = || terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| usize::from(width.0));
+    let asked = page.width.map(|width| width as usize);
+    // A window of a few columns is none that anyone reads in.
+    asked.or_else(|| terminal().filter(|width| shown && *width >= 40)).unwrap_or(backend::report::WIDTH)
+}
+
 /// Nothing can be told about a failure to write to standard error.
 fn write_to(stream: &mut impl Write, text: &str) {
     let _ = stream.write_all(text.as_bytes());
 }
 
-/// In one line, whatever names of files and arguments it repeats.
+/// In one line that begins as those about the command line do, whatever names of files and arguments it repeats.
 fn complain(text: &str) {
-    write_to(&mut io::stderr().lock(), &format!("vibc: {}\n", diagnostics::readable(text)));
+    write_to(&mut io::stderr().lock(), &format!("error: {}\n", diagnostics::readable(text)));
 }
 
 /// A panic is a defect of the program, whatever the input: say so, and what helps to mend it.
 fn report_defect(panic: &std::panic::PanicHookInfo) {
     let version = env!("CARGO_PKG_VERSION");
     let text = format!(
-        "vibc: a defect of the program, not of the model: {panic}\n\
+        "error: a defect of the program, not of the model: {panic}\n\
          Please report it with the model, the command line and the version ({version}).\n"
     );
     write_to(&mut io::stderr().lock(), &text);

@@ -5,6 +5,7 @@
 use crate::analysis::answer::{Mode, ModeKind, Pole, PoleKind};
 use crate::analysis::modes::buckling::Buckling;
 use crate::analysis::modes::splits::Split;
+use crate::analysis::response::History;
 use crate::analysis::transfer::Disc;
 use crate::base::{Ball, Dd, Number, Rounded};
 
@@ -191,6 +192,13 @@ impl Disc {
             _ => f64::INFINITY,
         };
         in_plane.max(Rounded::relative_bound_of(self.gain()))
+    }
+}
+
+impl History {
+    /// The largest |printed - true| of an output's samples as binary64; infinite where nothing is known of some sample.
+    pub fn error_bound(&self, output: usize) -> f64 {
+        self.values.iter().map(|row| Rounded::bound_of(row[output])).fold(0.0, f64::max)
     }
 }
 

@@ -1,6 +1,7 @@
-//! Answers as one value: what the stages and the questions found out about a model, for back ends to lay out. Nothing is
-//! computed or rounded here. See docs/method/report.md.
+//! Answers as one value: what the stages and the questions found out about a model; and the reports of them, for back ends to
+//! lay out. Nothing is computed or rounded here. See docs/method/report.md.
 
+pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;
 

@@ -78,11 +78,16 @@ impl Decimal {
                 format!("{sign}{digits}{}", "0".repeat((exponent + 1 - count) as usize))
             }
             exponent @ -4..0 => format!("{sign}0.{}{digits}", "0".repeat((-exponent - 1) as usize)),
-            exponent => {
-                let (first, rest) = digits.split_at(1);
-                format!("{sign}{first}{}{rest}e{exponent}", if rest.is_empty() { "" } else { "." })
-            }
+            _ => self.scientific(),
         }
+    }
+
+    /// With a power of ten: `3.1e-7`.
+    pub fn scientific(&self) -> String {
+        let sign = if self.negative { "-" } else { "" };
+        let digits: String = self.digits.iter().map(|digit| char::from(b'0' + digit)).collect();
+        let (first, rest) = digits.split_at(1);
+        format!("{sign}{first}{}{rest}e{}", if rest.is_empty() { "" } else { "." }, self.exponent)
     }
 }
 
@@ -120,6 +125,16 @@ pub fn certain_whole(value: &Number, most: usize) -> String {
     let size = value.to_f64().abs();
     let whole = (most..=WHOLE).find(|digits| size < 10f64.powi(*digits as i32)).unwrap_or(most);
     certain_number(value, whole)
+}
+
+/// The same as [`certain_number`], always with a power of ten: `-5e8`; zero stays `0`.
+pub fn certain_scientific(value: &Number, most: usize) -> String {
+    let digits = if value.exact().is_some() { most } else { certain_digits(&value.to_ball()).min(most) };
+    match value {
+        value if value.is_zero() || digits == 0 || !value.to_ball().is_finite() => certain_number(value, most),
+        Number::Exact(value) => Decimal::round_rational(value, digits).trimmed().scientific(),
+        value => Decimal::round(value.to_ball().mid, digits).scientific(),
+    }
 }
 
 /// Digits before the decimal point that are shown without a power of ten.

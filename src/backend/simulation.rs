@@ -1,15 +1,12 @@
-//! The motion in time as CSV, JSON and text. See docs/method/response.md.
+//! The motion in time as CSV and JSON. See docs/method/response.md.
 
-use super::decimal::{Decimal, certain, certain_digits, certain_number, upper};
+use super::decimal::{Decimal, certain_digits};
 use super::json_number::JsonNumber;
-use super::report::table::{Align, Table};
-use super::transfer::hundredths;
+use super::report;
 use crate::analysis::{Gain, History, Steady};
 use crate::base::{Ball, Dd, Rounded};
 use crate::system::{LinearSystem, Output};
 
-const INDENT: usize = 2;
-const DIGITS: usize = 6;
 const DIGITS_OF_BINARY64: usize = 17;
 
 /// `time_s` and a column for each output, named as in the model; a row a sample. With `bounds` a column `NAME_bound` follows
@@ -71,7 +68,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
             JsonOutput {
                 name: system.display(output.name),
                 unit: output.unit.clone(),
-                error_bound: JsonNumber::bound(worst_error(history, i)),
+                error_bound: JsonNumber::bound(history.error_bound(i)),
                 values: samples().map(JsonNumber::enclosed).collect(),
                 error_bounds: samples().map(JsonNumber::absolute_bound).collect(),
             }
@@ -136,79 +133,12 @@ struct JsonOutput {
     error_bounds: Vec<JsonNumber>,
 }
 
-/// The range of each output and where it ends, with the largest error; the steady state where there are harmonic signals.
-pub fn text(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
-    let until = history.times.last().map_or("0".into(), |time| certain_number(time, DIGITS));
-    let mut text = format!("{model} · motion until {until} s, {} samples\n", history.times.len());
-    let mut table = Table::new()
-        .column("output", "", Align::Left)
-        .column("unit", "", Align::Left)
-        .column("least", "", Align::Point)
-        .column("at [s]", "", Align::Point)
-        .column("largest", "", Align::Point)
-        .column("at [s]", "", Align::Point)
-        .column("at the end", "", Align::Point)
-        .column("error ≤", "", Align::Right);
-    for (i, output) in system.outputs.iter().enumerate() {
-        table.row(cells(system.display(output.name), &output.unit, history, i));
-    }
-    text += &table.text(INDENT);
-    if !steady.is_empty() {
-        text += &steady_text(system, steady);
-    }
-    text
-}
-
-fn steady_text(system: &LinearSystem, steady: &[Steady]) -> String {
-    let mut table = Table::new()
-        .column("output", "", Align::Left)
-        .column("unit", "", Align::Left)
-        .column("f", "[Hz]", Align::Point)
-        .column("amplitude", "", Align::Point)
-        .column("phase", "[deg]", Align::Point)
-        .column("error ≤", "", Align::Right);
-    for part in steady {
-        for (output, gain) in system.outputs.iter().zip(&part.outputs) {
-            let mut cells =
-                vec![system.display(output.name), output.unit.clone(), certain_number(&part.frequency, DIGITS)];
-            cells.extend(match gain {
-                Gain::Finite(disc) => [
-                    certain(&disc.gain(), DIGITS),
-                    disc.phase().map_or(String::new(), |phase| hundredths(&phase)),
-                    upper(disc.error_bound()),
-                ],
-                Gain::Infinite => ["infinite", "", "exact"].map(String::from),
-                Gain::Unknown => ["?", "", "?"].map(String::from),
-            });
-            table.row(cells);
-        }
-    }
-    "\n  steady state: amplitude × sin(2π f t + phase), what stays where damping takes the rest away\n".to_string()
-        + &table.text(INDENT)
-}
-
-fn cells(name: String, unit: &str, history: &History, output: usize) -> Vec<String> {
-    let value = |sample: usize| history.values[sample][output];
-    let known = || (0..history.values.len()).filter(|&i| value(i).is_finite());
-    let by = |better: fn(f64, f64) -> bool| {
-        known().reduce(|best, i| if better(value(i).to_f64(), value(best).to_f64()) { i } else { best })
-    };
-    let time = |sample: usize| certain_number(&history.times[sample], DIGITS);
-    let mut cells = vec![name, unit.to_string()];
-    for extreme in [by(|a, b| a < b), by(|a, b| a > b)] {
-        cells.extend(extreme.map_or(["?".into(), "".into()], |i| [certain(&value(i), DIGITS), time(i)]));
-    }
-    cells.push(history.values.len().checked_sub(1).map_or(String::new(), |i| certain(&value(i), DIGITS)));
-    cells.push(upper(worst_error(history, output)));
-    cells
-}
-
-/// The largest |printed - true| of an output; infinite where nothing is known of some sample.
-fn worst_error(history: &History, output: usize) -> f64 {
-    history.values.iter().map(|row| Rounded::bound_of(row[output])).fold(0.0, f64::max)
-}
-
 /// Adds the shortest form that reads back the same.
 fn shortest(text: &mut Vec<u8>, x: f64) {
     serde_json::to_writer(text, &x).expect("a finite number has a JSON form");
+}
+
+/// The range of each output and where it ends, in the columns of a page.
+pub fn text(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
+    report::laid_out(&crate::answers::report::motion(model, system, history, steady), report::WIDTH)
 }

@@ -605,6 +605,13 @@ fn shells_and_man_know_every_command() {
         assert!(page.status == 0 && page.out.contains(&format!(".TH vibc-{command} 1")), "{}", page.out);
     }
     assert_eq!(run(&["man", "nothing"]).status, 2);
+    // A shell completes each command of the list behind `man`.
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let listed = listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+    let names: Vec<&str> = listed.filter(|name| *name != "help").collect();
+    let script = run(&["completions", "bash"]).out;
+    let of_man = script.split("vibc__subcmd__man)").nth(1).unwrap_or_default().split("esac").next().unwrap_or_default();
+    assert!(names.len() > 8 && names.iter().all(|name| of_man.contains(name)), "{names:?}\n{of_man}");
 }
 
 /// A frequency in rad/s is exact, though it is not in Hz: the system's own one is met, not just missed.

@@ -4,7 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use vibc::analysis::{Frequency, Roads, Sweep, grid, table};
-use vibc::backend::{ReportOptions, report, simulation, transfer};
+use vibc::answers;
+use vibc::backend::{ReportOptions, report};
 use vibc::base::{FileId, Number, Rational, SourceFile, Sources};
 use vibc::model::Overrides;
 
@@ -62,7 +63,7 @@ fn every_example_has_its_transfer_table() {
         };
         let table = table(&Roads::of(system, &modes), &poles, &sweep);
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
-            insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&transfer::text(&dynamics.model, system, &table)));
+            insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&report::all_laid_out(&answers::report::transfer(&dynamics.model, system, &table), report::WIDTH)));
         });
     }
 }
@@ -84,7 +85,10 @@ fn every_example_moves_as_it_did() {
         let times = grid(&Number::from(10), &Number::from(Rational::new(1, 20)));
         let outcome = vibc::simulate(&sources, model, &Overrides::default(), &times);
         let motion = outcome.answer.unwrap_or_else(|| panic!("{stem}: {:?}", outcome.diagnostics));
-        let text = simulation::text(&motion.model, &motion.system, &motion.history, &motion.steady);
+        let text = report::laid_out(
+            &answers::report::motion(&motion.model, &motion.system, &motion.history, &motion.steady),
+            report::WIDTH,
+        );
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("motion_{stem}"), text);
         });

@@ -163,7 +163,7 @@ fn no_other_file_has_the_words_of_elements_and_joints() {
         ("lower/kinematics.rs", "slide"),
         ("equations/motion.rs", "slide"),
         ("backend/equations/document.rs", "slide"),
-        ("backend/report/rest.rs", "spring"),
+        ("answers/report/rest.rs", "spring"),
         // Classes of glyphs in a written figure.
         ("picture/figure.rs", "spring"),
         ("picture/figure.rs", "damper"),

@@ -34,6 +34,7 @@ mod inerters;
 mod kinds;
 mod language;
 mod language_page;
+mod layouts;
 mod literals;
 mod loops;
 mod lowering;

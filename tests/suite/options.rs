@@ -30,7 +30,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 39] = [
+const VALUES: [Values; 40] = [
     (
         "*",
         "set",
@@ -81,6 +81,7 @@ const VALUES: [Values; 39] = [
     ("emit", "parameter", &[Done("k"), Ends("q", 2), Ends("", 2)], &[]),
     ("emit", "until", &[Done("1s")], &TIMES),
     ("emit", "output", &[Done("@/code"), Ends("@/scene.vib", 3), Ends("@/scene.vib/inner", 3)], &[]),
+    ("*", "width", &[Done("20"), Done("80"), Done("10000")], &["0", "19", "10001", "-1", "1.5", "", "wide"]),
     ("*", "output", &[Done("@/out"), Done("-"), Ends("@/missing/out", 3), Ends("@/scene.vib", 2)], &[]),
     ("*", "svg", &[Done("@/picture.svg"), Ends("@/missing/p.svg", 3), Ends("@/scene.vib", 2)], &[]),
     ("draw", "mode", &[Done("1"), Ends("2", 2), Ends("100000", 2)], &["0", "-1", "100001", "1.5", "all", ""]),
@@ -276,7 +277,7 @@ fn fault(output: &process::Output, status: i32) -> Option<String> {
     if status == 0 {
         return told.contains("error").then(|| format!("an error, and status 0: {told}"));
     }
-    let is_one = told.starts_with("error: ") != told.starts_with("vibc: ");
+    let is_one = told.starts_with("error: ");
     let is_finding = told.starts_with("vib::") || told.is_empty();
     let is_clean = is_one || status != 2 && is_finding;
     (!is_clean).then(|| format!("no clean message: {told}"))

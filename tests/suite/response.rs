@@ -3,6 +3,8 @@
 use super::systems::{Builder, HardCase, number};
 use super::transfer::with_every_pair;
 use vibc::analysis::{Signal, respond};
+use vibc::answers;
+use vibc::backend::report;
 use vibc::base::{Ball, Number, Rational};
 use vibc::system::{CoordinateId, Input, LinearSystem, Nature};
 
@@ -320,7 +322,10 @@ fn motions_are_printed() {
     let history = respond(&system, &[vec![step]], &times).expect("a motion");
     insta::assert_snapshot!(vibc::backend::simulation::csv(&system, &history, false));
     insta::assert_snapshot!(vibc::backend::simulation::json("oscillator", &system, &history, &[]));
-    insta::assert_snapshot!(vibc::backend::simulation::text("oscillator", &system, &history, &[]));
+    insta::assert_snapshot!(report::laid_out(
+        &answers::report::motion("oscillator", &system, &history, &[]),
+        report::WIDTH
+    ));
 }
 
 /// S10 and S11 of the published cases (VM86, VM88): 10 N at 20 rad/s make 1/12 m. What is printed of it, and of an undamped
@@ -347,7 +352,10 @@ fn a_steady_state_is_told() {
     let value = told_late.value.re.to_f64() * s.to_f64() + told_late.value.im.to_f64() * c.to_f64();
     near(late[0], value, 1e-14);
     let history = respond(&system, &[vec![force("0.7")]], &[n("0"), n("20")]).expect("a motion");
-    insta::assert_snapshot!(vibc::backend::simulation::text("shaken", &system, &history, &told));
+    insta::assert_snapshot!(report::laid_out(
+        &answers::report::motion("shaken", &system, &history, &told),
+        report::WIDTH
+    ));
     insta::assert_snapshot!(vibc::backend::simulation::json("shaken", &system, &history, &told));
     let undamped = oscillator("1", "0", "4", "0", "0");
     let own = Signal::Harmonic { value: n("1"), frequency: Number::pi().recip().expect("not zero"), phase: n("0") };

@@ -3,6 +3,8 @@
 use super::ask::ask;
 use super::systems::{Builder, HardCase, chain, number};
 use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
+use vibc::answers;
+use vibc::backend::report;
 use vibc::base::{Number, Rational};
 use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
 
@@ -277,7 +279,10 @@ fn what_may_be_zero_has_neither_peaks_nor_antiresonances() {
 fn tables_are_printed() {
     let system = with_every_pair(HardCase::load("o25_absorber_antiresonance").system);
     let table = table_of(&system, 0, 0);
-    insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
+    insta::assert_snapshot!(report::all_laid_out(
+        &answers::report::transfer("absorber", &system, &table),
+        report::WIDTH
+    ));
     let modes = analysis::modes(&system).expect("a regular system");
     let poles = analysis::poles(&system, &modes).expect("poles");
     let at = ["0", "1.5", "1.6"].map(|f| Frequency::hertz(&number(f))).to_vec();
@@ -285,7 +290,10 @@ fn tables_are_printed() {
     let table = analysis::table(&Roads::of(&system, &modes), &poles, &sweep);
     insta::assert_snapshot!(vibc::backend::transfer::csv(&system, &table));
     insta::assert_snapshot!(vibc::backend::transfer::json("absorber", &system, &table));
-    insta::assert_snapshot!(vibc::backend::transfer::text("absorber", &system, &table));
+    insta::assert_snapshot!(report::all_laid_out(
+        &answers::report::transfer("absorber", &system, &table),
+        report::WIDTH
+    ));
     // An undamped system at rest with a rigid motion.
     let mut b = Builder::numbered(1);
     b.mass(0, &number("2"));

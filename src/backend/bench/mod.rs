@@ -3,7 +3,8 @@
 pub mod svg;
 
 use super::decimal::Decimal;
-use super::report::table::{Align, Table};
+use super::report::table::Table;
+use crate::answers::report::Align;
 use crate::base::Dd;
 use crate::bench::{Bench, Entry, Question};
 

@@ -1,108 +1,101 @@
-//! The coordinates and, where they fit, the matrices.
+//! Matrices as they are drawn: all entries of one in the same notation.
 
-use super::super::ReportOptions;
-use super::super::decimal::certain_whole;
-use super::table::characters;
-use super::{INDENT, WIDTH, line, unit};
-use crate::answers::ModalAnswer;
+use super::super::decimal::{certain_scientific, certain_whole};
+use super::wrap::characters;
+use crate::answers::report::Matrices;
 use crate::base::Number;
-use crate::lower::Dependent;
-use crate::system::{Form, LinearSystem};
 
-/// Matrices of more coordinates are shown on demand only.
-const MOST: usize = 8;
-const DIGITS: usize = 5;
+/// Space between two matrices.
+const GAP: usize = 3;
 
-pub fn text(answer: &ModalAnswer, options: &ReportOptions) -> String {
-    let system = &answer.system;
-    let mut text = coordinates(system) + &dependent(answer);
-    if system.n() > 0 && (options.matrices || system.n() <= MOST) {
-        let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
-        text += &line("M q″ + C q′ + K q = 0, in kg, m, s, rad");
-        text += &side_by_side(&[("M", &system.m), ("C", &system.c), ("K", &system.k)], system.n());
+/// Beside each other as far as they fit. One that is too wide is not drawn, unless it was asked for: then some columns at a time.
+pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
+    let room = width.saturating_sub(indent);
+    let mut text = String::new();
+    let mut beside: Vec<Vec<String>> = Vec::new();
+    let mut too_wide = Vec::new();
+    let mut flush = |beside: &mut Vec<Vec<String>>| {
+        let joined = joined(&std::mem::take(beside));
+        joined.iter().for_each(|row| text += &format!("{:indent$}{}\n", "", row.trim_end()));
+    };
+    for (name, entries) in &matrices.list {
+        let cells = notation(entries, matrices.digits);
+        let whole = block(name, &cells);
+        if breadth(&whole) > room {
+            if matrices.wanted {
+                flush(&mut beside);
+                for piece in pieces(name, &cells, room) {
+                    flush(&mut vec![piece]);
+                }
+            } else {
+                too_wide.push(*name);
+            }
+            continue;
+        }
+        let used: usize = beside.iter().map(|block| breadth(block) + GAP).sum();
+        if !beside.is_empty() && used + breadth(&whole) > room {
+            flush(&mut beside);
+        }
+        beside.push(whole);
+    }
+    flush(&mut beside);
+    if !too_wide.is_empty() {
+        text += &format!("{:indent$}{}: too wide for here (--matrices)\n", "", too_wide.join(", "));
     }
     text
 }
 
-/// `q = (block.x [m], rod.angle [rad])`, broken into lines; the first and the last of many.
-fn coordinates(system: &LinearSystem) -> String {
-    const ENDS: usize = 6;
-    let name =
-        |i: usize| format!("{} [{}]", system.display(system.coordinates[i].name), unit(system.coordinates[i].kind));
-    let n = system.n();
-    let names: Vec<String> = if n <= 2 * ENDS {
-        (0..n).map(name).collect()
-    } else {
-        let dots = std::iter::once(format!("... {} more", n - 2 * ENDS));
-        (0..ENDS).map(name).chain(dots).chain((n - ENDS..n).map(name)).collect()
+/// Every entry as a plain number; where one of them would need a power of ten, all of them with one.
+fn notation(entries: &[Vec<Number>], digits: usize) -> Vec<Vec<String>> {
+    let written = |form: fn(&Number, usize) -> String| -> Vec<Vec<String>> {
+        entries.iter().map(|row| row.iter().map(|entry| form(entry, digits)).collect()).collect()
     };
-    let mut text = String::new();
-    let mut current = "q = (".to_string();
-    for (i, name) in names.iter().enumerate() {
-        let end = if i + 1 == names.len() { ")" } else { "," };
-        if i > 0 && characters(&current) + characters(name) + 2 > WIDTH - INDENT {
-            text += &line(current.trim_end());
-            current = "     ".to_string();
-        }
-        current += &format!("{name}{end} ");
-    }
-    if names.is_empty() { line("q = (): nothing can move") } else { text + &line(current.trim_end()) }
+    let plain = written(certain_whole);
+    let has_power = |cell: &String| cell.contains('e') && !cell.starts_with('≤');
+    if plain.iter().flatten().any(has_power) { written(certain_scientific) } else { plain }
 }
 
-/// The coordinates that closed loops and couplings leave no choice.
-fn dependent(answer: &ModalAnswer) -> String {
-    const MOST: usize = 8;
-    let dependent = &answer.rest.dependent;
-    let name = |dependent: &Dependent| answer.system.display(dependent.coordinate.name);
-    let mut names: Vec<String> = dependent.iter().take(MOST).map(name).collect();
-    if dependent.len() > MOST {
-        names.push(format!("{} more", dependent.len() - MOST));
+/// Some columns at a time, each with the numbers of its columns above it.
+fn pieces(name: &str, cells: &[Vec<String>], room: usize) -> Vec<Vec<String>> {
+    let columns = cells.first().map_or(0, Vec::len);
+    let piece = |from: usize, to: usize| -> Vec<String> {
+        let chosen: Vec<Vec<String>> = cells.iter().map(|row| row[from..to].to_vec()).collect();
+        let title = format!("columns {} to {} of {columns}:", from + 1, to);
+        [title].into_iter().chain(block(name, &chosen)).collect()
+    };
+    let mut list = Vec::new();
+    let mut from = 0;
+    while from < columns {
+        let fits = |to: &usize| breadth(&piece(from, *to)[1..]) <= room;
+        let to = (from + 2..=columns).take_while(fits).last().unwrap_or(from + 1);
+        list.push(piece(from, to));
+        from = to;
     }
-    if names.is_empty() {
-        String::new()
-    } else {
-        line(format!("following from q by joints and couplings: {}", names.join(", ")))
-    }
+    list
 }
 
-/// Beside each other as far as they fit.
-fn side_by_side(forms: &[(&str, &Form)], n: usize) -> String {
-    let blocks: Vec<Vec<String>> = forms.iter().map(|(name, form)| block(name, &form.entries(n))).collect();
-    let width = |block: &Vec<String>| block.first().map_or(0, |line| characters(line));
-    let mut text = String::new();
-    let mut group: Vec<&Vec<String>> = Vec::new();
-    for block in &blocks {
-        let used: usize = group.iter().map(|block| width(block) + 3).sum();
-        if !group.is_empty() && used + width(block) > WIDTH - INDENT {
-            text += &joined(&group);
-            group.clear();
-        }
-        group.push(block);
-    }
-    text + &joined(&group)
+fn breadth(block: &[String]) -> usize {
+    block.iter().map(|line| characters(line)).max().unwrap_or(0)
 }
 
-fn joined(group: &[&Vec<String>]) -> String {
-    let rows = group.iter().map(|block| block.len()).max().unwrap_or(0);
-    (0..rows).map(|row| line(group.iter().map(|block| block[row].as_str()).collect::<Vec<_>>().join("   "))).collect()
+fn joined(blocks: &[Vec<String>]) -> Vec<String> {
+    let rows = blocks.iter().map(Vec::len).max().unwrap_or(0);
+    let row = |i: usize| blocks.iter().filter_map(|block| block.get(i)).map(String::as_str).collect::<Vec<_>>();
+    (0..rows).map(|i| row(i).join(&" ".repeat(GAP))).collect()
 }
 
 /// `M = ⎡ 1.5  0.5 ⎤` in as many lines as rows, all of one width.
-fn block(name: &str, matrix: &[Vec<Number>]) -> Vec<String> {
-    let cells: Vec<Vec<String>> =
-        matrix.iter().map(|row| row.iter().map(|entry| certain_whole(entry, DIGITS)).collect()).collect();
-    let n = cells.len();
-    let widths: Vec<usize> = (0..n).map(|j| cells.iter().map(|row| characters(&row[j])).max().unwrap_or(0)).collect();
-    let middle = (n - 1) / 2;
-    (0..n)
-        .map(|i| {
-            let lead = if i == middle { format!("{name} = ") } else { " ".repeat(characters(name) + 3) };
-            let entries: Vec<String> =
-                cells[i].iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-            let (left, right) = brackets(i, n);
-            format!("{lead}{left} {} {right}", entries.join("  "))
-        })
-        .collect()
+fn block(name: &str, cells: &[Vec<String>]) -> Vec<String> {
+    let (rows, columns) = (cells.len(), cells.first().map_or(0, Vec::len));
+    let width = |j: usize| cells.iter().map(|row| characters(&row[j])).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |i: usize| {
+        let lead = if i == (rows - 1) / 2 { format!("{name} = ") } else { " ".repeat(characters(name) + 3) };
+        let entries = cells[i].iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+        let (left, right) = brackets(i, rows);
+        format!("{lead}{left} {} {right}", entries.collect::<Vec<_>>().join("  "))
+    };
+    (0..rows).map(line).collect()
 }
 
 fn brackets(row: usize, rows: usize) -> (char, char) {
@@ -111,5 +104,38 @@ fn brackets(row: usize, rows: usize) -> (char, char) {
         0 => ('⎡', '⎤'),
         _ if row + 1 == rows => ('⎣', '⎦'),
         _ => ('⎢', '⎥'),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(entries: &[&[i64]]) -> Vec<Vec<Number>> {
+        entries.iter().map(|row| row.iter().map(|entry| Number::from(*entry)).collect()).collect()
+    }
+
+    #[test]
+    fn one_power_of_ten_makes_all_entries_have_one() {
+        let cells = notation(&matrix(&[&[1_000_000_000, -500_000_000], &[0, 250_000_123]]), 5);
+        assert_eq!(cells, [["1e9", "-5e8"], ["0", "2.5000e8"]]);
+        let cells = notation(&matrix(&[&[15, -29_608_813]]), 5);
+        assert_eq!(cells, [["15", "-29608813"]]);
+    }
+
+    #[test]
+    fn a_wide_matrix_is_drawn_in_pieces_where_it_is_asked_for() {
+        let list = vec![("K", matrix(&[&[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]]))];
+        let narrow = Matrices { list: list.clone(), wanted: false, digits: 5 };
+        assert_eq!(text(&narrow, 2, 20), "  K: too wide for here (--matrices)\n");
+        let wanted = Matrices { list, wanted: true, digits: 5 };
+        let expected = "  columns 1 to 4 of 6:
+  K = ⎡ 1  2  3  4 ⎤
+      ⎣ 1  2  3  4 ⎦
+  columns 5 to 6 of 6:
+  K = ⎡ 5  6 ⎤
+      ⎣ 5  6 ⎦
+";
+        assert_eq!(text(&wanted, 2, 22), expected);
     }
 }

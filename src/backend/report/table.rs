@@ -1,78 +1,234 @@
 //! Columns of text: names to the left, numbers aligned at their decimal points.
+//!
+//! A table that is too wide for its page gets narrower in the order of what is lost by it: titles on two lines, a column that
+//! says the same in each row said once below, shorter wordings and broken lines in columns of text, and at last several tables
+//! one below the other, each with the first column.
 
+use super::super::plain;
+use super::wrap::{characters, filled, folded, longest_word};
+use crate::answers::report::{self, Align};
 use std::fmt::Write;
 
 /// A table under construction; every row has as many cells as there are columns.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Table {
     columns: Vec<Column>,
-    rows: Vec<Vec<String>>,
+    /// Each cell in one wording or several, the longest first.
+    rows: Vec<Vec<Vec<String>>>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Column {
-    title: String,
+    /// One below the other.
+    title: Vec<String>,
     unit: String,
     align: Align,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Align {
-    Left,
-    Right,
-    /// At the decimal point.
-    Point,
-}
-
 /// Space between two columns.
 const GAP: usize = 2;
+/// A column of text is broken into lines of no less than this.
+const LEAST: usize = 16;
+
+/// A table of a report in so many columns, every line indented.
+pub fn text(table: &report::Table, indent: usize, width: usize) -> String {
+    let room = width.saturating_sub(indent);
+    let whole = Table::of(table);
+    if whole.width() <= room {
+        return whole.text(indent);
+    }
+    match &table.narrower {
+        Some(narrower) => text(narrower, indent, width),
+        None => whole.squeezed(indent, room),
+    }
+}
 
 impl Table {
+    fn of(table: &report::Table) -> Table {
+        let column = |column: &report::Column| Column {
+            title: vec![plain::line(&column.title)],
+            unit: column.unit.to_string(),
+            align: column.align,
+        };
+        let cell = |cell: &report::Cell| match &cell.wordings[..] {
+            [] => vec![String::new()],
+            wordings => wordings.iter().map(plain::line).collect(),
+        };
+        Table {
+            columns: table.columns.iter().map(column).collect(),
+            rows: table.rows.iter().map(|row| row.iter().map(cell).collect()).collect(),
+        }
+    }
+
     pub fn new() -> Table {
-        Table { columns: Vec::new(), rows: Vec::new() }
+        Table::default()
     }
 
     /// A column with its title and, in a line below, its unit.
     pub fn column(mut self, title: impl Into<String>, unit: impl Into<String>, align: Align) -> Table {
-        self.columns.push(Column { title: title.into(), unit: unit.into(), align });
+        self.columns.push(Column { title: vec![title.into()], unit: unit.into(), align });
         self
     }
 
     pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells);
+        self.rows.push(cells.into_iter().map(|cell| vec![cell]).collect());
     }
 
     /// The table's width in characters, the indent not counted.
-    pub fn width(&self) -> usize {
-        self.layouts().iter().map(|layout| layout.width + GAP).sum::<usize>().saturating_sub(GAP)
+    fn width(&self) -> usize {
+        sum(&self.layouts().iter().map(|layout| layout.width).collect::<Vec<_>>())
     }
 
     /// Every line indented by so many spaces; no line ends in spaces.
     pub fn text(&self, indent: usize) -> String {
-        let layouts = self.layouts();
-        let mut text = String::new();
-        let mut line = |cells: &mut dyn Iterator<Item = String>| {
-            let line: Vec<String> = cells.collect();
-            let line = line.join(&" ".repeat(GAP));
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{:indent$}{}", "", line.trim_end());
+        self.lines(indent, &self.layouts())
+    }
+
+    /// Within the room, by the means that this file's first lines name.
+    fn squeezed(mut self, indent: usize, room: usize) -> String {
+        self.fold_titles(|align| align != Align::Left);
+        let said_once = if self.width() > room { self.lift_uniform() } else { Vec::new() };
+        if sum(&self.least()) > room {
+            self.fold_titles(|align| align == Align::Left);
+        }
+        let below = said_once.iter().map(|line| filled(line, indent, 2 * indent + GAP, indent + room));
+        self.split(room).iter().map(|piece| piece.text_within(indent, room)).chain(below).collect()
+    }
+
+    /// Titles that are wider than what stands below them go on two lines.
+    fn fold_titles(&mut self, chosen: impl Fn(Align) -> bool) {
+        let cells = |i: usize| self.rows.iter().map(move |row| characters(&row[i][0])).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.columns.len()).map(cells).collect();
+        for (column, cells) in self.columns.iter_mut().zip(widths).filter(|(column, _)| chosen(column.align)) {
+            if characters(&column.title.join(" ")) > cells.max(characters(&column.unit)) || column.align == Align::Left
+            {
+                column.fold_title();
+            }
+        }
+    }
+
+    /// Takes out the columns of text that say the same in each row, and words what they say.
+    fn lift_uniform(&mut self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for at in (1..self.columns.len()).rev() {
+            let column = &self.columns[at];
+            let title = column.title.join(" ");
+            let same = self.rows.windows(2).all(|rows| rows[0][at] == rows[1][at]);
+            if column.align == Align::Left && !title.is_empty() && same && !self.rows.is_empty() {
+                let text = self.rows[0][at][0].clone();
+                self.columns.remove(at);
+                self.rows.iter_mut().for_each(|row| drop(row.remove(at)));
+                let where_ = if self.rows.len() > 1 { " in each row" } else { "" };
+                lines.push(format!("{title}: {text}{where_}"));
+            }
+        }
+        lines.reverse();
+        lines
+    }
+
+    /// The least that each column can be.
+    fn least(&self) -> Vec<usize> {
+        let word = |at: usize| self.rows.iter().filter_map(|row| row[at].last()).map(|cell| longest_word(cell)).max();
+        let least = |(at, layout): (usize, &Layout)| match layout.align {
+            Align::Left => layout.width.min(LEAST.max(layout.title).max(word(at).unwrap_or(0))),
+            Align::Right | Align::Point => layout.width,
         };
-        line(&mut self.columns.iter().zip(&layouts).map(|(column, layout)| layout.title(&column.title)));
+        self.layouts().iter().enumerate().map(least).collect()
+    }
+
+    /// Tables that fit, each with the first column; a column that fits nowhere has a table to itself.
+    fn split(&self, room: usize) -> Vec<Table> {
+        let least = self.least();
+        let mut pieces: Vec<Vec<usize>> = Vec::new();
+        let mut used = 0;
+        for at in 1..self.columns.len() {
+            match pieces.last_mut() {
+                Some(piece) if used + GAP + least[at] <= room => piece.push(at),
+                _ => {
+                    pieces.push(vec![0, at]);
+                    used = least[0];
+                }
+            }
+            used += GAP + least[at];
+        }
+        if pieces.len() <= 1 {
+            return vec![self.clone()];
+        }
+        pieces.iter().map(|columns| self.chosen(columns)).collect()
+    }
+
+    fn chosen(&self, columns: &[usize]) -> Table {
+        Table {
+            columns: columns.iter().map(|at| self.columns[*at].clone()).collect(),
+            rows: self.rows.iter().map(|row| columns.iter().map(|at| row[*at].clone()).collect()).collect(),
+        }
+    }
+
+    /// Columns of text share the room that numbers leave.
+    fn text_within(&self, indent: usize, room: usize) -> String {
+        let mut layouts = self.layouts();
+        let least = self.least();
+        let mut spare = room.saturating_sub(sum(&least));
+        let mut wanting: Vec<usize> = (0..layouts.len()).filter(|at| layouts[*at].width > least[*at]).collect();
+        // What wants the least more is served first, so that what it leaves goes to the others.
+        wanting.sort_by_key(|at| layouts[*at].width - least[*at]);
+        let count = wanting.len();
+        for (served, at) in wanting.into_iter().enumerate() {
+            let more = (layouts[at].width - least[at]).min(spare / (count - served));
+            layouts[at].width = least[at] + more;
+            spare -= more;
+        }
+        self.lines(indent, &layouts)
+    }
+
+    fn lines(&self, indent: usize, layouts: &[Layout]) -> String {
+        let mut text = String::new();
+        let mut line = |cells: Vec<String>| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{:indent$}{}", "", cells.join(&" ".repeat(GAP)).trim_end());
+        };
+        let height = self.columns.iter().map(|column| column.title.len()).max().unwrap_or(0);
+        for i in 0..height {
+            // The last line of each title stands above its unit.
+            let title =
+                |column: &Column| (i + column.title.len()).checked_sub(height).map(|at| column.title[at].clone());
+            let titles = self.columns.iter().map(|column| title(column).unwrap_or_default());
+            line(titles.zip(layouts).map(|(title, layout)| layout.title(&title)).collect());
+        }
         if self.columns.iter().any(|column| !column.unit.is_empty()) {
-            line(&mut self.columns.iter().zip(&layouts).map(|(column, layout)| layout.title(&column.unit)));
+            line(self.columns.iter().zip(layouts).map(|(column, layout)| layout.title(&column.unit)).collect());
         }
         for row in &self.rows {
-            line(&mut row.iter().zip(&layouts).map(|(cell, layout)| layout.cell(cell)));
+            let cells: Vec<Vec<&str>> = row.iter().zip(layouts).map(|(cell, layout)| layout.fitting(cell)).collect();
+            let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+            for i in 0..height {
+                let at = |cell: &Vec<&str>| cell.get(i).copied().unwrap_or_default().to_string();
+                line(cells.iter().zip(layouts).map(|(cell, layout)| layout.cell(&at(cell))).collect());
+            }
         }
         text
     }
 
     fn layouts(&self) -> Vec<Layout> {
-        self.columns
-            .iter()
-            .enumerate()
-            .map(|(i, column)| Layout::of(column, self.rows.iter().map(|row| &row[i])))
-            .collect()
+        let cells = |i: usize| self.rows.iter().map(move |row| &row[i][0]);
+        self.columns.iter().enumerate().map(|(i, column)| Layout::of(column, cells(i))).collect()
+    }
+}
+
+/// The width of columns with their gaps.
+fn sum(widths: &[usize]) -> usize {
+    (widths.iter().sum::<usize>() + GAP * widths.len()).saturating_sub(GAP)
+}
+
+impl Column {
+    /// On two lines, as even as they can be.
+    fn fold_title(&mut self) {
+        let title = self.title.join(" ");
+        let halves = title.match_indices(' ').map(|(at, _)| (&title[..at], &title[at + 1..]));
+        let widest = |(first, second): &(&str, &str)| characters(first).max(characters(second));
+        if let Some((first, second)) = halves.min_by_key(widest) {
+            self.title = vec![first.to_string(), second.to_string()];
+        }
     }
 }
 
@@ -80,6 +236,8 @@ impl Table {
 struct Layout {
     align: Align,
     width: usize,
+    /// Of the title and the unit.
+    title: usize,
     /// Characters from the decimal point on.
     fraction: usize,
 }
@@ -93,9 +251,18 @@ impl Layout {
             }
             _ => (0, 0),
         };
-        let titles = characters(&column.title).max(characters(&column.unit));
+        let title = column.title.iter().chain([&column.unit]).map(|text| characters(text)).max().unwrap_or(0);
         let cells = cells.map(|cell| characters(cell)).max().unwrap_or(0);
-        Layout { align: column.align, width: titles.max(cells).max(whole + fraction), fraction }
+        Layout { align: column.align, width: title.max(cells).max(whole + fraction), title, fraction }
+    }
+
+    /// The longest wording that fits; the shortest one in lines where none does.
+    fn fitting<'a>(&self, wordings: &'a [String]) -> Vec<&'a str> {
+        match wordings.iter().find(|wording| characters(wording) <= self.width).or(wordings.last()) {
+            Some(wording) if self.align == Align::Left => folded(wording, self.width),
+            Some(wording) => vec![wording],
+            None => Vec::new(),
+        }
     }
 
     fn title(&self, text: &str) -> String {
@@ -114,7 +281,7 @@ impl Layout {
     }
 
     fn left(&self, text: &str) -> String {
-        format!("{text}{}", " ".repeat(self.width - characters(text)))
+        format!("{text}{}", " ".repeat(self.width.saturating_sub(characters(text))))
     }
 
     fn right(&self, text: &str) -> String {
@@ -133,17 +300,11 @@ fn at_point(cell: &str) -> (usize, usize) {
     (characters(&cell[..at]), characters(&cell[at..]))
 }
 
-/// Names hold letters that are one column wide each: Latin, Greek, digits.
-pub fn characters(text: &str) -> usize {
-    text.chars().count()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn points_stand_below_each_other_and_names_keep_their_width() {
+    fn table() -> Table {
         let mut table = Table::new().column("part", "", Align::Left).column("ω", "[rad/s]", Align::Point).column(
             "n",
             "",
@@ -152,6 +313,11 @@ mod tests {
         table.row(vec!["μ₁".into(), "12.5".into(), "1".into()]);
         table.row(vec!["rod".into(), "1e-7".into(), "20".into()]);
         table.row(vec!["".into(), "0.1234".into(), "".into()]);
+        table
+    }
+
+    #[test]
+    fn points_stand_below_each_other_and_names_keep_their_width() {
         let expected = "
 part          ω   n
         [rad/s]
@@ -159,7 +325,47 @@ part          ω   n
 rod   1e-7       20
          0.1234
 ";
-        assert_eq!(table.text(0), expected.trim_start_matches('\n'));
-        assert_eq!(table.width(), 19);
+        assert_eq!(table().text(0), expected.trim_start_matches('\n'));
+        assert_eq!(table().width(), 19);
+    }
+
+    #[test]
+    fn columns_that_do_not_fit_follow_below_with_the_first_one() {
+        let expected = "
+part          ω
+        [rad/s]
+μ₁      12.5
+rod   1e-7
+         0.1234
+part   n
+μ₁     1
+rod   20
+
+";
+        assert_eq!(table().squeezed(0, 15), expected.trim_start_matches('\n'));
+    }
+
+    #[test]
+    fn text_is_worded_shorter_then_broken_and_what_is_everywhere_is_said_once() {
+        let mut table = Table::new()
+            .column("n", "", Align::Right)
+            .column("decay time", "[s]", Align::Point)
+            .column("what moves in it", "", Align::Left)
+            .column("kind", "", Align::Left);
+        let words = |words: &[&str]| words.iter().map(|word| word.to_string()).collect::<Vec<_>>();
+        let kind = words(&["oscillation"]);
+        table.rows.push(vec![words(&["1"]), words(&["0.5"]), words(&["one 50 %, two 50 %", "one 50 %"]), kind.clone()]);
+        table.rows.push(vec![words(&["2"]), words(&["10"]), words(&["a sentence of some words"]), kind]);
+        let expected = "
+   decay
+n   time  what moves in it
+     [s]
+1    0.5  one 50 %
+2   10    a sentence of
+          some words
+kind: oscillation in each
+  row
+";
+        assert_eq!(table.squeezed(0, 26), expected.trim_start_matches('\n'));
     }
 }

@@ -38,6 +38,16 @@ pub enum FeatureKind {
     Antiresonance,
 }
 
+impl FeatureKind {
+    /// As in the JSON and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            FeatureKind::Peak => "peak",
+            FeatureKind::Antiresonance => "antiresonance",
+        }
+    }
+}
+
 /// No extremum in the range is missing. The search makes it, where every interval of the range is settled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Complete(());

@@ -1,0 +1,384 @@
+//! A report as a value: sections of sentences, tables and matrices, whose numbers keep their enclosures and whose names keep
+//! their places in the model. It is built once; text, Markdown and pages only lay it out. What a report tells and leaves out,
+//! in which order, under which names and to how many digits, is decided here. See docs/method/report.md.
+//!
+//! The JSON of `analyze` is not laid out from it: a program wants every entry under a stable key, a reader wants the twenty
+//! largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
+//! [`super::ModalAnswer`]), so that none of them computes, bounds or judges a number of its own.
+
+mod equations;
+mod modes;
+mod motion;
+mod parts;
+mod poles;
+mod questions;
+mod rest;
+mod sensitivities;
+mod table;
+mod transfer;
+
+pub use motion::motion;
+pub use parts::explanation;
+pub use questions::requirements;
+pub use table::{Align, Cell, Column, Table};
+pub use transfer::transfer;
+
+use crate::analysis::{Mode, ModeKind, Normalise, Share, Stability};
+use crate::answers::ModalAnswer;
+use crate::base::{Ball, Number, Rounded, Span, Unproven};
+use crate::system::{Coordinate, CoordinateKind, LinearSystem, Source};
+use std::borrow::Cow;
+
+/// What a modal report is to hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    pub normalise: Normalise,
+    /// The matrices, however large.
+    pub matrices: bool,
+    /// Digits of frequencies and poles, as many of them as are certain; a handful without it.
+    pub digits: Option<u32>,
+}
+
+impl Options {
+    /// Digits of a number that shows `usual` of them unless more are asked for.
+    fn digits(&self, usual: usize) -> usize {
+        self.digits.map_or(usual, |digits| digits as usize)
+    }
+}
+
+/// A report, to be laid out.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    pub title: Line,
+    pub sections: Vec<Section>,
+}
+
+/// A part of a report under a heading of its own.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// For layouts that show headings; a section's first block says what follows without it.
+    pub heading: &'static str,
+    pub blocks: Vec<Block>,
+}
+
+#[derive(Clone, Debug)]
+pub enum Block {
+    Line(Line),
+    /// Belongs to the line before it.
+    Item(Line),
+    Table(Table),
+    Matrices(Matrices),
+}
+
+/// Square matrices of one system, row by row.
+#[derive(Clone, Debug)]
+pub struct Matrices {
+    pub list: Vec<(&'static str, Vec<Vec<Number>>)>,
+    /// Asked for: shown even where they do not fit beside each other.
+    pub wanted: bool,
+    /// Significant digits of an entry.
+    pub digits: usize,
+}
+
+/// Words, names and numbers in a row: a sentence, or what stands in a cell. A no-break space stands where a line is not to end.
+#[derive(Clone, Debug, Default)]
+pub struct Line {
+    pub parts: Vec<Part>,
+}
+
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// The report's own words.
+    Words(&'static str),
+    /// Text of the model: a layout makes sure that it steers nothing.
+    Named(Named),
+    Figure(Figure),
+}
+
+/// A name of the model and, where it is known, the place that declares it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    pub text: String,
+    pub place: Option<Span>,
+}
+
+/// A number with its unit; the unit is empty where the column of a table has it.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    pub value: Value,
+    pub unit: Cow<'static, str>,
+}
+
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// Shown to at most so many digits, those that its radius settles.
+    Enclosed {
+        number: Number,
+        digits: usize,
+    },
+    /// A level or an angle: shown with two digits after the decimal point.
+    Hundredths(Ball),
+    /// Without a proven bound.
+    Unproven {
+        number: Unproven,
+        digits: usize,
+    },
+    /// A share of a whole, shown in per cent.
+    Share(Unproven),
+    /// An upper bound, shown in one digit, rounded up.
+    Bound(f64),
+    Count(usize),
+}
+
+impl Report {
+    fn new(title: Line, sections: impl IntoIterator<Item = Section>) -> Report {
+        Report { title, sections: sections.into_iter().filter(|section| !section.blocks.is_empty()).collect() }
+    }
+}
+
+impl Section {
+    fn new(heading: &'static str, blocks: impl IntoIterator<Item = Block>) -> Section {
+        Section { heading, blocks: blocks.into_iter().collect() }
+    }
+}
+
+impl Line {
+    /// The line with another part at its end.
+    fn and(mut self, part: impl Into<Line>) -> Line {
+        self.parts.extend(part.into().parts);
+        self
+    }
+
+    fn is_empty(&self) -> bool {
+        self.parts.is_empty()
+    }
+}
+
+/// A line of its parts, in order.
+macro_rules! line {
+    ($($part:expr),* $(,)?) => { $crate::answers::report::Line::default()$(.and($part))* };
+}
+use line;
+
+impl From<&'static str> for Line {
+    fn from(words: &'static str) -> Line {
+        Line { parts: if words.is_empty() { Vec::new() } else { vec![Part::Words(words)] } }
+    }
+}
+
+/// Any text that is put together may hold names of the model.
+impl From<String> for Line {
+    fn from(text: String) -> Line {
+        Line::from(Named { text, place: None })
+    }
+}
+
+impl From<Named> for Line {
+    fn from(named: Named) -> Line {
+        Line { parts: vec![Part::Named(named)] }
+    }
+}
+
+impl From<Figure> for Line {
+    fn from(figure: Figure) -> Line {
+        Line { parts: vec![Part::Figure(figure)] }
+    }
+}
+
+impl From<usize> for Line {
+    fn from(count: usize) -> Line {
+        Line::from(Figure::of(Value::Count(count)))
+    }
+}
+
+impl From<Line> for Block {
+    fn from(line: Line) -> Block {
+        Block::Line(line)
+    }
+}
+
+impl From<Table> for Block {
+    fn from(table: Table) -> Block {
+        Block::Table(table)
+    }
+}
+
+impl Figure {
+    fn of(value: Value) -> Figure {
+        Figure { value, unit: Cow::Borrowed("") }
+    }
+
+    fn ball(value: Ball, digits: usize) -> Figure {
+        Figure::number(Number::Ball(value), digits)
+    }
+
+    fn number(number: Number, digits: usize) -> Figure {
+        Figure::of(Value::Enclosed { number, digits })
+    }
+
+    fn bound(bound: f64) -> Figure {
+        Figure::of(Value::Bound(bound))
+    }
+
+    fn share(part: Unproven) -> Figure {
+        Figure::of(Value::Share(part))
+    }
+
+    /// Settled to no digit at all, so that its bound is what is shown.
+    fn is_bound(&self) -> bool {
+        /// What one digit asks for.
+        const ONE_DIGIT: f64 = 0.05;
+        match &self.value {
+            Value::Enclosed { number, .. } => !number.is_zero() && number.to_ball().relative_error() > ONE_DIGIT,
+            _ => false,
+        }
+    }
+
+    /// With its unit behind it.
+    fn unit(self, unit: impl Into<Cow<'static, str>>) -> Figure {
+        Figure { unit: unit.into(), ..self }
+    }
+
+    /// The binary64 number that stands for an enclosed one, and its bound.
+    pub fn rounded(&self) -> Option<Rounded> {
+        match &self.value {
+            Value::Enclosed { number, .. } => Rounded::of_number(number),
+            Value::Hundredths(ball) => Rounded::of(*ball),
+            Value::Unproven { .. } | Value::Share(_) | Value::Bound(_) | Value::Count(_) => None,
+        }
+    }
+}
+
+/// The modal report.
+pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
+    let account = answer.account.as_ref().map(|account| parts::explained(account, &answer.system));
+    let sections = [
+        questions::solved(&answer.solved),
+        questions::required(&answer.requirements),
+        rest::section(answer, options),
+        equations::section(answer, options),
+        modes::section(answer, options),
+        modes::shares(answer),
+        poles::section(answer, options),
+        sensitivities::section(answer),
+        parts::section(answer),
+    ];
+    Report::new(title(answer), sections.into_iter().chain(account))
+}
+
+/// `cart · 2 freedoms, linearised about a stable rest`
+fn title(answer: &ModalAnswer) -> Line {
+    let verdict = match answer.stability.kind() {
+        Stability::Stable => "a stable rest",
+        Stability::Neutral => "a neutral rest",
+        Stability::Unstable => "an UNSTABLE rest",
+        Stability::Undetermined => "a rest of UNDETERMINED stability",
+    };
+    let rigid =
+        answer.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count() + answer.modes.before.rigid;
+    let title = line![
+        answer.model.clone(),
+        " · ",
+        counted(answer.system.n(), "freedom", "freedoms"),
+        ", linearised about ",
+        verdict
+    ];
+    if rigid == 0 { title } else { line![title, " · ", counted(rigid, "rigid motion", "rigid motions")] }
+}
+
+/// `1 mode`, `3 modes`
+fn counted(count: usize, one: &'static str, several: &'static str) -> Line {
+    line![count, " ", if count == 1 { one } else { several }]
+}
+
+/// `a, b, c`
+fn listed(items: impl IntoIterator<Item = Line>) -> Line {
+    let separated = |line: Line, item: Line| if line.is_empty() { item } else { line![line, ", ", item] };
+    items.into_iter().fold(Line::default(), separated)
+}
+
+/// Items of which only some are shown: `a, b, 12 more`. One more is shown rather than counted.
+fn first_of(items: Vec<Line>, most: usize) -> Line {
+    match items.len().checked_sub(most) {
+        Some(more) if more > 1 => {
+            line![listed(items.into_iter().take(most)), ", ", more, " more"]
+        }
+        _ => listed(items),
+    }
+}
+
+fn unit(kind: CoordinateKind) -> &'static str {
+    match kind {
+        CoordinateKind::Translation => "m",
+        CoordinateKind::Rotation => "rad",
+    }
+}
+
+fn coordinate(system: &LinearSystem, coordinate: &Coordinate) -> Named {
+    Named { text: system.display(coordinate.name), place: Some(coordinate.span) }
+}
+
+/// The largest shares by name, worded longer and shorter: `block 61 %, rod 39 %`. What is left is counted (`8 more 63 %`),
+/// unless it is a single one, which is named.
+fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
+    /// Named until the shares cover this much, and no more of them than so many.
+    const COVERED: f64 = 0.98;
+    const MOST: usize = 3;
+    /// Where no share reaches this much, naming a few of them says nothing.
+    const WORTH_NAMING: f64 = 0.05;
+    let named = |share: &Share<Source>| line![system.display(share.of), "\u{a0}", Figure::share(share.part)];
+    let sum = |shares: &[Share<Source>]| shares.iter().map(|share| share.part.0).sum::<f64>();
+    let Some(largest) = shares.first() else { return Cell::default() };
+    if largest.part.0.abs() < WORTH_NAMING {
+        // Of very many only the largest are in the list.
+        let all = (1.0 - sum(shares)).abs() < 0.01;
+        let parts = if all { line![shares.len()] } else { line!["many"] };
+        return line![
+            "spread over ",
+            parts,
+            ", at most ",
+            Figure::share(largest.part),
+            " (",
+            system.display(largest.of),
+            ")"
+        ]
+        .into();
+    }
+    let enough = (1..=shares.len()).find(|count| sum(&shares[..*count]) >= COVERED).unwrap_or(shares.len());
+    let wording = |count: usize| {
+        let left = 1.0 - sum(&shares[..count]);
+        match shares.len() - count {
+            _ if left.abs() < 0.005 => listed(shares[..count].iter().map(named)),
+            0 | 1 => listed(shares.iter().map(named)),
+            more => line![
+                listed(shares[..count].iter().map(named)),
+                ", ",
+                more,
+                "\u{a0}more\u{a0}",
+                Figure::share(Unproven(left))
+            ],
+        }
+    };
+    let few = enough.min(MOST);
+    let all_named = if enough <= MOST + 1 { Some(enough) } else { None };
+    Cell::wordings(all_named.into_iter().chain((1..=few).rev()).map(wording))
+}
+
+/// `≤ 3e-16`, and `?` where nothing is proven.
+fn error(proven: bool, bound: f64) -> Line {
+    if proven { line!["≤ ", Figure::bound(bound)] } else { "?".into() }
+}
+
+/// At a rest that is not proven no bound is shown: it would be about a place that may be no rest. `column`: that of the bound.
+fn bound_only_if(proven: bool, cells: &mut [Cell], column: usize) {
+    for (at, cell) in cells.iter_mut().enumerate().filter(|_| !proven) {
+        if at == column || matches!(&cell.longest().parts[..], [Part::Figure(figure)] if figure.is_bound()) {
+            *cell = "?".into();
+        }
+    }
+}
+
+/// The bodies that carry a mode's kinetic energy.
+fn carried_by(system: &LinearSystem, mode: &Mode) -> Line {
+    shares(system, &mode.kinetic).longest()
+}

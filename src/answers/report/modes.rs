@@ -1,0 +1,255 @@
+//! The undamped modes: their frequencies and shapes, and which mode is which.
+
+use super::table::{Align, Cell, Table};
+use super::{
+    Block, Figure, Line, Options, Section, Value, bound_only_if, carried_by, coordinate, counted, line, listed,
+    shares as largest_shares, unit,
+};
+use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
+use crate::answers::ModalAnswer;
+use crate::base::Unproven;
+use crate::system::{Coordinate, CoordinateKind, LinearSystem};
+
+/// Modes that are listed; the JSON has all.
+pub const MOST: usize = 20;
+const DIGITS: usize = 7;
+const SHAPE_DIGITS: usize = 5;
+/// Entries of a shape that are named where a column for each does not fit.
+const LARGEST: usize = 3;
+/// Coordinates that may have a column each.
+const MOST_COLUMNS: usize = 10;
+
+pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
+    let mut blocks: Vec<Block> = Vec::new();
+    if !answer.modes.list.is_empty() {
+        blocks.push(line!["undamped modes (", scaling(options.normalise, &answer.system), ")"].into());
+        blocks.push(table(answer, options).into());
+        blocks.extend(more(answer).map(Block::from));
+    }
+    blocks.extend(left_out(answer).map(Block::from));
+    if !answer.modes.list.is_empty() {
+        blocks.extend(clusters(answer).into_iter().map(Block::from));
+        blocks.extend(beats(answer, options).map(Block::from));
+        blocks.extend(sensitive(answer).map(Block::from));
+        blocks.extend(without_inertia(answer.modes.infinite).map(Block::from));
+    }
+    Section::new("Undamped modes", blocks)
+}
+
+/// Motions that have no frequency.
+fn without_inertia(count: usize) -> Option<Line> {
+    match count {
+        0 => None,
+        1 => Some("one motion has no inertia: it follows the others, and has no frequency".into()),
+        _ => Some(line![count, " motions have no inertia: they follow the others, and have no frequency"]),
+    }
+}
+
+fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {
+    let translates = |coordinate: &Coordinate| coordinate.kind == CoordinateKind::Translation;
+    let mixed = system.coordinates.iter().any(translates) && !system.coordinates.iter().all(translates);
+    match normalise {
+        Normalise::Translation if mixed => "shapes: largest translation 1, or rotation where nothing translates",
+        Normalise::Translation | Normalise::Max => "shapes: largest entry 1",
+        Normalise::First => "shapes: first entry 1",
+        Normalise::Mass => "shapes: mass-normalised",
+    }
+}
+
+/// The table with a column for each coordinate, where these are few, and with the largest entries in one.
+fn table(answer: &ModalAnswer, options: &Options) -> Table {
+    let short = filled(answer, options, false);
+    if answer.system.n() > MOST_COLUMNS {
+        return short;
+    }
+    Table { narrower: Some(Box::new(short)), ..filled(answer, options, true) }
+}
+
+fn filled(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
+    let system = &answer.system;
+    let mut table = Table::new()
+        .column("mode", "", Align::Right)
+        .column("f", "[Hz]", Align::Point)
+        .column("ω", "[rad/s]", Align::Point)
+        .column("T", "[s]", Align::Point)
+        .column("error ≤", "", Align::Right);
+    if columns {
+        for of in &system.coordinates {
+            let unit = if unit(of.kind) == "m" { "[m]" } else { "[rad]" };
+            table = table.column(coordinate(system, of), unit, Align::Point);
+        }
+    } else {
+        table = table.column("shape, largest entries", "", Align::Left);
+    }
+    for (number, mode) in answer.modes.numbered().take(MOST) {
+        let shape = normalise(mode, options.normalise);
+        let mut cells = frequency_cells(number, mode, options);
+        bound_only_if(answer.rest.is_proven(), &mut cells, BOUND);
+        if columns {
+            let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
+            cells.extend(shape.iter().map(|entry| Cell::from(displacement(*entry, largest))));
+        } else {
+            cells.push(largest_entries(system, &shape));
+        }
+        table.row(cells);
+    }
+    table
+}
+
+/// The column of the bound in [`frequency_cells`].
+const BOUND: usize = 4;
+
+/// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
+fn frequency_cells(number: usize, mode: &Mode, options: &Options) -> Vec<Cell> {
+    let ball = |value, usual| Figure::ball(value, options.digits(usual));
+    let (f, omega) = (mode.frequency().map(|f| ball(f, DIGITS)), ball(mode.omega, DIGITS));
+    // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
+    let bound = if options.digits.is_some() { mode.enclosure_error() } else { mode.error_bound() };
+    let bound = Cell::from(Figure::bound(bound));
+    let period = mode.period().map(|period| ball(period, SHAPE_DIGITS));
+    let [f, omega, period, bound] = match mode.kind {
+        ModeKind::Oscillation => [f.into(), omega.into(), period.into(), bound],
+        ModeKind::Rigid => ["0".into(), "0".into(), "rigid".into(), "exact".into()],
+        ModeKind::Divergence => [Cell::default(), line![omega, "i"].into(), "unstable".into(), bound],
+        ModeKind::Undetermined => [
+            Cell::default(),
+            omega.into(),
+            "undetermined".into(),
+            if options.digits.is_some() { bound } else { "?".into() },
+        ],
+    };
+    vec![number.into(), f, omega, period, bound]
+}
+
+/// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
+fn displacement(entry: Unproven, largest: f64) -> Figure {
+    /// Below this part of the largest entry it is rounding, no motion (docs/method/report.md#numbers).
+    const NOTHING: f64 = 1e-12;
+    let number = if entry.0.abs() <= NOTHING * largest { Unproven(0.0) } else { entry };
+    Figure::of(Value::Unproven { number, digits: SHAPE_DIGITS })
+}
+
+fn largest_entries(system: &LinearSystem, shape: &[Unproven]) -> Cell {
+    let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i].0 != 0.0).collect();
+    order.sort_by(|a, b| shape[*b].0.abs().total_cmp(&shape[*a].0.abs()).then(a.cmp(b)));
+    let largest = order.first().map_or(0.0, |i| shape[*i].0.abs());
+    let entry = |i: &usize| {
+        let name = coordinate(system, &system.coordinates[*i]);
+        line![name, "\u{a0}", displacement(shape[*i], largest)]
+    };
+    let few = order.len().min(LARGEST);
+    Cell::wordings((1..=few).rev().map(|count| listed(order.iter().take(count).map(entry))))
+}
+
+/// The modes that the table leaves out.
+fn more(answer: &ModalAnswer) -> Option<Line> {
+    let list = &answer.modes.list;
+    let highest = list.last().filter(|_| list.len() > MOST)?;
+    let highest = Figure::ball(derived::hertz(highest.omega), 4).unit("Hz");
+    Some(line!["... and ", list.len() - MOST, " modes more, up to ", highest, " (--format json has all)"])
+}
+
+/// The modes that were not asked for, or not computed because they are too many.
+fn left_out(answer: &ModalAnswer) -> Option<Line> {
+    let (below, above) = (answer.modes.before.count(), answer.modes.after);
+    let modes = |count| counted(count, "mode", "modes");
+    let which = match (below, above) {
+        (0, 0) => return None,
+        (0, above) => line![modes(above), " above"],
+        (below, 0) => line![modes(below), " below"],
+        (below, above) => line![modes(below), " below and ", above, " above"],
+    };
+    let empty = if answer.modes.list.is_empty() { "no undamped mode is in the band; " } else { "" };
+    Some(line![empty, "not computed: ", which, " (--modes N and --band FROM..TO ask for others)"])
+}
+
+/// Close frequencies: their difference keeps the digits that the two numbers share.
+fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item = Line> + use<'a> {
+    let (digits, proven) = (options.digits(DIGITS), answer.rest.is_proven());
+    let shown = answer.modes.before.count() + MOST;
+    let beat = move |split: Split| {
+        line![
+            "modes ",
+            range(split.lower, split.lower + 1),
+            " are ",
+            Figure::ball(split.omega, digits).unit("rad/s"),
+            " apart (error ",
+            super::error(proven, split.error_bound()),
+            "): a beat of ",
+            Figure::ball(split.beat(), SHAPE_DIGITS).unit("s")
+        ]
+    };
+    splits(&answer.modes).into_iter().filter(move |split| split.lower < shown).map(beat)
+}
+
+/// Modes that are certified together only.
+fn clusters(answer: &ModalAnswer) -> Vec<Line> {
+    let (list, below) = (&answer.modes.list, answer.modes.before.count());
+    let mut lines = Vec::new();
+    let mut seen = None;
+    for (first, mode) in list.iter().enumerate().filter(|(_, mode)| mode.cluster.is_some()) {
+        let members: Vec<usize> = (first..list.len()).filter(|i| list[*i].cluster == mode.cluster).collect();
+        if seen == mode.cluster {
+            continue;
+        }
+        seen = mode.cluster;
+        lines.push(match members[..] {
+            [first, .., last] => line![
+                "modes ",
+                range(below + first + 1, below + last + 1),
+                ": one repeated frequency or a tight cluster; their shapes span it together"
+            ],
+            _ => {
+                line!["mode ", below + first + 1, ": one of a repeated frequency or a tight cluster that goes on above"]
+            }
+        });
+    }
+    lines
+}
+
+/// `2 and 3`, `2 to 5`
+fn range(first: usize, last: usize) -> Line {
+    line![first, if last == first + 1 { " and " } else { " to " }, last]
+}
+
+/// Frequencies that the model's numbers do not fix as well as they are computed.
+fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
+    const WORTH_TELLING: f64 = 100.0;
+    let factors = answer.modes.numbered().filter_map(|(number, mode)| Some((number, mode.input_condition?)));
+    factors.filter(|(_, factor)| factor.0 >= WORTH_TELLING).take(MOST).map(|(number, factor)| {
+        line![
+            "mode ",
+            number,
+            " is sensitive: its ω moves up to ",
+            Figure::bound(factor.0),
+            " times as much as masses, stiffnesses and tensions, relatively"
+        ]
+    })
+}
+
+/// Which mode is which: what moves in it, and what holds it.
+pub fn shares(answer: &ModalAnswer) -> Section {
+    const HEADING: &str = "Which mode is which";
+    if answer.system.n() < 2 || answer.modes.list.is_empty() {
+        return Section::new(HEADING, []);
+    }
+    let system = &answer.system;
+    let mut table = Table::of([
+        ("mode", Align::Right),
+        ("moves (share of kinetic energy)", Align::Left),
+        ("is held by (share of strain energy)", Align::Left),
+    ]);
+    for (number, mode) in answer.modes.numbered().take(MOST) {
+        let held = match mode.kind {
+            ModeKind::Rigid => "nothing".into(),
+            _ => largest_shares(system, &mode.strain),
+        };
+        table.row(vec![number.into(), largest_shares(system, &mode.kinetic), held]);
+    }
+    Section::new(HEADING, [Block::Line("which mode is which".into()), table.into()])
+}
+
+/// `mode 3 (rod 74 %, block 26 %)`
+pub fn mode_named(system: &LinearSystem, number: usize, mode: &Mode) -> Line {
+    line!["mode ", number, " (", carried_by(system, mode), ")"]
+}

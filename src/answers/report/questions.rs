@@ -1,0 +1,135 @@
+//! What was solved for, and how the requirements stand.
+
+use super::table::{Align, Cell, Table};
+use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
+use crate::base::{Ball, Number, Unproven};
+use crate::questions::answer::{Derivative, Others, Requirement, Shown, Solved};
+
+/// Digits of what was solved for: all that a double holds.
+const MOST: usize = 16;
+const DIGITS: usize = 6;
+const FEW: usize = 3;
+
+pub fn solved(list: &[Solved]) -> Section {
+    const HEADING: &str = "Solved parameters";
+    if list.is_empty() {
+        return Section::new(HEADING, []);
+    }
+    let mut table = Table::new()
+        .column("parameter", "", Align::Left)
+        .column("value", "", Align::Point)
+        .column("", "", Align::Left)
+        .column("error ≤", "", Align::Right)
+        .column("so that", "", Align::Left)
+        .column("misses by", "", Align::Right)
+        .column("change", "[%/%]", Align::Point);
+    for solved in list {
+        let shown = solved.shown();
+        let target = solved.shown_target();
+        table.row(vec![
+            Named { text: solved.parameter.clone(), place: Some(solved.span) }.into(),
+            figure(&shown, MOST).into(),
+            shown.unit.to_string().into(),
+            solved.shown_bound().map_or_else(|| "?".into(), |bound| Figure::bound(bound).into()),
+            line![solved.measure.clone(), " = ", figure(&target, DIGITS).unit(target.unit.to_string())].into(),
+            Figure::bound(solved.residual.magnitude()).into(),
+            solved.relative_slope().map_or_else(Cell::default, |slope| derivative(&slope, FEW).into()),
+        ]);
+    }
+    let remarks = list.iter().filter_map(others).chain(followed(list.iter().find_map(|solved| solved.until.as_ref())));
+    let blocks = [Block::Line("solved".into()), table.into()];
+    Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
+}
+
+/// What is not proven of the range that a value was looked for in.
+fn others(solved: &Solved) -> Option<Line> {
+    let name = solved.parameter.clone();
+    match &solved.others {
+        Others::None(_) => None,
+        Others::Unsettled(parts) => {
+            let parts = listed(parts.iter().map(|(low, high)| line![low.clone(), " .. ", high.clone()]));
+            Some(line![name, ": the one found; not settled is ", parts, ", elsewhere there is no other"])
+        }
+        Others::Unknown => {
+            Some(line![name, ": the one found with ", solved.looked_at, " values tried; others are not excluded"])
+        }
+    }
+}
+
+/// An enclosed derivative to the digits that are certain; one that is not proven to few, and marked.
+pub fn derivative(derivative: &Derivative, digits: usize) -> Line {
+    match derivative {
+        Derivative::Enclosed(ball) => Figure::ball(*ball, digits).into(),
+        Derivative::Seen(seen) => line!["≈", unproven(*seen)],
+    }
+}
+
+fn unproven(number: Unproven) -> Figure {
+    Figure::of(Value::Unproven { number, digits: FEW })
+}
+
+/// The section of a modal report.
+pub fn required(list: &[Requirement]) -> Section {
+    const HEADING: &str = "Requirements";
+    if list.is_empty() {
+        return Section::new(HEADING, []);
+    }
+    Section::new(HEADING, [Block::Line("requirements".into())].into_iter().chain(blocks(list)))
+}
+
+/// How the requirements of a file stand, below its name; nothing where it has none.
+pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
+    let section = Section::new("Requirements", blocks(list));
+    (!list.is_empty()).then(|| Report::new(line![file.to_string()], [section]))
+}
+
+fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
+    let followed = followed(list.iter().find_map(|requirement| requirement.until.as_ref()));
+    [Block::Table(table(list))].into_iter().chain(followed.map(Block::from))
+}
+
+/// How long `peak` and `rms` follow the motion, where one of them is asked.
+fn followed(until: Option<&Number>) -> Option<Line> {
+    let until = Figure::number(until?.clone(), DIGITS).unit("s");
+    Some(line!["peak and rms are those of the motion up to ", until, " (--until)"])
+}
+
+fn table(list: &[Requirement]) -> Table {
+    let mut table = Table::new()
+        .column("requirement", "", Align::Left)
+        .column("holds", "", Align::Left)
+        .column("value", "", Align::Point)
+        .column("limit", "", Align::Point)
+        .column("", "", Align::Left)
+        .column("margin", "[%]", Align::Point)
+        .column("error ≤", "", Align::Right);
+    for requirement in list {
+        table.row(cells(requirement));
+    }
+    table
+}
+
+fn cells(requirement: &Requirement) -> Vec<Cell> {
+    let holds = match requirement.holds {
+        Some(true) => "yes",
+        Some(false) => "NO",
+        None => "?",
+    };
+    let value = requirement.shown_value();
+    let limit = requirement.shown_limit();
+    let relative = requirement.limit.as_ref().is_some_and(|limit| !limit.may_be_zero());
+    let margin = requirement.margin.filter(|_| relative).map(|margin| margin * Ball::from(100.0));
+    vec![
+        Named { text: requirement.text.clone(), place: Some(requirement.span) }.into(),
+        holds.into(),
+        value.as_ref().map_or_else(|| requirement.told().into_owned().into(), |value| figure(value, DIGITS).into()),
+        limit.as_ref().map(|limit| figure(limit, DIGITS)).into(),
+        limit.as_ref().map_or_else(Cell::default, |limit| limit.unit.to_string().into()),
+        margin.map(|margin| Figure::ball(margin, FEW)).into(),
+        value.map(|value| Figure::bound(value.number.relative_error())).into(),
+    ]
+}
+
+fn figure(shown: &Shown, digits: usize) -> Figure {
+    Figure::number(shown.exact.clone().unwrap_or(Number::Ball(shown.number)), digits)
+}

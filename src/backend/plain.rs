@@ -1,0 +1,86 @@
+//! Lines and numbers of a report as plain text. Text between a number and its unit does not break across lines: there stands
+//! [`NO_BREAK`], which a layout replaces when it is done.
+
+use super::decimal::{Decimal, certain_number, upper};
+use crate::answers::report::{Figure, Line, Part, Value};
+use crate::base::readable::readable;
+use crate::base::{Ball, Dd, Unproven};
+
+/// A space that lines are not broken at.
+pub const NO_BREAK: char = '\u{a0}';
+
+/// The words, names and numbers of a line; names with everything visible that would steer a terminal.
+pub fn line(line: &Line) -> String {
+    line.parts.iter().map(part).collect()
+}
+
+fn part(part: &Part) -> String {
+    match part {
+        Part::Words(words) => (*words).to_string(),
+        Part::Named(named) => readable(&named.text).into_owned(),
+        Part::Figure(number) => figure(number),
+    }
+}
+
+/// A number as it is read: the digits that are certain, and its unit.
+pub fn figure(figure: &Figure) -> String {
+    let number = match &figure.value {
+        Value::Enclosed { number, digits } => certain_number(number, *digits),
+        Value::Hundredths(ball) => hundredths(ball),
+        Value::Unproven { number, digits } => rounded(*number, *digits),
+        Value::Share(part) => percent(*part),
+        Value::Bound(bound) => upper(*bound),
+        Value::Count(count) => count.to_string(),
+    };
+    match &figure.unit[..] {
+        "" => number,
+        unit => format!("{number}{NO_BREAK}{}", readable(unit)),
+    }
+}
+
+fn rounded(Unproven(number): Unproven, digits: usize) -> String {
+    match number {
+        0.0 => "0".into(),
+        number if number.is_finite() => Decimal::round(Dd::from(number), digits).text(),
+        _ => "?".into(),
+    }
+}
+
+/// In whole per cent; a smaller share in its first digit.
+fn percent(Unproven(part): Unproven) -> String {
+    let percent = 100.0 * part;
+    let number = match percent.abs() {
+        0.0 => "0".into(),
+        size if !size.is_finite() => "?".into(),
+        size if size < 0.95 => Decimal::round(Dd::from(percent), 1).text(),
+        _ => format!("{percent:.0}"),
+    };
+    format!("{number}{NO_BREAK}%")
+}
+
+/// Two digits after the point, as levels and angles are read.
+fn hundredths(value: &Ball) -> String {
+    if !value.is_finite() || value.rad > 0.005 {
+        return "?".into();
+    }
+    let steps = (value.mid * 100.0).to_f64().round();
+    let (sign, size) = (if steps < 0.0 { "-" } else { "" }, steps.abs() as u64);
+    format!("{sign}{}.{:02}", size / 100, size % 100)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_shares_keep_a_digit() {
+        let shown = |part| percent(Unproven(part)).replace(NO_BREAK, " ");
+        assert_eq!(shown(0.333), "33 %");
+        assert_eq!(shown(0.0008), "0.08 %");
+        assert_eq!(shown(0.0094), "0.9 %");
+        assert_eq!(shown(0.0096), "1 %");
+        assert_eq!(shown(-0.25), "-25 %");
+        assert_eq!(shown(1.0), "100 %");
+        assert_eq!(shown(f64::NAN), "?\u{20}%");
+    }
+}
