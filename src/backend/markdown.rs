@@ -24,7 +24,9 @@ fn section(section: &Section) -> String {
     for (number, block) in section.blocks.iter().enumerate() {
         let item = matches!(block, Block::Item(_));
         let repeats = |line: &Line| number == 0 && plain::line(line).eq_ignore_ascii_case(section.heading);
-        if !(item && in_list) && !matches!(block, Block::Line(line) if repeats(line)) {
+        let repeated = matches!(block, Block::Line(line) if repeats(line));
+        let follows_item = item && in_list;
+        if !repeated && !follows_item {
             text.push('\n');
         }
         in_list = item;

@@ -52,7 +52,7 @@ fn form(net: &Net) -> Line {
         NetForm::Single => "one freedom".into(),
         NetForm::Chain => line!["chain of ", n],
         NetForm::Tree => line!["tree of ", n],
-        NetForm::Band { width } => line!["band of ", n, ", ", width as usize, " wide"],
+        NetForm::Band { width } => line!["band of ", n, ", ", width, " wide"],
         NetForm::Linkage => line!["linkage of ", n, ", kept as chained rows"],
         NetForm::General => line![n, " freedoms"],
     }
