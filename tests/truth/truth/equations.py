@@ -180,8 +180,9 @@ def links(rng, scene):
             line(rng, scene, i, top, drawn)
         carrier, place, before = f"r{i}", f"P{i}", q
     if rng.random() < 0.5:
-        scene.rows.append(f"torque M: {carrier}")
-        scene.Q[before] = scene.Q.get(before, 0) + sympy.Symbol("M", real=True)
+        # Not M: where a model has that name, the program gives the mass matrix another.
+        scene.rows.append(f"torque Q3: {carrier}")
+        scene.Q[before] = scene.Q.get(before, 0) + sympy.Symbol("Q3", real=True)
 
 
 def line(rng, scene, i, top, drawn):
