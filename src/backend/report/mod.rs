@@ -19,7 +19,7 @@ const INDENT: usize = 2;
 const ITEM: usize = 4;
 const HANGING: usize = 5;
 
-/// The modal report in [`WIDTH`] columns.
+/// The modal report in 100 columns, as on anything but a terminal.
 pub fn text(answer: &ModalAnswer, options: &Options) -> String {
     laid_out(&report::modal(answer, options), WIDTH)
 }
