@@ -27,11 +27,11 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// The modal report: rest and its stability, matrices, frequencies, shapes, damped poles
+    /// Print the modal report: rest and its stability, matrices, frequencies, mode shapes, damped poles
     Analyze(Analyze),
-    /// Transfer functions between inputs and outputs: gain and phase over frequency
+    /// Compute transfer functions between inputs and outputs: peaks, gain and phase over frequency
     Transfer(Transfer),
-    /// The motion in time under the model's signals and from its initial state
+    /// Compute the time response under the model's signals and from its initial state
     Simulate(Simulate),
     /// The scene as a figure of a textbook, in SVG: as drawn, at rest, or in a mode
     Draw(Draw),
@@ -39,19 +39,19 @@ pub enum Command {
     Emit(Emit),
     /// The equations of motion in the model's own symbols, by its energies
     Equations(Equations),
-    /// Diagnostics, and how the requirements stand
+    /// Check models: diagnostics, and how the requirements stand
     Check(Check),
-    /// The one layout of a model file
+    /// Format model files
     Fmt(Fmt),
-    /// The language server, on standard input and output; editors start it
+    /// Run the language server on standard input and output; editors start it
     Lsp(Lsp),
     /// Explain a diagnostic or a keyword: what it means, an example, how to fix it
     Explain(Explain),
-    /// A script that completes the program's commands and options in a shell
+    /// Print a script that completes commands and options in a shell
     Completions(Completions),
-    /// The manual page of the program, or of one of its commands
+    /// Print the manual page of the program, or of one of its commands
     Man(Man),
-    /// Speed against error: every road to each answer, its time, its true error and its bound
+    /// Compare speed and error: every method for each answer, its time, its true error and its bound
     Bench(Bench),
 }
 
@@ -69,28 +69,28 @@ pub struct Analyze {
     /// Write to this file instead of standard output; it is replaced whole or left as it was
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
-    /// What is 1 in a mode shape
+    /// How mode shapes are scaled: what is 1
     #[arg(long, value_enum, default_value_t = NormaliseOption::Translation)]
     pub normalise: NormaliseOption,
-    /// Print M, C and K however large they are
+    /// Print M, C and K even if they are large
     #[arg(long)]
     pub matrices: bool,
-    /// Tell what was kept of the model, what was left out, and why
+    /// Explain what was kept of the model, what was left out, and why
     #[arg(long)]
     pub explain_model: bool,
-    /// Compute so many of the lowest modes; without it all, or 20 where all would take minutes
+    /// Compute the N lowest modes [default: all, or 20 for large models]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub modes: Option<u32>,
     /// Compute the modes with frequencies in this band, such as 10Hz..50Hz
     #[arg(long, value_name = "FROM..TO", value_parser = range, conflicts_with = "modes")]
     pub band: Option<Readings<(Number, Number)>>,
-    /// Print so many digits of frequencies and poles, as far as they are certain; up to 30 can be
+    /// Print up to N digits of frequencies and poles, as far as they are certain; at most 30
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub digits: Option<u32>,
-    /// The relative error that every frequency and pole must be certain to, such as 1e-14; exit status 4 where one is not
+    /// The proved relative error that every frequency and pole must reach, such as 1e-14; exit status 4 if one does not
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// Tell what moves the frequencies and damping ratios: their derivatives by each parameter
+    /// Print the derivatives of frequencies and damping ratios by each parameter
     #[arg(long)]
     pub sensitivity: bool,
     #[command(flatten)]
@@ -98,7 +98,7 @@ pub struct Analyze {
 }
 
 impl Analyze {
-    /// What is asked of the analysis.
+    /// The request to the analysis.
     pub fn request(&self) -> Request {
         let omega = |frequency: &Number| (&(frequency * &Number::from(2)) * &Number::pi()).to_f64();
         let which = match (self.modes, &self.band) {
@@ -121,25 +121,25 @@ pub struct Transfer {
     pub file: PathBuf,
     #[command(flatten)]
     pub overrides: OverrideOptions,
-    /// The input, by its name in the model; every input without it
+    /// The input, by its name in the model [default: every input]
     #[arg(long, value_name = "INPUT")]
     pub from: Vec<String>,
-    /// The output, by its name in the model; every output without it
+    /// The output, by its name in the model [default: every output]
     #[arg(long, value_name = "OUTPUT")]
     pub to: Vec<String>,
-    /// The frequencies to cover, such as 0.1Hz..100Hz; from the poles without it
+    /// The frequencies to cover, such as 0.1Hz..100Hz [default: from the poles]
     #[arg(long, value_name = "FROM..TO", value_parser = range)]
     pub range: Option<Readings<(Number, Number)>>,
-    /// So many frequencies, evenly spaced; without it the grid is refined at every peak and antiresonance
+    /// The number of evenly spaced frequencies [default: a grid refined at every peak and antiresonance]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub points: Option<u32>,
-    /// Space the frequencies evenly, not their logarithms
+    /// Space the frequencies evenly instead of their logarithms
     #[arg(long)]
     pub linear: bool,
-    /// This frequency alone, such as 30Hz; may be repeated
+    /// A single frequency, such as 30Hz; may be repeated
     #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
     pub at: Vec<Readings<Frequency>>,
-    /// The relative error that is good enough, such as 1e-12; every digit of a double without it
+    /// An acceptable relative error, such as 1e-12 [default: every digit of a double]
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// What to print
@@ -167,7 +167,7 @@ pub struct Simulate {
     /// The time between samples, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Readings<Number>,
-    /// Add a column NAME_bound after each column of the CSV: the bound of each sample
+    /// Add a column NAME_bound after each column of the CSV: the error bound of each sample
     #[arg(long)]
     pub bounds: bool,
     /// What to print
@@ -215,13 +215,13 @@ pub struct Emit {
     /// The time between steps, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "1ms")]
     pub step: Readings<Number>,
-    /// Leave out modes that add less than this share to any output under harmonic inputs, such as 1e-6; their static part stays
+    /// Leave out modes that add less than this share to every output under harmonic inputs, such as 1e-6; their static part stays
     #[arg(long, value_name = "SHARE", value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// The numbers of the code
+    /// The type of numbers in the code
     #[arg(long, value_enum, default_value_t = PrecisionOption::F64)]
     pub precision: PrecisionOption,
-    /// What inputs do between samples: stay, or run along a line
+    /// How inputs vary between samples: held, or interpolated linearly
     #[arg(long, value_enum, default_value_t = HoldOption::Zero)]
     pub hold: HoldOption,
     /// What the code does: exact steps, or the right-hand side of the equations for an integrator of your own
@@ -230,7 +230,7 @@ pub struct Emit {
     /// Keep this parameter changeable at run time (small models)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["program", "tolerance", "style", "signals", "hold"])]
     pub parameter: Option<String>,
-    /// Which signals are part of the state: none, or those that the model declares
+    /// Which signals are built in: none, or those that the model declares
     #[arg(long, value_enum, default_value_t = SignalsOption::External)]
     pub signals: SignalsOption,
     /// Add a program that prints the CSV of `vibc simulate`, with the model's signals built in
@@ -260,7 +260,7 @@ pub enum StyleOption {
 pub enum SignalsOption {
     /// Every input is an argument of each step
     External,
-    /// Inputs with signals are none: what drives them is part of the state
+    /// Inputs with signals are computed inside; only the others are arguments
     Internal,
 }
 
@@ -343,7 +343,7 @@ pub struct Check {
 
 #[derive(Debug, Args)]
 pub struct MeasureOptions {
-    /// How long `peak` and `rms` follow the motion, such as 10s; from the poles and signals without it
+    /// The simulated time of `peak` and `rms`, such as 10s [default: from the poles and signals]
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub until: Option<Readings<Number>>,
 }
@@ -357,17 +357,17 @@ impl MeasureOptions {
 
 #[derive(Debug, Args)]
 pub struct Fmt {
-    /// The models, each replaced whole; `-` reads standard input and writes standard output
+    /// The models, formatted in place; `-` reads standard input and writes standard output
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Change nothing; print the names of the files that are laid out otherwise, and end with status 1 if there are any
+    /// Change nothing; print the names of files that are not formatted, and exit with status 1 if there are any
     #[arg(long)]
     pub check: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct Lsp {
-    /// Editors say so; there is no other way
+    /// Accepted because editors pass it; there is no other transport
     #[arg(long, hide = true)]
     pub stdio: bool,
 }
@@ -435,10 +435,10 @@ pub struct OverrideOptions {
     /// Take values of parameters from a TOML file: `k = "12 N/m"`
     #[arg(long = "settings", value_name = "FILE.toml")]
     pub settings_file: Option<PathBuf>,
-    /// Read tables below this folder too, not only below the model's own
+    /// Also read tables below this folder, not only below the model's own
     #[arg(long, value_name = "DIR")]
     pub root: Option<PathBuf>,
-    /// What a literal such as 9.81 stands for
+    /// How to read a literal such as 9.81
     #[arg(long, value_enum, default_value_t = LiteralsOption::Decimal, value_name = "READING")]
     pub literals: LiteralsOption,
 }
@@ -498,7 +498,7 @@ pub enum Colour {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MessageFormat {
-    /// With the lines of the model drawn around each place
+    /// With the lines of the model around each place
     Human,
     /// One JSON object a line
     Json,
@@ -525,7 +525,7 @@ impl From<LiteralsOption> for Literals {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum NormaliseOption {
-    /// The largest translation; the largest rotation where nothing translates
+    /// The largest translation, or the largest rotation if nothing translates
     Translation,
     /// The largest entry
     Max,

@@ -553,7 +553,7 @@ pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     })
 }
 
-/// Speed against error of a model: its name, and every road to its answers. `clock` tells the time in s.
+/// Speed against error of a model: its name, and every method for its answers. `clock` tells the time in s.
 pub fn bench(
     sources: &Sources,
     model: FileId,

@@ -1,4 +1,4 @@
-//! The language server's messages from a stream and back, whatever the stream holds: what is no message is told to the client, and
+//! The language server's messages from a stream and back, whatever the stream holds: what is no message is reported to the client, and
 //! the next one is read. See docs/editors.md.
 //!
 //! A message is a header with the line `Content-Length: N`, an empty line, and N bytes of JSON. Where a header makes no

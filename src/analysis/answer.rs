@@ -4,7 +4,7 @@ use crate::analysis::poles::count::PoleCount;
 use crate::base::{Ball, Dd, Unproven};
 use crate::system::{CoordinateId, Source};
 
-/// The road that found a number.
+/// The method that found a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Route {
@@ -12,7 +12,7 @@ pub enum Route {
     Exact,
     /// One-sided Jacobi on the factors in binary64, Rayleigh quotients and certificate in double-double.
     Factored,
-    /// The same in double-double throughout.
+    /// As [`Route::Factored`], in double-double throughout.
     FactoredDoubleDouble,
     /// The assembled matrices in double-double.
     Assembled,
@@ -59,7 +59,7 @@ pub struct Modes {
     pub infinite: usize,
     /// Modes below those of the list that were not asked for: counted, not computed.
     pub before: Before,
-    /// The same above.
+    /// Modes above those of the list that were not asked for: counted, not computed.
     pub after: usize,
 }
 
@@ -195,7 +195,7 @@ pub struct Pole {
     /// zeta = -re / |s|; `None` for a pole at zero.
     pub damping_ratio: Option<Ball>,
     pub kind: PoleKind,
-    /// Poles that are certified only together: a double pole, or several that are not told apart.
+    /// Poles that are certified only together: a double pole, or several that are not separated.
     pub cluster: Option<u32>,
     /// The poles of the cluster are exactly equal and have fewer vectors than their number, as in critical damping: motions
     /// like t exp(s t) occur.

@@ -71,7 +71,7 @@ impl Mode {
         Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(frequency))
     }
 
-    /// The same bound of the enclosures, whose digits may go beyond binary64.
+    /// Bound on the relative error of the enclosures themselves, whose digits may go beyond binary64.
     pub fn enclosure_error(&self) -> f64 {
         self.omega.relative_error().max(hertz(self.omega).relative_error())
     }

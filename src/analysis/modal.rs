@@ -118,7 +118,7 @@ fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Opt
 /// So many modes beyond those asked for: somewhere among them is a gap.
 const FURTHER: usize = 5;
 
-/// The same where each oscillation has a damping ratio besides what dampers give it, in closed form: `None` where dampers join
+/// Like [`modal`], with a uniform damping ratio added to each oscillation, in closed form. `None` if the dampers couple
 /// the modes, so that the ratio has to be spread over all coordinates first ([`crate::analysis::damping::modal`]).
 pub fn modal_by_ratio(
     system: &LinearSystem,

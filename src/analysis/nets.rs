@@ -1,4 +1,4 @@
-//! The independent parts of a system, and how the coordinates of each hang together: a chain, a tree, a band, or a net of
+//! The independent parts of a system, and how the coordinates of each are coupled: a chain, a tree, a band, or a net of
 //! another form. In: a linear system; out: the parts, in the order of their first coordinates. Cost: linear in its terms.
 //! See docs/method/system.md#parts.
 

@@ -44,7 +44,7 @@ fn measured(followed: Result<Followed, AnalysisError>, value: impl FnOnce(()) ->
 pub struct Curve<'a> {
     /// The terms in binary64, for what is decided.
     rough: Vec<f64>,
-    /// In two words, for what is told.
+    /// In two words, for what is reported.
     fine: Option<&'a [Dd]>,
     error: f64,
     /// What the value, the slope and the second derivative of the rough terms lose by rounding, anywhere on [0, 1].

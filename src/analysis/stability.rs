@@ -14,7 +14,7 @@ use crate::system::{Form, LinearSystem};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
     Stable,
-    /// A rigid motion is left: neither returns nor runs away.
+    /// A rigid motion is left: neither returns nor diverges.
     Neutral,
     Unstable,
     /// What could be certified does not tell whether something grows.
@@ -82,7 +82,7 @@ pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict
     verdict(system, modes, poles, false)
 }
 
-/// The same where each oscillation has a damping ratio besides what C gives it: C does not show whether that feeds energy in.
+/// Like [`stability`], with a damping ratio of each oscillation that C does not contain, and that may feed energy in.
 pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, ratio: &Number) -> Verdict {
     verdict(system, modes, poles, !takes_energy(ratio))
 }
@@ -131,7 +131,7 @@ fn counted(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
 }
 
 /// In the small parts with exact numbers a count that knows no value of a pole finds none that grows, no more on the axis than
-/// may be there, and as many as are told where all parts are such.
+/// may be there, and as many as are reported where all parts are such.
 fn agrees_with_count(system: &LinearSystem, poles: &Poles) -> bool {
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];

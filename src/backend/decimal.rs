@@ -29,7 +29,7 @@ impl Decimal {
         Decimal::of_fraction(&Fraction::of(value), digits)
     }
 
-    /// The same for an exact number.
+    /// An exact number rounded to `digits` significant digits.
     pub fn round_rational(value: &Rational, digits: usize) -> Decimal {
         let value = value.to_big();
         Decimal::of_fraction(
@@ -110,7 +110,7 @@ pub fn certain(value: &Ball, most: usize) -> String {
     }
 }
 
-/// The same for a number: every digit of an exact one is certain.
+/// Like [`certain`], for a number that may be exact: all its digits are then certain.
 pub fn certain_number(value: &Number, most: usize) -> String {
     match value {
         Number::Exact(value) => Decimal::round_rational(value, most).trimmed().text(),
@@ -120,7 +120,7 @@ pub fn certain_number(value: &Number, most: usize) -> String {
     }
 }
 
-/// The same with every digit before the decimal point, where these are not too many: `103168` rather than `1.0317e5`.
+/// Like [`certain_number`], with every digit before the decimal point unless there are too many: `103168` rather than `1.0317e5`.
 pub fn certain_whole(value: &Number, most: usize) -> String {
     let size = value.to_f64().abs();
     let whole = (most..=WHOLE).find(|digits| size < 10f64.powi(*digits as i32)).unwrap_or(most);
@@ -312,7 +312,7 @@ mod tests {
     }
 
     proptest! {
-        /// The standard library's formatting of binary64 is exact too: a second road to the same digits.
+        /// The standard library's formatting of binary64 is exact too: a second way to the same digits.
         #[test]
         fn it_agrees_with_the_standard_library(bits in any::<u64>(), digits in 1usize..25) {
             let value = f64::from_bits(bits);

@@ -23,7 +23,7 @@ impl JsonNumber {
         value.map_or(JsonNumber::NULL, JsonNumber::enclosed)
     }
 
-    /// The same for a number that may be exact.
+    /// A number that may be exact.
     pub fn number(value: &Number) -> JsonNumber {
         JsonNumber::enclosed(value.to_ball())
     }

@@ -76,7 +76,7 @@ pub struct Diagnostic {
     pub related: Vec<Label>,
     /// What to type.
     pub help: Option<String>,
-    /// Edits of the text each of which would mend it, where such are obvious; the likeliest first.
+    /// Edits of the text each of which would fix it, where such are obvious; the likeliest first.
     pub mends: Vec<Mend>,
 }
 
@@ -153,13 +153,13 @@ impl Diagnostic {
         self
     }
 
-    /// Adds an edit that would mend it.
+    /// Adds an edit that would fix it.
     pub fn mend(mut self, at: Span, change: Change) -> Diagnostic {
         self.mends.push(Mend { at, change });
         self
     }
 
-    /// Adds fields, any of which would mend it.
+    /// Adds fields, any of which would fix it.
     pub fn mend_by_field(mut self, at: Span, fields: &[&str]) -> Diagnostic {
         self.mends.extend(fields.iter().map(|field| Mend { at, change: Change::AddField(field.to_string()) }));
         self

@@ -48,7 +48,7 @@ impl Vec3 {
         self.x.is_zero() && self.y.is_zero() && self.z.is_zero()
     }
 
-    /// Zero, or not to be told from zero with the digits that are known.
+    /// Zero, or not to be distinguished from zero with the digits that are known.
     pub fn may_be_zero(&self) -> bool {
         self.x.may_be_zero() && self.y.may_be_zero() && self.z.may_be_zero()
     }

@@ -1,4 +1,4 @@
-//! Speed against error: for one system every road to its frequencies, poles, transfer function and motion, ours and those of
+//! Speed against error: for one system every method to its frequencies, poles, transfer function and motion, ours and those of
 //! an ordinary program, each with its time, its true error and its bound. In: a system, its signals, a clock. Out: a table of
 //! entries. See docs/method/bench.md.
 //!
@@ -39,7 +39,7 @@ impl Question {
     }
 }
 
-/// A road to an answer.
+/// A method for an answer.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub question: Question,
@@ -48,13 +48,13 @@ pub struct Entry {
     pub ordinary: bool,
     /// For the whole answer.
     pub seconds: f64,
-    /// The worst relative error; `None` where the road fails.
+    /// The worst relative error; `None` where the method fails.
     pub error: Option<f64>,
-    /// The worst relative bound that the road itself gives.
+    /// The worst relative bound that the method itself gives.
     pub bound: Option<f64>,
-    /// No other road to this answer is both faster and more accurate.
+    /// No other method for this answer is both faster and more accurate.
     pub pareto: bool,
-    /// The road that the program takes by itself.
+    /// The method that the program takes by itself.
     pub chosen: bool,
     /// Why it fails, or what is left out of its time.
     pub note: &'static str,
@@ -85,7 +85,7 @@ pub struct Growth {
 /// A clock, in s.
 pub type Clock<'a> = dyn FnMut() -> f64 + 'a;
 
-/// A road that may fail.
+/// A method that may fail.
 type Call<'a, T> = &'a dyn Fn() -> Option<T>;
 
 /// Dense matrices of more coordinates take an ordinary program too long here.
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::analysis::test_systems::oscillator;
 
-    /// A clock that ticks at each look: roads take the same time, so what counts is the error.
+    /// A clock that ticks at each look: methods take the same time, so what counts is the error.
     #[test]
     fn an_oscillator_has_all_its_roads() {
         let mut ticks = 0.0;

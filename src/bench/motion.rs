@@ -1,4 +1,4 @@
-//! Roads to the motion in time: the exact one, and step by step: a matrix exponential, Runge and Kutta's fourth order,
+//! Methods to the motion in time: the exact one, and step by step: a matrix exponential, Runge and Kutta's fourth order,
 //! Newmark's constant acceleration, the generalised alpha method (Chung and Hulbert 1993, rho = 0.8).
 
 use super::ordinary::Matrices;
@@ -130,7 +130,7 @@ impl Stepper {
         Some(Stepper { matrices: Matrices::of(system), x, v, output, between, free: list.is_empty(), drives: list })
     }
 
-    /// f at every half step: known beforehand, so that no road pays for it.
+    /// f at every half step: known beforehand, so that no method pays for it.
     fn forces(&self, count: usize) -> Vec<DVector<f64>> {
         let n = self.x.len();
         if self.free {

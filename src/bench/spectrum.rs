@@ -1,4 +1,4 @@
-//! Roads to the frequencies and the poles.
+//! Methods to the frequencies and the poles.
 
 use super::ordinary::{Matrices, singular_values};
 use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, timed};

@@ -1,4 +1,4 @@
-//! Roads to the transfer function: at resonances, between them and below and above them all.
+//! Methods to the transfer function: at resonances, between them and below and above them all.
 
 use super::ordinary::Matrices;
 use super::{Clock, Entry, MOST_DENSE, Question, Reference, timed};

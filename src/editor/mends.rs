@@ -1,4 +1,4 @@
-//! Edits that mend a finding: what a stage says is to be done (`base::Change`), at its place in the text.
+//! Edits that fix a finding: what a stage says is to be done (`base::Change`), at its place in the text.
 
 use super::document::Document;
 use super::names::is_word;
@@ -16,7 +16,7 @@ pub struct Action {
     pub edits: Vec<(Range<usize>, String)>,
 }
 
-/// Every edit that would mend a finding, the likeliest first.
+/// Every edit that would fix a finding, the likeliest first.
 pub fn actions(document: &Document, finding: &Diagnostic) -> Vec<Action> {
     let own = finding.mends.iter().filter(|mend| mend.at.file() == document.file);
     own.filter_map(|mend| action(document, mend)).collect()

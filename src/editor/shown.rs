@@ -32,7 +32,7 @@ pub fn with_unit(number: &Number, unit: &str) -> String {
     if unit.is_empty() { digits } else { format!("{digits} {unit}") }
 }
 
-/// The same in base units: `10 kg/s^2`.
+/// A number in SI base units, such as `10 kg/s^2`.
 pub fn in_base_units(quantity: &Quantity) -> String {
     with_unit(&quantity.si, &quantity.dimension.to_string())
 }

@@ -4,7 +4,7 @@
 use super::{Entry, Equations};
 use crate::symbols::{Factor, Product, Sum, Symbol};
 
-/// Coordinates that hang together.
+/// Coordinates that are coupled.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Their places among the independent coordinates.

@@ -37,7 +37,7 @@ const SHOWN: usize = 6;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum LowerError {
-    /// Bodies that hang together and on nothing else.
+    /// Bodies that joints connect to each other and to nothing else.
     Loose {
         names: Vec<String>,
         spans: Vec<Span>,

@@ -67,7 +67,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
             "name points that move against each other",
         ),
         InputKind::Torque { .. } => ("torque", "no motion turns its body".into(), "let it act on a body that turns"),
-        // A motion that nothing is attached to is a support that is not used yet, unless it is told to move.
+        // A motion that nothing is attached to is a support that is not used yet, unless a signal moves it.
         InputKind::Base { .. } if input.signal.is_empty() => return None,
         InputKind::Base { .. } => (
             "motion of the base",

@@ -1,4 +1,4 @@
-//! What the elements of a scene do between which ends: made ready once, measured at any state.
+//! Builds the stretch and load of each element, to be evaluated at any configuration.
 //! See docs/method/linearisation.md.
 
 use super::kinematics::{End, Index, Kinematics, Path, Reach, State};

@@ -244,7 +244,7 @@ impl Growth {
         }
     }
 
-    /// Bodies that the search did not reach: one message for each set that hangs together.
+    /// Bodies that the search did not reach: one message for each connected set.
     fn loose(&self, parts: &Parts, classes: &[u32]) -> Vec<LowerError> {
         let mut islands = Welded { parent: classes.to_vec(), held: vec![false; classes.len()] };
         for joint in &parts.scene.joints {

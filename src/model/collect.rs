@@ -332,7 +332,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Remembers the words of declarations that are not made, so that nobody is told that they are unknown.
+    /// Remembers the words of declarations that are not made, so that no message calls them unknown.
     fn forget(&mut self, body: &'a [Decl]) {
         for decl in body {
             if let Some(ident) = self.declared_ident(decl) {

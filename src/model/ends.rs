@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 impl<'a> Check<'a> {
     pub fn attachment(&mut self, end: &End, environment: Environment) -> Evaluated<Attachment> {
-        // Both are looked at, so that both mistakes are told.
+        // Both are looked at, so that both mistakes are reported.
         let part = self.part(end.part, environment);
         let at = end.at.map(|at| self.position(at, environment)).transpose()?;
         let part = part?;

@@ -207,7 +207,7 @@ impl<'a> Check<'a> {
             Binary::Arrow => return self.fail(environment, ValueError::ArrowAsValue { span }),
             _ => return self.fail(environment, ValueError::ComparisonAsValue { span }),
         };
-        // Both sides are looked at, so that both sides' mistakes are told.
+        // Both sides are looked at, so that both sides' mistakes are reported.
         let a = self.walk(left, environment);
         if a == Err(Stop::Deep) {
             return a;

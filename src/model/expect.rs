@@ -218,7 +218,7 @@ impl<'a> Check<'a> {
         Ok(Vector { si: vector.si, dimension: Some(Dimension::LENGTH) })
     }
 
-    /// Zero or not to be told from it, or of a size that binary64 has in full precision.
+    /// Zero or not to be distinguished from it, or of a size that binary64 has in full precision.
     pub fn check_range(&mut self, number: &Number, expr: ExprId, environment: Environment) -> Evaluated<()> {
         let size = number.to_f64().abs();
         if number.is_finite() && (size >= f64::MIN_POSITIVE || number.may_be_zero()) {

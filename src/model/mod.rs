@@ -205,7 +205,7 @@ struct Check<'a> {
     overrides: Given,
     /// Whether this is a value from outside, which knows no name of the model.
     outside: bool,
-    /// Words of declarations that could not be read or unrolled: nobody is told that they are unknown.
+    /// Words of declarations that could not be read or unrolled: no message calls them unknown.
     broken_words: HashSet<&'a str>,
     /// Searches for a similar word that have been made.
     searches: u32,
@@ -301,7 +301,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// Findings of one kind: the first ones are told, the others counted.
+/// Findings of one kind: the first ones are reported, the others counted.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     count: usize,
@@ -310,7 +310,7 @@ struct Told {
 }
 
 impl Told {
-    /// Counts one; whether it is told.
+    /// Counts one; whether it is reported.
     fn counts(&mut self, place: Span) -> bool {
         self.count += 1;
         let order = |span: Span| (span.file(), span.start());

@@ -22,7 +22,7 @@ const MOST_BLIND: usize = 12;
 const MOST_RAISED: f64 = 1000.0;
 /// Factors of a parameter that are tried one after another, the smallest changes first.
 const FACTORS: [f64; 8] = [2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 500.0, 0.002];
-/// Steps beyond the estimate: the first at which the requirement holds is told.
+/// Steps beyond the estimate: the first at which the requirement holds is reported.
 const BEYOND: [f64; 6] = [1.0, 1.01, 1.05, 1.25, 2.0, 4.0];
 /// Halvings between a value that fails and one that does.
 const HALVINGS: usize = 12;
@@ -143,7 +143,7 @@ impl Advice<'_> {
         Some((question, measured))
     }
 
-    /// The derivative of the requirement's measure by a parameter, by differences: it chooses, and is told to three digits.
+    /// The derivative of the requirement's measure by a parameter, by differences: it chooses, and is reported to three digits.
     fn slope(&self, parameter: &Parameter, here: Ball) -> Option<Ball> {
         let h = step(&parameter.value.si, &Number::ONE, here.relative_error());
         let at = |si: Number| match self.measured(parameter, &si)? {
@@ -175,14 +175,14 @@ fn three_digits(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 
-/// Three digits in the parameter's own unit, as it is told.
+/// Three digits in the parameter's own unit, as it is reported.
 fn decimal(parameter: &Parameter, x: f64) -> Option<Number> {
     let factor = parameter.unit.factor.clone().unwrap_or(Number::ONE);
     let short = Rational::from_decimal(&format!("{:.2e}", x / factor.to_f64()))?;
     Some(&Number::from(short) * &factor)
 }
 
-/// The same, rounded away from where one starts.
+/// Three digits in the parameter's own unit, rounded away from `start`.
 fn decimal_from(parameter: &Parameter, start: f64, x: f64) -> Option<Number> {
     let rounded = decimal(parameter, x)?;
     if (rounded.to_f64() - x) * (x - start) >= 0.0 {

@@ -216,7 +216,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// The looks of a search, for what is told of them.
+/// The looks of a search, for what is reported of them.
 pub fn extremes(looks: &[Look]) -> Option<(&Look, &Look)> {
     let size = |look: &&Look| match &look.difference {
         Difference::Known(ball) => ball.to_f64(),

@@ -33,7 +33,7 @@ pub struct Proof(());
 
 /// Looks that say nothing at all, after which the measure counts as one that is not enclosed.
 const SILENT: usize = 48;
-/// Parts that are told.
+/// Parts that are reported.
 const MOST_PARTS: usize = 8;
 
 /// What settling parts of a range needs.

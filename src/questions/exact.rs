@@ -1,6 +1,6 @@
 //! Requirements at their very limit, decided on rational numbers: where the enclosure of a measure holds the limit, but the model
 //! is rational and the measure is a ratio of polynomials in its numbers. In: the system, a probe, the limit. Out: how the
-//! measure compares, for certain; nothing where it cannot be said. See docs/method/measures.md.
+//! measure compares, for certain; nothing where it cannot be decided. See docs/method/measures.md.
 
 use super::probe::{Measured, Probe};
 use crate::base::Number;

@@ -29,7 +29,7 @@ pub struct Root {
     pub near: Dd,
     /// Bound of the distance.
     pub within: f64,
-    /// `None` where the measure comes as near to what it should be as can be told, but on no other side is it beyond it.
+    /// `None` where the measure comes as near to what it should be as can be resolved, but on no other side is it beyond it.
     pub proof: Option<Crossing>,
 }
 
@@ -156,7 +156,7 @@ impl Search<'_> {
             match sign(&c.difference) {
                 // Beside a pole an enclosure is so wide that it holds zero too.
                 Some(Ordering::Equal) if uncertainty(&c) > first => return seen.jumps.push(c.x),
-                // Too near to be told from it, as near as the measure can say.
+                // Too near to be distinguished from it, as near as the measure can say.
                 Some(Ordering::Equal) => {
                     a = c.clone();
                     b = c;
@@ -195,7 +195,7 @@ impl Search<'_> {
             }
             within *= 16.0;
         }
-        // The measure touches what it should be, or is not told from it over a whole range.
+        // The measure touches what it should be, or is not distinguished from it over a whole range.
         Some(Root::seen(x, within))
     }
 

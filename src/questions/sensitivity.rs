@@ -40,7 +40,7 @@ pub fn sensitivities(
     all.map(|of| of.sensitivity()).collect()
 }
 
-/// The numbers that are told of a system: none where a mode does not oscillate.
+/// The numbers that are reported of a system: none where a mode does not oscillate.
 struct Spectrum {
     /// Number of the first mode.
     first: usize,
@@ -67,7 +67,7 @@ impl Spectrum {
         }
     }
 
-    /// The largest relative error of what is known well enough to be told.
+    /// The largest relative error of what is known well enough to be reported.
     fn relative_error(&self) -> f64 {
         let ratios = self.motions.iter().filter_map(|pole| pole.damping_ratio);
         let balls = self.frequencies.iter().flatten().copied().chain(ratios);

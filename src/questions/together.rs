@@ -124,7 +124,7 @@ impl<'a> Unknowns<'a> {
         }
     }
 
-    /// The same with one unknown at another value.
+    /// The difference of one equation, with one unknown at another value.
     pub fn difference(&self, equation: usize, unknown: usize, value: &Number) -> Difference {
         let mut values = self.values.clone();
         values[unknown] = value.clone();
@@ -339,7 +339,7 @@ impl<'a> Unknowns<'a> {
         shown(value, &question.unit, question.radians.is_some())
     }
 
-    /// What is told of an unknown, all of them being settled.
+    /// What is reported of an unknown, all of them being settled.
     fn report(&self, unknown: usize) -> Solved {
         let equation = self.equation[unknown];
         let (solve, question) = (&self.solves[unknown], &self.solves[equation].question);
@@ -417,7 +417,7 @@ pub fn known(difference: Difference) -> Option<Ball> {
     }
 }
 
-/// The same for what passes zero where the measure ends (see [`super::probe::prepare_crossings`]).
+/// The difference of a quantity that passes zero where the measure ends (see [`super::probe::prepare_crossings`]).
 fn crossing(question: &Question, measured: Measurement) -> Difference {
     let ends = matches!(question.measure, Measure::DampingRatio { .. }) && question.value.is_one();
     let asked = if ends { &Question { value: Number::ZERO, ..question.clone() } } else { question };
@@ -441,7 +441,7 @@ pub fn difference(question: &Question, measured: Measurement) -> Difference {
     })
 }
 
-/// The same wherever it was looked at.
+/// Whether all evaluations gave the same enclosure.
 pub fn constant(looks: &[Look]) -> bool {
     looks.len() > 1 && looks.windows(2).all(|pair| pair[0].difference == pair[1].difference)
 }

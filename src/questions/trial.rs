@@ -69,7 +69,7 @@ impl Text<'_> {
         self.measure_scene(&scene, &choose(&scene), Known::default())
     }
 
-    /// The same for what is solved for (see [`prepare_crossings`]).
+    /// The measures that `solve` needs, with some parameters at these values (see [`prepare_crossings`]).
     pub fn crossings(
         &self,
         values: &[Setting],
@@ -232,7 +232,7 @@ impl Text<'_> {
         matches!(measure, Measure::Peak { .. } | Measure::Rms { .. }).then(|| self.until.cloned()).flatten()
     }
 
-    /// How long the motion of a scene is followed where nobody says it: from its poles and signals. The time stays the same
+    /// Default simulation time of a scene, from its poles and signals. The time stays the same
     /// in all trials, so that measures do not jump with it.
     pub fn usual_time(&self, scene: &CheckedScene) -> Option<Number> {
         let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);

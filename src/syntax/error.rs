@@ -1,4 +1,4 @@
-//! What can be wrong with a text: facts with places, and how each is told.
+//! What can be wrong with a text: facts with places, and how each is reported.
 //! See spec.md#text and docs/diagnostics, `vib::syntax::*`.
 //!
 //! Messages say in words what was expected and what to type; rules of the grammar are not named.

@@ -108,7 +108,7 @@ impl Reader<'_> {
         self.text[..self.at].chars().next_back()
     }
 
-    /// The same with the blanks between left out.
+    /// The last character before the place at hand that is not a blank.
     fn last_visible(&self) -> Option<char> {
         self.text[..self.at].trim_end().chars().next_back()
     }

@@ -78,7 +78,7 @@ struct Parse<'a> {
     blanked: String,
     /// The declaration before this lacks its `{`: what follows up to the next keyword belongs to it.
     headless: bool,
-    /// Brackets that were told to be unclosed: as many closing ones may still come.
+    /// Brackets that were reported as unclosed: as many closing ones may still come.
     abandoned: usize,
 }
 

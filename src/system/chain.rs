@@ -23,7 +23,7 @@ impl LinearSystem {
         !self.chain.is_empty()
     }
 
-    /// The same system with rows over coordinates alone, of `most` entries together at most.
+    /// Rewrites the system with rows over coordinates alone; an error if they have more than `most` entries.
     pub fn flattened(mut self, most: u64) -> Result<LinearSystem, TooLong> {
         self.flatten(most)?;
         Ok(self)

@@ -622,7 +622,7 @@ fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
     assert!(told.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", told.out);
 }
 
-/// An accuracy that cannot be had is told with what was reached, beside the answer.
+/// An accuracy that cannot be had is reported with what was reached, beside the answer.
 #[test]
 fn a_tolerance_that_is_not_met_has_a_status_of_its_own() {
     let folder = folder();

@@ -190,7 +190,7 @@ fn a_state_is_read_and_set_after_what_happens_between_samples() {
     silently(&folder, "gcc", &["-std=c99", "-O1", "-o", "mid_program", "main.c", "mid.c", "-lm"]);
     let found: Vec<f64> =
         output(&folder, "mid_program").split_whitespace().map(|x| x.parse().expect("a number")).collect();
-    // x = 3 (1 - cos w (t - b)) / 90 from b on, and sin w (t - a) / (2 w) after the blow at a, w^2 = 45.
+    // x = 3 (1 - cos w (t - b)) / 90 from b on, and sin w (t - a) / (2 w) after the impulse at a, w^2 = 45.
     let w = 45f64.sqrt();
     for (k, found) in found.chunks(3).enumerate() {
         let t = 0.01 * k as f64;

@@ -234,7 +234,7 @@ fn of_long_chain(n: usize, c: f64, to_last: bool, hertz: f64) -> f64 {
     (if to_last { along } else { 1.0 }) / g.0.hypot(g.1)
 }
 
-/// Every maximum and minimum that 50,000 values show is told, no other, and its value and width are right.
+/// Every maximum and minimum that 50,000 values show is reported, no other, and its value and width are right.
 #[test]
 fn long_damped_chains_have_all_extrema_with_widths() {
     let (n, c, step) = (40, 0.1, 2.4e-4);
@@ -324,6 +324,6 @@ fn what_is_driven_is_seen_in_any_net() {
             |(i, told): (usize, &analysis::Extremum)| told.kind == if i % 2 == 0 { Peak } else { Antiresonance };
         assert!(found.list.iter().enumerate().all(alternate), "{rest}");
     }
-    // Seen elsewhere in a ring, two paths lead there: what is told is told without a proof that it is all.
+    // Seen elsewhere in a ring, two paths lead there: the result comes without a proof of completeness.
     assert!(extrema_of(&ring("force F: m[3] along x\noutput y = m[8].x"), None).complete.is_none());
 }

@@ -173,7 +173,7 @@ fn what_a_case_expects_is_told() {
             (false, _) => Stability::Neutral,
         };
         assert_eq!(analysis::stability(&case.system, &modes, &poles), kind, "{name}");
-        // `singular_dynamic_stiffness_at` is told by an infinite gain: `transfer`.
+        // `singular_dynamic_stiffness_at` is reported by an infinite gain: `transfer`.
         let known = ["zero_modes", "unstable_modes", "infinite_modes", "defective", "multiplicities"];
         let known = [known.as_slice(), &["singular_dynamic_stiffness_at"]].concat();
         for fact in expect.keys() {

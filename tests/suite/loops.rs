@@ -273,7 +273,7 @@ fn a_cam_drives_a_linkage() {
     assert_eq!(answer.lowered.system.inputs[0].b[0][0].1, Number::from(5));
 }
 
-/// What the third bar of a parallel linkage asks is told, and changes nothing.
+/// What the third bar of a parallel linkage asks is reported, and changes nothing.
 #[test]
 fn a_third_bar_is_redundant() {
     let linkage = |bars: usize| {

@@ -87,7 +87,7 @@ fn the_peak_of_what_creeps_is_at_the_end() {
     agrees(peak, at(2.0), 1e-11);
 }
 
-/// A blow starts the motion: x = J/(m wd) exp(-zeta w t) sin(wd t), largest where tan(wd t) = wd/(zeta w).
+/// An impulse starts the motion: x = J/(m wd) exp(-zeta w t) sin(wd t), largest where tan(wd t) = wd/(zeta w).
 #[test]
 fn the_peak_after_a_blow() {
     let zeta = 0.05f64;
@@ -95,7 +95,7 @@ fn the_peak_after_a_blow() {
     let t = (damped / (10.0 * zeta)).atan() / damped;
     let truth = 2.0 / damped * (-10.0 * zeta * t).exp() * (damped * t).sin();
     agrees(one(&oscillator(zeta, " = impulse(2 N*s, 0.1 s)"), "peak(x) < 1 m"), truth, 1e-11);
-    // The blow itself accelerates beyond all bounds.
+    // The impulse itself accelerates beyond all bounds.
     let answer = answer(&(oscillator(zeta, " = impulse(2 N*s, 0.1 s)") + "require peak(block.ax) < 1 m/s^2\n"));
     assert!(matches!(answer.requirements[0].value, Value::Infinite));
 }
@@ -286,7 +286,7 @@ fn published_amplitudes_and_peaks() {
         assert!((amplitude.to_f64() / truth - 1.0).abs() < 1e-11, "{amplitude:?} {truth}");
     }
     let mass = "body a { mass = 0.5 kg, moves x }\nspring s: ground -- a { k = 200 N/m }\nforce F: a along x";
-    // Free of damping, a step doubles its static value; a blow swings with J / sqrt(k m).
+    // Free of damping, a step doubles its static value; an impulse swings with J / sqrt(k m).
     agrees(one(&format!("{mass} = step(200 N, 0 s)\n"), "peak(a.x) < 9 m"), 2.0, 1e-10);
     agrees(one(&format!("{mass} = impulse(10 N*s, 0 s)\n"), "peak(a.x) < 9 m"), 1.0, 1e-10);
 }

@@ -1,5 +1,5 @@
 //! Motions beside closed forms, worked out to forty digits elsewhere: samples with bounds of their own, phases after 1e12 s,
-//! decays over fifty decades, peak and rms with the bounds that are told for them.
+//! decays over fifty decades, peak and rms with the bounds that are reported for them.
 //! See docs/method/response.md and docs/method/measures.md#peak-and-rms.
 
 use vibc::analysis::{Signal, grid, respond};
@@ -45,7 +45,7 @@ fn measures(text: &str, until: &str) -> Vec<Ball> {
 fn compare(what: &str, ball: Ball, truth: &str) -> (f64, f64) {
     let truth = number(truth);
     let off = (&Number::Ball(Ball::exact(ball.mid)) - &truth).to_ball().magnitude();
-    // The truth is told to forty digits.
+    // The truth is given to forty digits.
     assert!(off <= ball.rad + 1e-38 * truth.abs().to_f64(), "{what}: off by {off:e}, bound {:e}", ball.rad);
     let printed = Rounded::of(ball).expect("a number");
     let error = (&Number::Ball(Ball::from(printed.value())) - &truth).to_ball();

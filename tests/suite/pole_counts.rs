@@ -1,4 +1,4 @@
-//! Scenes whose poles are known in closed form, against what is told of them: every pole is there, once, and nothing that
+//! Scenes whose poles are known in closed form, against what is reported of them: every pole is there, once, and nothing that
 //! grows is called stable.
 //!
 //! With rows t_j of a regular matrix and Q(s) = sum (m_j s² + c_j s + k_j) t_j t_j^T the determinant is a constant times the
@@ -266,7 +266,7 @@ fn identity(n: usize) -> Vec<Vec<i64>> {
     (0..n).map(|i| (0..n).map(|j| i64::from(i == j)).collect()).collect()
 }
 
-/// The same where nothing is rational: the polynomial is not at hand. What cannot be told apart is a cluster or has no bound,
+/// The same where nothing is rational: the polynomial is not at hand. What cannot be separated is a cluster or has no bound,
 /// and then no count is claimed.
 #[test]
 fn where_numbers_are_not_exact_no_count_is_claimed_that_is_wrong() {
@@ -442,7 +442,7 @@ fn a_damper_across_the_motion_makes_nothing_grow() {
     assert!(held.poles.list.iter().all(|pole| pole.kind == PoleKind::Oscillation), "{:?}", held.poles.list);
     assert_eq!(verdict(&held), Stability::Stable);
     assert!(held.poles.is_complete());
-    // Without a spring both poles are real, and one of them is not told from zero.
+    // Without a spring both poles are real, and one of them is not distinguished from zero.
     let free = across("");
     assert!(free.poles.list.iter().all(|pole| pole.kind != PoleKind::Undetermined), "{:?}", free.poles.list);
     assert_eq!(verdict(&free), Stability::Neutral);

@@ -227,7 +227,7 @@ fn the_report_tells_a_critical_damping() {
     assert!(report.contains("poles 1, 2: one pole with a single shape, exactly: critical damping"), "{report}");
 }
 
-/// A rest that is not isolated leaves stiffnesses which cannot be told from zero, and no elastic motion to start from.
+/// A rest that is not isolated leaves stiffnesses which cannot be distinguished from zero, and no elastic motion to start from.
 #[test]
 fn poles_that_cannot_be_found_are_refused_not_left_out() {
     let text = "

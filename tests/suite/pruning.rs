@@ -1,4 +1,4 @@
-//! Only what the scene needs: what is left out is told and changes no result, to the last bit; parts that do not act on each
+//! Only what the scene needs: what is left out is reported and changes no result, to the last bit; parts that do not act on each
 //! other are solved apart, with the same results as together.
 
 use super::ask::{Answer, ask};

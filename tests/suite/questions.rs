@@ -70,7 +70,7 @@ fn a_double_root_is_found() {
     assert!(said.message.starts_with("2 values"), "{}", said.message);
 }
 
-/// A double root at a place without a short decimal cannot be told from none.
+/// A double root at a place without a short decimal cannot be distinguished from none.
 #[test]
 fn what_is_not_settled_is_told_with_a_status_of_its_own() {
     let outcome = run(

@@ -35,7 +35,7 @@ shows! {
     /// The damping slows the fall: the growth is that of the pole.
     falling_with_damping: "gravity 9.81 m/s^2\nbody rod { mass = 1 kg, shape = rod((0, 0), (0, 1 m)) }\npivot p: ground@(0, 0) -- rod\nspring t: ground -- rod { k = 2 N*m/rad }\ndamper d: ground -- rod { c = 0.1 N*m*s/rad }\n"
 
-    /// One motion runs away, another oscillates.
+    /// One motion diverges, another oscillates.
     half_unstable: "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: a -- b { k = 1 N/m }\nspring t: ground -- a { k = -1e-3 N/m }\n"
 
     /// Friction, and nothing that brings it back.

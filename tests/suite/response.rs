@@ -167,7 +167,7 @@ fn a_released_mass_with_four_dampers() {
     }
 }
 
-/// S08 (VM74): a blow of 10 on a resting mass.
+/// S08 (VM74): an impulse of 10 on a resting mass.
 #[test]
 fn a_blow() {
     let blow = || vec![Signal::Impulse { value: n("10"), at: Number::ZERO }];

@@ -480,7 +480,7 @@ fn vm9_turned() {
     close(&inches, &[c * x - s * y, s * x + c * y], 1e-12);
 }
 
-/// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is told.
+/// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is reported.
 #[test]
 fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
     let strut = |height: &str| {

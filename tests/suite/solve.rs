@@ -32,7 +32,7 @@ fn refused(lines: &str) -> Diagnostic {
     finding.clone()
 }
 
-/// Within the bound that is told, which is narrow.
+/// Within the bound that is reported, which is narrow.
 fn is(solved: &Solved, truth: f64, width: f64) {
     let off = (solved.value.to_f64() - truth).abs();
     assert!(

@@ -1,4 +1,4 @@
-//! Tables as signals, through the program: what a CSV file drives, and what is told of one that is no table.
+//! Tables as signals, through the program: what a CSV file drives, and what is reported of one that is no table.
 //! See docs/method/response.md#signals.
 
 use std::fs;

@@ -112,7 +112,7 @@ fn an_undamped_system_at_its_own_frequency_is_infinite() {
     assert!(matches!(gains[1][1], Gain::Finite(_)));
 }
 
-/// A free body under a steady force runs away; two forces that hold each other stretch the spring between them.
+/// A free body under a steady force diverges; two forces that hold each other stretch the spring between them.
 #[test]
 fn at_rest_a_free_pair_answers_forces_in_balance() {
     let mut b = Builder::numbered(2);

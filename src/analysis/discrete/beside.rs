@@ -31,7 +31,7 @@ pub struct Exact {
 
 /// Products in double-double that a run may take.
 const MOST_PRODUCTS: f64 = 4e6;
-/// Steps that are told of.
+/// Steps whose errors are reported.
 const FEW: u64 = 1000;
 const MANY: u64 = 100_000;
 

@@ -83,7 +83,7 @@ pub fn product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     c
 }
 
-/// The same, without what is only rounding of zero: below this share of what it is a sum of.
+/// Entries smaller than this share of the sum of their terms' magnitudes are rounding errors of zero.
 pub const NOTHING: f64 = 1e-24;
 
 /// A B, with exact zeros where terms cancel to rounding.

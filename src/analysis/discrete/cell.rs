@@ -16,7 +16,7 @@ use crate::base::Dd;
 pub enum Operand {
     /// An input as given, by its place among those that are given.
     Input(usize),
-    /// The same, but zero in the first step, which no line leads to.
+    /// An input that is zero in the first step, because no line leads to its first sample.
     Ramped(usize),
     /// An input less its last value, zero in the first step.
     Slope(usize),

@@ -1,5 +1,5 @@
 //! What happens between samples: the states of piecewise signals are set at the next sample, and the states of the blocks get
-//! what they lack: of a signal that has changed on the way, of a blow. In: the signals, the blocks and their cells. Out: changes in
+//! what they lack: of a signal that has changed on the way, of an impulse. In: the signals, the blocks and their cells. Out: changes in
 //! numbers of the target. See docs/method/emit.md.
 
 use crate::analysis::discrete::Event;

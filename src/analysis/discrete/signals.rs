@@ -31,7 +31,7 @@ pub struct Chain {
     pub name: String,
 }
 
-/// A blow on an input.
+/// An impulse on an input.
 #[derive(Clone, Debug)]
 pub struct Blow {
     pub input: usize,
@@ -84,14 +84,14 @@ impl Signals {
         Ok(signals)
     }
 
-    /// The blows in the step to a sample.
+    /// The impulses in the step to a sample.
     pub fn blows_at(&self, tick: u64) -> &[Blow] {
         let first = self.blows.partition_point(|blow| blow.when.tick < tick);
         let count = self.blows[first..].partition_point(|blow| blow.when.tick == tick);
         &self.blows[first..first + count]
     }
 
-    /// A prescribed motion that has a blow, which would need infinite forces.
+    /// A prescribed motion that has an impulse, which would need infinite forces.
     pub fn blow_on_base(&self, system: &LinearSystem) -> Option<usize> {
         let moves = |input: usize| {
             let b = &system.inputs[input].b;

@@ -101,7 +101,7 @@ impl<'a> Pencil<'a> {
         SLACK * (t + self.k.radius(a, b) + (s.abs() + span) * SLACK * self.m.radius(a, b))
     }
 
-    /// The same from triple words: for modes of one group, whose coupling is not squared.
+    /// Like `coupling`, evaluated in triple words: for modes of one group, whose coupling is not squared in the bound.
     fn close_coupling(&self, i: usize, j: usize, span: f64) -> f64 {
         let (a, b) = (self.order[i], self.order[j]);
         let (k, m, s) = (self.k.precise(a, b), self.m.precise(a, b), self.lambda[i]);
@@ -352,7 +352,7 @@ mod tests {
     /// Two coordinates as pairs of what a term adds: (w, coordinate, other end).
     type Squares<'a> = &'a [(&'a str, usize, Option<usize>)];
 
-    /// Every radius holds the eigenvalue of its place, or nothing is told.
+    /// Every radius holds the eigenvalue of its place, or nothing is reported.
     fn check(k: Squares, m: Squares, x: &Matrix<Triple>, truth: &[f64]) -> Vec<Enclosure> {
         let mut system = blank(truth.len());
         m.iter().for_each(|&(w, i, j)| push(&mut system.m, w, i, j));

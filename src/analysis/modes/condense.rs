@@ -290,7 +290,7 @@ fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]
     sum
 }
 
-/// A form of nameless terms: sources are told from the whole motion, not from these.
+/// A form of nameless terms: sources are determined from the whole motion, not from these.
 fn form(like: &Form, terms: impl Iterator<Item = (Number, Vec<(CoordinateId, Number)>)>) -> Form {
     let mut form = Form::new();
     if like.source_count() > 0 {

@@ -81,7 +81,7 @@ impl Displacements {
         }
     }
 
-    /// The same among n coordinates, the others at rest.
+    /// These displacements as a vector over n coordinates; the other coordinates stay at rest.
     pub fn spread(self, coordinates: &[u32], n: usize) -> Displacements {
         match self {
             Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),
@@ -129,7 +129,7 @@ pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pa
     pairs.into_iter().map(|pair| scale.unscaled(pair).ok_or(Failure::Range)).collect()
 }
 
-/// The same if the terms are at hand and of ordinary size: those of `form` and those of M.
+/// Like [`eigenpairs`], for prepared terms of `form` and of M that are of ordinary size.
 pub fn eigenpairs_of(
     form: &Form,
     stiffness: &Terms,
@@ -207,7 +207,7 @@ impl<'a> Problem<'a> {
         Some(self.pairs(&candidate))
     }
 
-    /// In binary64, if that finds a basis: a stretch that is zero with some uncertainty has no column of its own there.
+    /// Starts in binary64, if that finds a basis; an uncertain zero stretch may leave the basis one column short.
     fn first(&self) -> Start {
         let start = self.in_binary64();
         if start.x.columns() == self.n { start } else { self.second() }

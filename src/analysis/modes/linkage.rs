@@ -51,7 +51,7 @@ pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, Analysis
     }
 }
 
-/// The same system with rows over coordinates alone, where nothing else helps and they are not too long.
+/// Rewrites the system with rows over coordinates alone, if no faster method applies and the rows are not too long.
 pub fn written_out(system: &LinearSystem) -> Result<LinearSystem, AnalysisError> {
     let (count, limit, at) = (system.n(), MAX_DENSE, place(system, 0));
     system.clone().flattened(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
@@ -150,7 +150,7 @@ impl Places {
         Some(summed(own))
     }
 
-    /// The same system over p, without inputs and outputs.
+    /// The system over the coordinates p, without inputs and outputs.
     fn system(&self, system: &LinearSystem) -> Option<LinearSystem> {
         Some(LinearSystem {
             words: system.words.clone(),
@@ -278,7 +278,7 @@ fn summed(mut row: ChainedRow) -> ChainedRow {
     row
 }
 
-/// The same square with a row of signs, where all entries are equally large.
+/// Writes a square whose entries all have one magnitude with a row of signs, and moves the magnitude to the weight.
 fn with_signs(weight: &Number, row: ChainedRow) -> (Number, ChainedRow) {
     let Some((_, first)) = row.first().cloned() else { return (weight.clone(), row) };
     let opposite = -&first;

@@ -54,12 +54,12 @@ pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 /// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
 pub(in crate::analysis) const MAX_ALL: usize = 4000;
 
-/// All undamped modes, ascending in omega^2, for what needs all of them: up to [`MAX_UNASKED`] coordinates that hang together.
+/// All undamped modes, ascending in omega^2, for what needs all of them: up to [`MAX_UNASKED`] coordinates that are coupled.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     all_modes(system, &Request::default())
 }
 
-/// The same to the accuracy asked for.
+/// All undamped modes to the requested accuracy.
 pub fn all_modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
     let parts = if system.is_chained() { independent_chained(system) } else { independent_undamped(system) };
     match parts.iter().find(|part| part.coordinates.len() > MAX_UNASKED) {
@@ -199,7 +199,7 @@ fn ordinary_pairs(
     Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
 }
 
-/// All modes of so many coordinates at once, from this one on, are too many.
+/// Error: this part, whose first coordinate is `first`, has more coordinates than all modes are computed of.
 pub(in crate::analysis) fn too_many(system: &LinearSystem, first: usize, count: usize) -> AnalysisError {
     AnalysisError::TooManyCoordinates { count, limit: MAX_UNASKED, at: place(system, first) }
 }
@@ -208,7 +208,7 @@ fn may_be_zero(value: &Eigenvalue) -> bool {
     matches!(value, Eigenvalue::Near { value, radius, positive: false } if value.hi().abs() <= *radius)
 }
 
-/// The same if M is singular: exactly, or not at all.
+/// Eliminates the motions without inertia if M is singular: exactly, or not at all.
 fn without_massless_motions(
     system: &LinearSystem,
     part: &Part,
@@ -287,12 +287,12 @@ fn overlap(a: &Eigenvalue, b: &Eigenvalue) -> bool {
     }
 }
 
-/// What a mode is told with.
+/// Inputs shared by the reports of all modes: the terms of M and K, and which coordinates are translations.
 struct Report<'a> {
     system: &'a LinearSystem,
     masses: Terms,
     stiffness: Terms,
-    /// The same in binary64.
+    /// M and K in binary64.
     light: [Roots; 2],
     /// Which coordinates are displacements.
     translates: Vec<bool>,

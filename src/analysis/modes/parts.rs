@@ -14,7 +14,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Everything, whether it hangs together or not.
+    /// Everything, whether it is coupled or not.
     pub fn whole(system: &LinearSystem) -> Part {
         let all = |form: &Form| (0..form.terms().len() as u32).collect();
         Part { coordinates: (0..system.n() as u32).collect(), m: all(&system.m), c: all(&system.c), k: all(&system.k) }
@@ -31,7 +31,7 @@ pub fn independent(system: &LinearSystem) -> Vec<Part> {
     parts
 }
 
-/// The same where dampers do not count: parts of M q'' + K q = 0.
+/// The independent parts of M q'' + K q = 0, which dampers do not join.
 pub fn independent_undamped(system: &LinearSystem) -> Vec<Part> {
     let mut parts = joined_by(system.n(), &[&system.m, &system.k]);
     let number = numbers(system.n(), &parts);

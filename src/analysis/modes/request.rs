@@ -12,7 +12,7 @@ pub struct Request {
     pub together: bool,
 }
 
-/// Larger bounds are told without having been asked for.
+/// Larger bounds are reported without having been asked for.
 pub const DEFAULT_TOLERANCE: f64 = 1e-12;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +43,12 @@ impl Default for Request {
 }
 
 impl Request {
-    /// The same to a relative bound that has to be kept.
+    /// This request with a relative error bound that must be met.
     pub fn within(self, tolerance: f64) -> Request {
         Request { tolerance: self.tolerance.min(tolerance), asked: Some(tolerance), ..self }
     }
 
-    /// The same with so many digits computed, where they can be.
+    /// This request with up to `digits` digits computed.
     pub fn to_digits(self, digits: u32) -> Request {
         // Half a unit in the last of them.
         let tolerance = (0..digits).fold(0.5, |unit: f64, _| unit / 10.0);

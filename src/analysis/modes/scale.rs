@@ -176,7 +176,7 @@ mod tests {
         assert_eq!([0.0, f64::NAN, f64::INFINITY].map(exponent), [None; 3]);
     }
 
-    /// What is told about the scaled number covers what the way back rounds away.
+    /// What is reported about the scaled number covers what the way back rounds away.
     #[test]
     fn what_underflow_takes_is_in_the_bound() {
         let value = Triple::from(1.0 + f64::EPSILON) + Triple::from(1e-30);

@@ -76,7 +76,7 @@ pub(in crate::analysis) fn with_largest_one(shape: &[f64]) -> Vec<Unproven> {
     shape.iter().map(|&x| Unproven(if x == 0.0 { 0.0 } else { x / unit })).collect()
 }
 
-/// Up to this many shares are told completely, of more the largest.
+/// Up to this many shares are reported completely, of more the largest.
 const COMPLETE: usize = 1000;
 const LARGEST: usize = 10;
 
@@ -138,7 +138,7 @@ impl Roots {
         }
     }
 
-    /// The same of displacements in binary64: enough where no energy is negative.
+    /// Like [`Self::energies`], for displacements in binary64: accurate enough if no energy is negative.
     pub fn energies_in_binary64(&self, sources: usize, x: &[f64]) -> (f64, Vec<f64>) {
         self.by_source(sources, self.rows().map(|row| stretch(row, x)))
     }
@@ -180,7 +180,7 @@ pub(in crate::analysis) fn shares(form: &Form, by_source: &[f64]) -> Vec<Share<S
 }
 
 /// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order. None where parts of
-/// both signs cancel to nothing that their rounding could be told from: there is no whole to have a share of.
+/// both signs cancel to nothing that their rounding could be distinguished from: there is no whole to have a share of.
 fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
     // Negative where the motion has negative stiffness: then the most negative part is the largest share.
     // Scaled by the largest part's power of two, so that the sum stays within range.

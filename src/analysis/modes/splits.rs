@@ -7,7 +7,7 @@
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::base::Ball;
 
-/// Neighbours closer than this part of their frequency are told: their beat takes more than a hundred cycles.
+/// Neighbours closer than this part of their frequency are reported: their beat takes more than a hundred cycles.
 const CLOSE: f64 = 0.01;
 
 /// Two neighbouring modes that are close but certainly apart.

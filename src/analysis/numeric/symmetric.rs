@@ -1,6 +1,6 @@
 //! All eigenvalues and eigenvectors of a dense symmetric matrix in binary64: to tridiagonal form, divided, turned back.
 //!
-//! The errors are some n u of the largest eigenvalue: what is smaller has no digits of its own here. What is told of the
+//! The errors are some n u of the largest eigenvalue: what is smaller has no digits of its own here. What is reported of the
 //! results is certified elsewhere.
 
 use crate::analysis::numeric::dense::Matrix;

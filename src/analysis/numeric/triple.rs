@@ -40,7 +40,7 @@ impl Triple {
         if a != 0.0 { Triple { a, b, c } } else { Triple { a: c, b: 0.0, c: 0.0 } }
     }
 
-    /// The same of each word, which has to keep their order of size.
+    /// Applies a function to each word; it must keep their order of magnitude.
     #[inline]
     pub fn map(self, word: impl Fn(f64) -> f64) -> Triple {
         Triple { a: word(self.a), b: word(self.b), c: word(self.c) }

@@ -330,7 +330,7 @@ mod tests {
         assert!(nothing(&pairs, 10), "there are more poles than pairs");
     }
 
-    /// Vectors of two poles that are nearly the same leave B singular, as far as can be told.
+    /// Vectors of two poles that are nearly the same leave B singular, as far as can be decided.
     #[test]
     fn vectors_that_depend_on_each_other_certify_nothing() {
         let (pencil, mut pairs) = chain();

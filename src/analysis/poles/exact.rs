@@ -20,7 +20,7 @@ use std::cmp::Ordering;
 pub const MOST_COORDINATES: usize = 12;
 /// Bits that roots are sought with at first; doubled until their discs are apart.
 const FIRST_BITS: u64 = 160;
-/// 2^-1000 is the distance of roots that are told apart at last; the polynomials here have none closer.
+/// 2^-1000 is the distance of roots that are separated at last; the polynomials here have none closer.
 const MOST_BITS: u64 = 2560;
 
 /// The finite poles of a part, all of them: as many as the degree of det Q. Made by [`exact_poles`] alone.
@@ -72,7 +72,7 @@ pub enum Exact {
     Singular,
 }
 
-/// The poles of a part; `None` where it is too large, a term is not rational, or the roots are not told apart.
+/// The poles of a part; `None` where it is too large, a term is not rational, or the roots are not separated.
 pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<Exact> {
     if part.coordinates.len() > MOST_COORDINATES {
         return None;

@@ -239,7 +239,7 @@ impl PoleList {
     }
 
     /// Poles of different parts, or of different modes, whose enclosures meet are a cluster too: equal ones, or such as are not
-    /// told apart. Exact zeros are no news, and a defective pole keeps its number, which says that it has one shape.
+    /// separated. Exact zeros are no news, and a defective pole keeps its number, which says that it has one shape.
     fn join_parts(&mut self) {
         let may_join = |pole: &Pole| is_enclosed(pole) && pole.kind != PoleKind::Rigid && !pole.defective;
         let one = |i: usize| One {
@@ -278,7 +278,7 @@ impl PoleList {
         (0..self.list.len()).for_each(|i| members[joined.root(i)] += 1);
         for i in 0..self.list.len() {
             let root = joined.root(i);
-            // One that is not told from its conjugate may be a cluster of its own.
+            // One that is not distinguished from its conjugate may be a cluster of its own.
             if members[root] > 1 {
                 self.list[i].cluster = Some(self.next_cluster + root as u32);
             }
@@ -326,7 +326,7 @@ fn meet(a: &Pole, b: &Pole) -> bool {
     (a.re - b.re).contains_zero() && (a.im - b.im).contains_zero()
 }
 
-/// The real part of an oscillation that is not told from zero is shown as zero and its bound.
+/// The real part of an oscillation that is not distinguished from zero is shown as zero and its bound.
 fn not_told_from_zero(re: Ball, im: Ball) -> Ball {
     if re.contains_zero() && re.rad.is_finite() && !im.is_zero() { Ball::new(Dd::ZERO, re.magnitude()) } else { re }
 }
@@ -403,7 +403,7 @@ mod tests {
         assert_eq!(clusters, [Some(0), Some(0), Some(0), None, None]);
     }
 
-    /// A real part in 1 +- 3 is told as zero and a radius that holds 4.
+    /// A real part in 1 +- 3 is reported as zero and a radius that holds 4.
     #[test]
     fn a_real_part_about_zero_keeps_all_of_its_enclosure() {
         let told = not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ONE);

@@ -3,7 +3,7 @@
 //!
 //! Independent parts are taken one by one. Without damping the poles are +-i omega; one coordinate is a quadratic; damping
 //! C = alpha M + beta K makes a quadratic of each mode; what is left is refined from the companion matrix. Where poles are
-//! not told apart, and where motions have no inertia, the polynomial det Q decides exactly.
+//! not separated, and where motions have no inertia, the polynomial det Q decides exactly.
 
 pub(in crate::analysis) mod aberth;
 pub(in crate::analysis) mod batch;
@@ -72,7 +72,7 @@ fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError>
     if poles.list.iter().all(is_finite) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
 }
 
-/// The same for a damped system of numbers as they are.
+/// All poles of a damped system whose numbers are not rescaled.
 fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     let mut found = PoleList::default();
     let parts = independent(system);
@@ -183,7 +183,7 @@ fn followed(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, t
     Some(Poles { followed: true, ..beside_others(found, system, modes) })
 }
 
-/// The same displacement of all coordinates stretches no term, exactly.
+/// Whether an equal displacement of all coordinates stretches no term, decided exactly.
 fn ignores_translation(form: &Form) -> bool {
     form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
 }

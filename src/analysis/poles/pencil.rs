@@ -58,7 +58,7 @@ impl Pencil<Precise> {
         }
     }
 
-    /// The same in double-double.
+    /// This pencil rounded to double-double.
     pub fn to_dd(&self) -> Pencil<Dd> {
         Pencil { n: self.n, m: self.m.to_dd(), c: self.c.to_dd(), k: self.k.to_dd() }
     }

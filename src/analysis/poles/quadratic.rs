@@ -52,7 +52,7 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
     Roots::Apart(sharpened(pair, [m, c, k].map(Precise::of)))
 }
 
-/// The same roots with sharper bounds: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
+/// Sharpens the bounds of the roots: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
 /// evaluated in triple words; the balls above collect the rounding of every step in double-double.
 fn sharpened(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
     const UP: f64 = 1.0 + 1e-14;

@@ -75,7 +75,7 @@ fn any_basis(part: &LinearSystem) -> RigidMotions {
     RigidMotions { free: exact(free), dragged: exact(dragged) }
 }
 
-/// The same as enclosures, where the model's numbers are not rational: for positive terms, whose null space is that of their
+/// The rigid-body modes as enclosures, for numbers that are not rational: for positive terms, whose null space is that of their
 /// rows. Motions that no damper feels solve the rows of both; those of K alone that such motions do not already choose at
 /// will are dragged.
 fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotions> {
@@ -91,7 +91,7 @@ fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotio
     are_dragged(part, &dragged).then_some(RigidMotions { free, dragged })
 }
 
-/// The dampers certainly feel every combination of these motions: N^T C N is regular. (Its rank in general position, from
+/// N^T C N is provably nonsingular: every combination of these rigid-body modes is damped. (Its rank in general position, from
 /// which they were chosen, is larger where numbers depend on each other in a way that nobody knows.)
 fn are_dragged(part: &LinearSystem, motions: &[Vec<Number>]) -> bool {
     let mut drag = vec![vec![Ball::ZERO; motions.len()]; motions.len()];

@@ -94,7 +94,7 @@ impl<'a> Family<'a> {
         (!self.lost && slope.is_finite()).then_some(slope)
     }
 
-    /// The derivatives of eigenvalues that are equal, or not told apart: those of K' - omega^2 M' and M on their vectors. They
+    /// The derivatives of eigenvalues that are equal, or not separated: those of K' - omega^2 M' and M on their vectors. They
     /// lie in the ball, each that of some eigenvalue; and, without a bound, what they are one by one.
     pub fn cluster_slopes(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<(Ball, Vec<f64>)> {
         let count = x.columns();
@@ -250,7 +250,7 @@ impl<'a> Family<'a> {
         if self.lost { Jet { slope: Ball::new(Dd::ZERO, f64::INFINITY), ..jet } } else { jet }
     }
 
-    /// The same for what was computed from the system's numbers.
+    /// Like `known`, for a number that was computed from those of the system.
     pub fn told(&self, number: &Number) -> Jet {
         self.known(Jet::of(number))
     }
@@ -425,7 +425,7 @@ mod tests {
         assert!(slope(true).is_none());
     }
 
-    /// Two equal frequencies of which one moves: the slopes 0 and 1 are both in what is told of the two.
+    /// Two equal frequencies of which one moves: the slopes 0 and 1 are both in what is reported of the two.
     #[test]
     fn slopes_of_a_cluster_hold_each_of_them() {
         let system = side_by_side(&[Number::ONE, Number::ONE], &[parameter(1.0), Number::ONE]);

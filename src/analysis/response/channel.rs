@@ -127,7 +127,7 @@ fn sources(signals: &[Signal], step: Option<&Number>) -> Result<Vec<(Source, Num
     Ok(list)
 }
 
-/// What the sources' own approximations do to an output that they enter at once, by these factors of their states.
+/// Error that the sources' own approximations cause in an output with direct feed-through, for these factors of their states.
 pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -> f64 {
     let of = |channel: &Channel| -> f64 {
         if channel.approximation(0) == 0.0 {

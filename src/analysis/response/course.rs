@@ -17,7 +17,7 @@ use std::rc::Rc;
 
 /// Terms of a polynomial in binary64: 1/18! of what it stands for is left out.
 pub const ROUGH: usize = 18;
-/// The same in two words: 1/29!.
+/// Terms of a polynomial in double-double: the remainder is 1/29! of its scale.
 pub const FINE: usize = 29;
 /// More pieces are not worth the wait.
 const MOST_PIECES: f64 = 4e6;
@@ -32,7 +32,7 @@ const KEPT: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Followed {
     ToTheEnd,
-    /// The output has an infinite value: a blow on an acceleration, a jump on a velocity.
+    /// The output has an infinite value: an impulse on an acceleration, a jump on a velocity.
     Infinite,
     /// More pieces than are worth the wait.
     TooLong,

@@ -300,7 +300,7 @@ impl<'a> Run<'a> {
         self.source_error = radii.sqrt() * UP;
     }
 
-    /// What happens at an event: the next piece is on; a jump of a base's motion, or a blow, changes the state at once.
+    /// What happens at an event: the next piece is on; a jump of a base's motion, or an impulse, changes the state at once.
     fn event(&mut self, channel: usize, piece: usize) -> Result<(), AnalysisError> {
         let input = &self.system.inputs[self.channels[channel].input];
         let n = self.system.n();

@@ -151,7 +151,7 @@ impl StateSpace {
         rows
     }
 
-    /// What a blow does: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by
+    /// What an impulse does: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by
     /// M dq = g1, C_0 dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
     pub fn blow(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
         let n = g0.len();

@@ -24,7 +24,7 @@ pub enum Source {
     Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball },
     /// Zero before the first piece. `error` bounds |u - piece|, and `rise` times as much the next derivative's difference.
     Pieces { order: usize, pieces: Vec<Piece>, error: f64, rise: f64 },
-    /// A blow at one time.
+    /// An impulse at one time.
     Impulse { value: Ball, at: Number },
 }
 
@@ -298,7 +298,7 @@ mod tests {
         assert_eq!(value(&source, "10.5"), 0.0);
     }
 
-    /// At the end of each piece the polynomial leaves out more than rounding, and no more than is told; so do its slopes.
+    /// At the end of each piece the polynomial leaves out more than rounding, and no more than is reported; so do its slopes.
     #[test]
     fn what_a_chirp_leaves_out_is_told() {
         let n = |text: &str| Number::from(text);

@@ -43,7 +43,7 @@ fn is_felt(signal: &Signal) -> bool {
     }
 }
 
-/// Coordinates that hang together, each by one of its part.
+/// Coordinates that are coupled, each by one of its part.
 struct Parts(Vec<usize>);
 
 impl Parts {

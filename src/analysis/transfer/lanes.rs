@@ -1,5 +1,5 @@
 //! Several frequencies side by side: real, complex and double-double numbers in the lanes of a vector, for the loops of the
-//! two-sided road. One text of the loops serves every vector; the results are the same on all of them, for each operation
+//! two-sided method. One text of the loops serves every vector; the results are the same on all of them, for each operation
 //! is that of IEEE 754, lane by lane.
 
 use crate::base::Dd;
@@ -377,7 +377,7 @@ impl<V: Vector> Double<V> {
         Double { hi, lo: self.lo + (e + lost) }
     }
 
-    /// The same number with |lo| below half a unit of hi.
+    /// Normalises the number: |lo| below half a unit in the last place of hi.
     #[inline(always)]
     pub fn normalised(self) -> Double<V> {
         let (hi, lo) = two_sum(self.hi, self.lo);

@@ -35,7 +35,7 @@ pub enum Gain {
     Finite(Disc),
     /// A pole on the imaginary axis, at this very frequency.
     Infinite,
-    /// Too near to a pole to be told with double-double numbers.
+    /// Too near to a pole to be resolved with double-double numbers.
     Unknown,
 }
 
@@ -252,7 +252,7 @@ impl<'a> Transfer<'a> {
     }
 
     /// H at many frequencies: for each of them every input, for each input every output, all in one list. Several frequencies
-    /// are computed at once where dampers resist every motion; the others take the road of [`Transfer::between`].
+    /// are computed at once where dampers resist every motion; the others take the method of [`Transfer::between`].
     pub fn many(&self, frequencies: &[Frequency], inputs: &[usize], outputs: &[usize], tolerance: f64) -> Vec<Gain> {
         let road = TwoSided::of(self);
         let pairs = inputs.len() * outputs.len();
@@ -267,7 +267,7 @@ impl<'a> Transfer<'a> {
         })
     }
 
-    /// What the two-sided road gives, in the order of [`Transfer::many`]; unknown where it proves nothing.
+    /// What the two-sided method gives, in the order of [`Transfer::many`]; unknown where it proves nothing.
     fn side_by_side(
         &self,
         frequencies: &[Frequency],

@@ -1,5 +1,5 @@
 //! Q x = b by sparse elimination in discs: Q = L D L^T, complex symmetric, without pivoting. Every operation encloses the true
-//! value, so the result is right whatever the pivots; where one is too small, the discs are wide and another road is taken.
+//! value, so the result is right whatever the pivots; where one is too small, the discs are wide and another method is taken.
 //! On chains and trees no number is used twice, so the discs stay as narrow as the conditioning allows (rectangles would not:
 //! each product turns and widens them). In: the pattern of
 //! M, C and K, then the entries of Q at a frequency. Out: x as discs. See docs/method/transfer.md.
@@ -66,7 +66,7 @@ pub struct Symbolic {
 }
 
 const NONE: usize = usize::MAX;
-/// More entries of L than this are slower than the other roads.
+/// More entries of L than this are slower than the other methods.
 const MOST_ENTRIES: usize = 4_000_000;
 
 impl Pattern {

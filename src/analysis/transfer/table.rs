@@ -52,7 +52,7 @@ const DEFAULT_POINTS: usize = 200;
 /// A star reaches from a tenth of a pole's frequency down to 1e-9 of it.
 const STAR: [f64; 9] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 
-/// The cheapest road to each value that is good enough: a sum over modes in binary64, in double-double, the solution.
+/// The cheapest method for each value that is good enough: a sum over modes in binary64, in double-double, the solution.
 #[derive(Clone, Debug)]
 pub struct Roads<'a> {
     system: &'a LinearSystem,
@@ -94,7 +94,7 @@ impl<'a> Roads<'a> {
             .unwrap_or_else(|| self.transfer.between(frequency, &sweep.inputs, &sweep.outputs))
     }
 
-    /// The same at many frequencies: sums in binary64 where they are good enough, then the two-sided road, several
+    /// Rows at many frequencies: sums in binary64 where they are good enough, then the two-sided method, several
     /// frequencies at once; one by one what is left.
     fn rows(&self, pairs: &Pairs, sweep: &Sweep, frequencies: &[Frequency]) -> Vec<Row> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);

@@ -82,7 +82,7 @@ fn heading(question: Question, bench: &Bench) -> String {
     }
 }
 
-/// Why the program takes its road.
+/// Why the program takes its method.
 fn why(question: Question) -> &'static str {
     match question {
         Question::Frequencies => {

@@ -61,7 +61,7 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
     files
 }
 
-/// The same as one text.
+/// All of [`files`] as one text.
 pub fn whole(model: &str, system: &DiscreteSystem, language: Language) -> String {
     text(&planner::plan(model, system), language)
 }
@@ -71,7 +71,7 @@ pub fn equation_files(model: &str, system: &Equations, language: Language) -> Ve
     printed(&equations::plan(model, system), language)
 }
 
-/// The same as one text.
+/// All of [`equation_files`] as one text.
 pub fn equation_text(model: &str, system: &Equations, language: Language) -> String {
     text(&equations::plan(model, system), language)
 }
@@ -87,7 +87,7 @@ pub fn parameter_files(
     Some(printed(&parameter::plan(model, system, step, precision)?, language))
 }
 
-/// The same as one text.
+/// All of [`parameter_files`] as one text.
 pub fn parameter_text(
     model: &str,
     system: &Parameterised,

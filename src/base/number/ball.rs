@@ -131,7 +131,7 @@ impl Ball {
         Ball { mid: self.mid.abs(), rad: self.rad }
     }
 
-    /// The same ball made larger by `by`.
+    /// The ball with its radius increased by `by`.
     #[inline]
     pub fn widen(self, by: f64) -> Ball {
         Ball { mid: self.mid, rad: bound((self.rad + by) * UP) }

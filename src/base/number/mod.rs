@@ -80,7 +80,7 @@ impl Number {
         self.enclosure()
     }
 
-    /// The same for comparisons, of which no number is made: a derivative is not lost by them.
+    /// The enclosure for comparisons: unlike [`Self::to_ball`], it is not taken for a number that loses its derivative.
     #[inline]
     pub fn enclosure(&self) -> Ball {
         match self {
@@ -126,7 +126,7 @@ impl Number {
         matches!(self, Number::Exact(value) if value.is_one())
     }
 
-    /// Zero, or not to be told from zero with the digits that are known.
+    /// Zero, or not to be distinguished from zero with the digits that are known.
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),

@@ -43,7 +43,7 @@ impl Rounded {
         Rounded::of(enclosed).map_or(f64::INFINITY, Rounded::relative_bound)
     }
 
-    /// The same for a number that may be exact.
+    /// Rounds a number that may be exact; `None` where nothing is known.
     pub fn of_number(number: &Number) -> Option<Rounded> {
         Rounded::of(number.to_ball())
     }

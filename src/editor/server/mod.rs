@@ -104,7 +104,7 @@ struct Server<'a> {
     /// What the client has open; files are read below them alone.
     folders: Vec<String>,
     encoding: Encoding,
-    /// The client asks for hints again when it is told to.
+    /// The client asks for hints again when it is notified.
     refreshes: bool,
     /// The client has said that it will leave.
     is_shut: bool,
@@ -278,7 +278,7 @@ impl Server<'_> {
         self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
     }
 
-    /// What took a while; the client is told to ask for hints again.
+    /// What took a while; the client is notified to ask for hints again.
     fn add(&mut self, Done { uri, version, mut document }: Done) {
         let newest = |text: &Text| text.uri == uri && text.version == version && !text.is_new;
         let Some(index) = self.texts.iter().position(newest) else { return };

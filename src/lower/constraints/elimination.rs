@@ -26,7 +26,7 @@ pub type Combination = Vec<(u32, Number)>;
 /// A row that is being changed.
 type Open = BTreeMap<Index, Number>;
 
-/// A row that others leave nothing of but prescribed motions.
+/// A constraint that depends on earlier ones except for its prescribed (base-motion) entries.
 #[derive(Clone, Debug)]
 pub struct Left {
     /// The number of the row.
@@ -35,7 +35,7 @@ pub struct Left {
     pub combination: Combination,
     /// What prescribed motions leave.
     pub driven: Row,
-    /// Whether zero was not to be told from what is left.
+    /// Whether zero was not to be distinguished from what is left.
     pub unclear: bool,
 }
 

@@ -75,7 +75,7 @@ pub enum Why {
     Branching,
     /// All pivots of the loop are on one line.
     InLine,
-    /// Zero is not to be told from what is left.
+    /// Zero cannot be distinguished from what is left.
     Unclear,
 }
 

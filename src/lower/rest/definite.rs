@@ -32,7 +32,7 @@ impl Scaled {
         usable.then(|| Scaled::by(diagonal.iter().map(|entry| entry.sqrt().recip()).collect(), entries))?
     }
 
-    /// The same with a scale of its own; `None` where an entry is not finite.
+    /// H with a given scale; `None` if an entry is not finite.
     pub fn by(scale: Vec<f64>, mut entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
         let place = |(i, j, _): &(u32, u32, Ball)| (*i.max(j), *i.min(j));
         entries.sort_by_key(place);

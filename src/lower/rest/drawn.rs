@@ -45,7 +45,7 @@ struct Column {
     element: usize,
     /// d . du/dq over the free coordinates; empty where all are independent.
     pulls: Vec<(Index, Number)>,
-    /// The same over the independent ones of them.
+    /// d . du/dq over the independent coordinates.
     row: Vec<(Index, Number)>,
     length_squared: Number,
     rate: Option<Number>,
@@ -250,7 +250,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// The same for many coordinates, by factors in binary64 that are refined.
+    /// Solves G y = f for many coordinates, by factors in binary64 and refinement.
     fn refine(&mut self, part: &[Index]) {
         let columns = self.columns_of(part);
         let local = |coordinate: &Index| part.binary_search(coordinate).unwrap_or(usize::MAX);

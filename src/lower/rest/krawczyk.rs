@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// What is told about z^2 = c near a start, and the box that it ends with.
+    /// What is reported about z^2 = c near a start, and the box that it ends with.
     fn told(c: &str, start: f64) -> (bool, Ball) {
         let c = match c.strip_prefix('-') {
             Some(c) => -&Number::from(c),

@@ -219,7 +219,7 @@ mod tests {
     use super::*;
     use crate::base::Rational;
 
-    /// sum w a a^T of rational numbers with the solution q_i = (i + 1) / 3, which no binary number is: what is told of it.
+    /// sum w a a^T of rational numbers with the solution q_i = (i + 1) / 3, which no binary number is: what is reported of it.
     fn told(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
         let truth: Vec<Number> = (0..n as i64).map(|i| Number::from(Rational::new(i + 1, 3))).collect();
         let mut forces = vec![Number::ZERO; n];

@@ -2,7 +2,7 @@
 //!
 //! # Steps
 //! 1. the forces as drawn, exactly: where they are all zero the drawing is the rest
-//! 2. [`survey`]: which coordinates hang together and are loaded
+//! 2. [`survey`]: which coordinates are coupled and loaded
 //! 3. [`newton`]: down to a minimum of the energy of each such part
 //! 4. [`enclosure`]: refined, and proven
 //! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms

@@ -188,7 +188,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
         }
     }
 
-    /// The same for a torque on the angles of the row.
+    /// Adds the magnitude of a torque to every angle of the row.
     fn turn_sizes(&mut self, torque: &S) {
         for (coordinate, _) in &self.row {
             if let Some(sum) = self.energy.forces.get_mut(self.local[*coordinate as usize] as usize) {

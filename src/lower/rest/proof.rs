@@ -1,4 +1,4 @@
-//! What shows that a scene rests where it is told to rest. A [`Proven`] is made by these tests alone, so that nothing says
+//! What shows that a scene rests where it is reported to rest. A [`Proven`] is made by these tests alone, so that nothing says
 //! `proven` by itself.
 //! See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and docs/method/rest.md#large-linear-parts.
 

@@ -1,7 +1,7 @@
-//! Which coordinates hang together, which of those sets are loaded, and how: so that only what moves is searched for.
+//! Which coordinates are coupled, which of those sets are loaded, and how: so that only what moves is searched for.
 //! See docs/method/rest.md.
 //!
-//! Two coordinates hang together where one spring feels both, or where a slide turns with an angle. A set is linear where
+//! Two coordinates are coupled where one spring feels both, or where a slide turns with an angle. A set is linear where
 //! its energy is quadratic: no loaded arm turns and every spring acts along a fixed direction.
 
 use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
@@ -12,7 +12,7 @@ use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
 use crate::lower::loads::{self, Between, Load};
 use crate::model::scene::Scene;
 
-/// A set of coordinates that hang together, with a load on at least one of them.
+/// A set of coordinates that are coupled, with a load on at least one of them.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Ascending.
@@ -234,7 +234,7 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// What a constraint holds hangs together; returns a coordinate of each constraint that displaced bases leave open.
+    /// What a constraint holds is coupled; returns a coordinate of each constraint that displaced bases leave open.
     fn tie_constraints(&mut self, constraints: &Constraints, state: &State<Number>) -> Vec<usize> {
         let n = self.parents.len();
         let kinematics = self.kinematics;

@@ -55,7 +55,7 @@ const BEYOND: f64 = 1.1;
 const FAR_ENOUGH: f64 = 0.1;
 /// Shifts this close to each other are one: the factors cannot tell.
 const TOGETHER: f64 = 1e-12;
-/// What rounding lets a part of a step be told from zero by.
+/// The part of a step that rounding leaves distinguishable from zero.
 const ROUNDING: f64 = 1e-13;
 const INVERSE_STEPS: usize = 3;
 

@@ -121,7 +121,7 @@ fn the_pointer_shows_values_in_their_unit_and_in_si() {
     assert!(hover(&mut client, "0.1 kN/m", 0).contains("1 kN/m = 1000 kg/s^2"));
 }
 
-/// Bodies that move as one share its energy by their masses, whatever coordinate they are told in.
+/// Bodies that move as one share its energy by their masses, whatever coordinate they are reported in.
 #[test]
 fn kinetic_energy_is_of_bodies() {
     let mut client = Client::open(

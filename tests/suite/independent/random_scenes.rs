@@ -137,7 +137,7 @@ pub fn network(seed: u64, bodies: usize) -> String {
     for i in 0..n {
         let mass = random.decimal(1, 20);
         let _ = writeln!(text, "body m{i} {{ mass = {mass} kg, moves x }}");
-        // To an earlier one or the ground: the network hangs together.
+        // To an earlier one or the ground: the network is coupled.
         let other = if i == 0 { "ground".into() } else { format!("m{}", random.below(i)) };
         let k = random.decimal(10, 5000);
         let _ = writeln!(text, "spring t{i}: {other} -- m{i} {{ k = {k} N/m }}");

@@ -27,7 +27,7 @@ use crate::system::Form;
 use certificate::Reduced;
 use residual::Pencil;
 
-/// Bounds that leave all digits of a binary64 number: steps are taken for them, other roads only for the tolerance.
+/// Bounds that leave all digits of a binary64 number: steps are taken for them, other methods only for the tolerance.
 const PRINTED: f64 = 1e-17;
 /// Differences of close frequencies should have as many digits as are printed.
 const SPLIT: f64 = 1e-16;
@@ -74,7 +74,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
             rigid = problem.rigid(next.may_be_zero().count());
         }
         let reached = next.worst(rigid.dimension);
-        // What cannot be told apart yet has no bound: the step may still have brought it nearer.
+        // What cannot be separated yet has no bound: the step may still have brought it nearer.
         let stuck = reached.is_finite() && reached > 0.25 * worst;
         let sharper = best.is_mixed() && !next.is_mixed() && reached <= 4.0 * worst;
         if reached <= worst || sharper {
@@ -193,7 +193,7 @@ impl Candidate {
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
     }
 
-    /// Neighbours within 1 %, whose difference is told, have bounds above this part of it.
+    /// Neighbours within 1 %, whose difference is reported, have bounds above this part of it.
     fn is_blurred(&self, part: f64) -> bool {
         let size = |i: usize| self.pencil.theta[i].hi.abs();
         (1..self.radii.len()).any(|i| {
@@ -204,7 +204,7 @@ impl Candidate {
         })
     }
 
-    /// Vectors of close neighbours hold parts of each other that could be told: an eigenvalue feels only the square of them.
+    /// Vectors of close neighbours hold parts of each other that could be noticed: an eigenvalue feels only the square of them.
     fn is_mixed(&self) -> bool {
         let theta = &self.pencil.theta;
         let gap = |i: usize, j: usize| (theta[j] - theta[i]).hi;

@@ -1,4 +1,4 @@
-//! The dense road against the roads of small problems, whose bounds are a million times smaller, and against closed forms.
+//! The dense method against the methods of small problems, whose bounds are a million times smaller, and against closed forms.
 
 use super::*;
 use crate::analysis::answer::{ModeKind, Modes};
@@ -73,7 +73,7 @@ fn worst(modes: &Modes) -> f64 {
     elastic.map(|mode| mode.omega_squared.rad / mode.omega_squared.mid.abs().to_f64()).fold(0.0, f64::max)
 }
 
-/// The dense road's enclosures hold the values of the small problems' road. The median of bound over error.
+/// The dense method's enclosures hold the values of the small problems' method. The median of bound over error.
 fn compare(system: &LinearSystem, reached: f64) -> f64 {
     let (dense, small) = (all(system, 1e-12), all(system, 1e-30));
     assert_eq!(dense.list.len(), small.list.len());
@@ -145,7 +145,7 @@ fn close_frequencies_are_told_apart() {
     assert!(all(&system, 1e-12).list.iter().all(|mode| mode.cluster.is_none()));
 }
 
-/// A chain against the road for trees, whose bounds come of another argument.
+/// A chain against the method for trees, whose bounds come of another argument.
 #[test]
 fn a_chain_has_the_frequencies_of_the_road_for_trees() {
     let mut system = blank(101);

@@ -43,7 +43,7 @@ const CONVERGED: f64 = 1e-11;
 /// A vector of the basis for each this many numbers of all of them at the most.
 const MOST_NUMBERS: usize = 200_000_000;
 
-/// The eigenpairs asked for; `None` where this road does not lead to them.
+/// The eigenpairs asked for; `None` where this method does not lead to them.
 pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     if !(stiffness.is_finite() && masses.is_finite()) {
         return None;
@@ -296,7 +296,7 @@ impl<'a> Mesh<'a> {
                 return Pair { value: Eigenvalue::Zero, x, route: Route::Exact };
             }
             let radius = if holds(e) { e.radius } else { f64::INFINITY };
-            // No exact argument says that K is positive definite: what may be zero is told as such.
+            // No exact argument says that K is positive definite: what may be zero is reported as such.
             Pair { value: Eigenvalue::Near { value: e.lambda, radius, positive: false }, x, route: Route::Sparse }
         };
         Some(list.iter().map(pair).collect())
@@ -516,7 +516,7 @@ mod tests {
         }
     }
 
-    /// Springs to the ground of either sign: the lowest modes run away.
+    /// Springs to the ground of either sign: the lowest modes diverge.
     #[test]
     fn motions_that_run_away_are_found_first() {
         let mut system = net(9, 2, true);

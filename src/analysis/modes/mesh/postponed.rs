@@ -27,7 +27,7 @@ struct Node {
     grounds: [f64; 2],
 }
 
-/// More nodes than this mean that the shift is too high for this road.
+/// More nodes than this mean that the shift is too high for this method.
 const MOST: usize = 600;
 
 impl Node {
@@ -102,7 +102,7 @@ impl Postponed {
         }
     }
 
-    /// How many negative eigenvalues the form on these nodes has: those that are not told from zero count as negative where
+    /// How many negative eigenvalues the form on these nodes has: those that are not distinguished from zero count as negative where
     /// roundings go down, as positive where they go up.
     pub fn negative(self) -> Option<usize> {
         let r = self.nodes.len();

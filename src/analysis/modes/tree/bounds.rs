@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Where a neighbour may be as near as the vector is poor, nothing is told; nor is it where numbers leave the range in
+    /// Where a neighbour may be as near as the vector is poor, nothing is reported; nor is it where numbers leave the range in
     /// which the bounds hold.
     #[test]
     fn without_room_or_range_nothing_is_told() {

@@ -36,7 +36,7 @@ const FAR: f64 = 16.0;
 /// Eigenvalues that are this much smaller than the largest are not looked for (see [`LARGEST`](super::forest::LARGEST)).
 const LEAST: f64 = 1e-150;
 
-/// Eigenvalues on the way to being told apart.
+/// Eigenvalues on the way to being separated.
 pub struct Brackets<'a> {
     nodes: &'a [Node<f64>],
     /// Relative error of the shift for which a count is right.

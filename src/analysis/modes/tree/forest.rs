@@ -34,7 +34,7 @@ pub struct Forest {
 /// The numbers of nodes lie between one over this and this, so that what underflow takes of products is far below what
 /// rounding does; what is coupled or held by nothing is zero.
 pub const LARGEST: f64 = (1u128 << 100) as f64;
-/// The same for ratios of gears and levers, of which squares are taken.
+/// Range of the ratios of gears and levers, which are squared.
 const LARGEST_RATIO: f64 = LARGEST * LARGEST * LARGEST * LARGEST;
 
 /// A body, and the spring to its parent.
@@ -245,7 +245,7 @@ struct Inertia {
     parents: Vec<u32>,
     mass: Vec<Dd>,
     coupling: Vec<Dd>,
-    /// The same without signs: roundings are parts of these.
+    /// Magnitudes of the sums, to which rounding errors are relative.
     magnitudes: Vec<[f64; 2]>,
     terms: Vec<u32>,
     is_coupled: bool,

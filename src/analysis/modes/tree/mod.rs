@@ -56,7 +56,7 @@ const SETTLED: f64 = 1e-18;
 const MAX_ITERATIONS: usize = 6;
 
 /// The `wanted` lowest modes that are not rigid, ascending; `None` if the tree is not for this method: frequencies too close
-/// to be told apart in binary64, or vectors out of range.
+/// to be separated in binary64, or vectors out of range.
 pub fn lowest(forest: &Forest, wanted: usize, tolerance: f64) -> Option<Vec<TreeMode>> {
     let search = Search::of(forest);
     search.modes(&mut search.brackets(), 0..wanted, tolerance)

@@ -137,7 +137,7 @@ fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Comple
         let size = near.abs() * (1.0 + 1e-15) + t.re.radius + t.im.radius;
         sum = sum + (near * near).scale(w.value.hi());
         sizes += (w.value.hi().abs() + w.radius) * size * size;
-        // What the radii leave open is far below the roundings, or is told here.
+        // What the radii leave open is far below the roundings, or is reported here.
         sizes += (w.radius * size + (t.re.radius + t.im.radius) * w.value.hi().abs()) * size / f64::EPSILON;
     }
     (sum, sizes * UP)
@@ -147,7 +147,7 @@ fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Comple
 struct Star {
     /// |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x| at the most.
     along: Vec<[f64; 3]>,
-    /// The same outside, in the norm of P^-1.
+    /// Bounds of the three vectors outside the span of the modes, in the norm of P^-1.
     outside: [f64; 3],
 }
 

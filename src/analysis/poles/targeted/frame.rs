@@ -161,7 +161,7 @@ impl<'a> Frame<'a> {
         libm::hypot(self.norm.of_image(re, enough), self.norm.of_image(im, enough)) * UP
     }
 
-    /// The same, without a solution: at most the norm in diag(scale)^-1 over a root.
+    /// Like [`Self::dual`], without solving: at most the norm in diag(scale)^-1 over a root.
     pub fn rough_dual(&self, sizes: &[f64]) -> f64 {
         self.norm.rough(sizes.iter().copied())
     }
@@ -171,7 +171,7 @@ impl<'a> DualNorm<'a> {
     fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])]) -> Option<DualNorm<'a>> {
         let lowest = modes.first()?.0;
         let next = modes.iter().map(|mode| mode.0).find(|&theta| theta > 1e-9 * modes[modes.len() - 1].0)?;
-        // What floats or runs away is held by springs tau m.
+        // What floats or diverges is held by springs tau m.
         let (tau, below) =
             if lowest >= next { (0.0, 0.9 * lowest) } else { (2.0 * lowest.abs() + 0.1 * next, lowest.min(0.0)) };
         let below = below - 0.5 * tau;

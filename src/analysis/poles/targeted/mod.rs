@@ -163,7 +163,7 @@ mod tests {
         truth.iter().filter(|pole| distance(disc, pole) <= room(pole)).count()
     }
 
-    /// Against all poles at once, another road: each disc holds one of them, and no two the same.
+    /// Against all poles at once, another method: each disc holds one of them, and no two the same.
     #[test]
     fn discs_hold_poles_of_the_whole_system() {
         for (k_decades, c, c_decades, is_held) in

@@ -1,6 +1,6 @@
 //! The motion of a system whose damping does not join its modes: each mode is an oscillator of its own, so a step takes
 //! two by two numbers a mode instead of a full matrix, and several modes and several times go side by side. In: a system,
-//! signals, times. Out: what the general road gives, with bounds as good, or nothing where that cannot be proven here.
+//! signals, times. Out: what the general method gives, with bounds as good, or nothing where that cannot be proven here.
 //! See docs/method/response.md#modal-steps.
 //!
 //! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
@@ -36,7 +36,7 @@ const GOOD: f64 = 1.0 / (1u64 << 60) as f64;
 const GOOD_OF_CHIRPS: f64 = 1e-14;
 const AS_GOOD_AS_ANY: f64 = 1e-27;
 
-/// As [`super::respond`]; `None` where another road is due: modes that damping joins, bounds that are not good enough, and
+/// As [`super::respond`]; `None` where another method is due: modes that damping joins, bounds that are not good enough, and
 /// whatever is to be refused.
 pub fn respond(
     system: &LinearSystem,
@@ -329,7 +329,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What happens at an event, as in the general road.
+    /// What happens at an event, as in the general method.
     fn event(&mut self, channel: usize, piece: usize) -> Option<()> {
         let input = &self.system.inputs[self.channels[channel].input];
         let of = &self.oscillators;
@@ -359,10 +359,10 @@ impl<'a> Run<'a> {
         Some(())
     }
 
-    /// Whether all bounds are good enough for this road.
+    /// Whether all bounds are good enough for this method.
     fn is_good(&self, values: &[Vec<Ball>]) -> bool {
         let outputs = self.outputs.len();
-        // What a chirp is off by is so on every road.
+        // The error of a chirp's approximation is the same for every method.
         let good = if self.channels.iter().any(|c| c.source.approximation(0) > 0.0) { GOOD_OF_CHIRPS } else { GOOD };
         (0..outputs).all(|output| {
             let largest = values.iter().map(|row| row[output].mid.hi.abs()).fold(0.0, f64::max);
@@ -472,7 +472,7 @@ mod tests {
         system
     }
 
-    /// Both roads, whose balls have to meet; what the bounds are relative to the largest value of each output.
+    /// Both methods, whose balls have to meet; what the bounds are relative to the largest value of each output.
     fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
         let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
         let whole = together(system, drives, times).expect("a motion");
@@ -571,7 +571,7 @@ mod tests {
         }
     }
 
-    /// Damping that joins the modes has no such road.
+    /// Damping that joins the modes has no such method.
     #[test]
     fn joined_modes_are_refused() {
         let mut system = chain(3, true, "0.7");
@@ -579,7 +579,7 @@ mod tests {
         assert!(respond(&system, None, &[], &grid("2", "0.1")).is_none());
     }
 
-    /// A damper that joins the modes a little, by one part in 10^8 to 10^28: whichever road is taken, the digits are there.
+    /// A damper that joins the modes a little, by one part in 10^8 to 10^28: whichever method is taken, the digits are there.
     #[test]
     fn modes_that_are_nearly_apart_keep_their_digits() {
         for digits in (8..=28).step_by(2) {

@@ -152,7 +152,7 @@ impl Oscillators {
         self.force_defect = inverse * self.force_norm * UP;
     }
 
-    /// A bound of the norm of (G + G^T) / 2: a sine and its cosine turn, a chain of integrators leans on one side.
+    /// Upper bound on the 2-norm of (G + G^T) / 2. Harmonic sources are skew and add nothing; an integrator chain has one entry a row.
     fn rate_of_generator(&self) -> f64 {
         let of = |&(i, j, value): &(usize, usize, Ball)| {
             let back = self.generator.iter().find(|&&(k, l, _)| (k, l) == (j, i));
@@ -327,7 +327,7 @@ impl Output {
         self.norm * z + self.source_norm * w
     }
 
-    /// What the sources' own approximations do to what is fed in at once.
+    /// Error in the direct feed-through caused by approximating the input signals.
     pub fn approximations(&self, channels: &[Channel], scale: &[f64]) -> f64 {
         fed_approximations(channels, |state| self.sources[state].magnitude() / scale[state])
     }

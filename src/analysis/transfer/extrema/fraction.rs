@@ -16,7 +16,7 @@ use num_traits::{One, Zero};
 /// Exact arithmetic beyond this many coordinates takes longer than the tables.
 const MOST_COORDINATES: usize = 12;
 
-/// The same for numbers that are enclosed.
+/// Limit of coordinates for numbers that are enclosed.
 const MOST_ENCLOSED: usize = 9;
 
 /// det Q of a system, ready for its inputs and outputs.
@@ -68,7 +68,7 @@ struct Determinant {
 }
 
 impl Denominator {
-    /// `None` where the system is too large, det Q vanishes at every s, or its roots are not told apart.
+    /// `None` where the system is too large, det Q vanishes at every s, or its roots are not separated.
     pub fn of(system: &LinearSystem, coordinates: &[u32]) -> Option<Denominator> {
         let n = coordinates.len();
         if n > MOST_COORDINATES {
@@ -88,7 +88,7 @@ impl Denominator {
         Some(Denominator { coordinates: coordinates.to_vec(), q, determinant, roots })
     }
 
-    /// `None` where roots are not told apart, or nothing is known of a number of the input or the output.
+    /// `None` where roots are not separated, or nothing is known of a number of the input or the output.
     pub fn pair(&self, system: &LinearSystem, input: usize, output: usize) -> Option<Factored> {
         let n = self.coordinates.len();
         let column = |powers| column(powers, &self.coordinates);

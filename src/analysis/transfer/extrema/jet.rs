@@ -21,7 +21,7 @@ impl Jet {
         Jet::at(transfer, Complex::new(Ball::ZERO, omega), input, output)
     }
 
-    /// The same anywhere in the complex plane.
+    /// H and its derivatives anywhere in the complex plane; `None` where Q may be singular.
     pub fn at(transfer: &Transfer, s: Complex<Ball>, input: usize, output: usize) -> Option<Jet> {
         Jet::by(transfer, s, (input, output), rectangle)
     }

@@ -62,7 +62,7 @@ pub struct Extrema {
 }
 
 impl Extrema {
-    /// With what another road has enclosed besides.
+    /// With what another method has enclosed besides.
     pub(in crate::analysis) fn with(mut self, others: Vec<Extremum>) -> Extrema {
         let known = |list: &[Extremum], other: &Extremum| {
             list.iter().any(|extremum| (extremum.frequency - other.frequency).contains_zero())

@@ -119,7 +119,7 @@ impl Net<'_> {
         Net { neighbours }
     }
 
-    /// What hangs together with some coordinates, ascending.
+    /// What is coupled with some coordinates, ascending.
     fn part(&self, first: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut seen = vec![false; self.neighbours.len()];
         let mut left: Vec<usize> = first.into_iter().collect();

@@ -485,7 +485,7 @@ mod tests {
         Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole] }).expect("in range")
     }
 
-    /// However poor the first guess, what is told holds the change of sign, or nothing is told.
+    /// However poor the first guess, what is reported holds the change of sign, or nothing is reported.
     #[test]
     fn an_enclosure_holds_the_change_of_sign() {
         let exactly = resonance(-0.1, 1.0, 0.0);

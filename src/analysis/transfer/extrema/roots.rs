@@ -90,7 +90,7 @@ impl Coefficients {
     }
 }
 
-/// All roots; `None` where they are not told apart.
+/// All roots; `None` where they are not separated.
 pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
     let (zeros, rest) = f.without_zero_roots()?;
     let mut list = Vec::new();

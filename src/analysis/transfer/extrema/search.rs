@@ -1,5 +1,5 @@
 //! Where g changes its sign, all of it: the frequencies from zero up are cut into intervals, each seen from the anchor next to it,
-//! until in each g has no root, or g' has none and the signs of g at the ends tell whether g has one. What stays open is told.
+//! until in each g has no root, or g' has none and the signs of g at the ends tell whether g has one. What stays open is reported.
 //! In: anchors. Out: brackets with one extremum each. See docs/method/transfer.md#extrema.
 
 use super::slope::Anchor;
@@ -34,7 +34,7 @@ pub struct Search {
 
 /// More intervals than this are not looked at: a few dozen for each root are usual.
 const MOST_CELLS: usize = 200_000;
-/// The same outside the range, where only half-power widths may lie.
+/// Limit of intervals outside the range, where only half-power points may lie.
 const MOST_BEYOND: usize = 5_000;
 /// Where an interval is cut: not in the middle, where models with round numbers have their extrema.
 const CUT: f64 = 0.4871;

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! so an extremum of |H| is a root of g. In: zeros and poles. Out: g and its derivative at a point and over an interval, with
-//! bounds. Frequencies are told by their distance from the imaginary part of a root near by (the anchor): so none of the digits
+//! bounds. Frequencies are reported by their distance from the imaginary part of a root near by (the anchor): so none of the digits
 //! that a light damping leaves is lost. See docs/method/transfer.md#extrema.
 
 use super::fraction::Factored;
@@ -132,7 +132,7 @@ impl Anchor {
         omega - self.omega(Ball::ZERO)
     }
 
-    /// The same of a frequency with more digits, uncertain by a radius.
+    /// Like [`Self::distance_of`], for a frequency with more digits and a radius.
     pub fn exact_distance_of(&self, omega: &Float, radius: f64) -> Ball {
         (omega - &self.place).to_ball(self.radius + radius)
     }
@@ -182,7 +182,7 @@ impl Anchor {
         (g, slope)
     }
 
-    /// The sign of g at a point, 0 where it cannot be told.
+    /// The sign of g at a point, 0 if it cannot be decided.
     pub fn sign(&self, t: f64) -> i8 {
         let cell = self.cell(t, 0.0, true);
         if cell.g.abs() > cell.g_error * 1.001 {
@@ -191,7 +191,7 @@ impl Anchor {
         self.sign_at(Dd::from(t))
     }
 
-    /// The same in double-double.
+    /// Like [`Self::sign`], in double-double.
     pub fn sign_at(&self, t: Dd) -> i8 {
         let (g, _) = self.slope(Ball::exact(t));
         if !g.is_finite() {
@@ -228,7 +228,7 @@ impl Anchor {
         self.product(factor, |x| x.mid.hi.abs(), by)
     }
 
-    /// The same in binary64, to steer by.
+    /// Approximation of |H| in binary64, to steer the search.
     pub fn near_size(&self, factor: f64, t: f64) -> f64 {
         let modulus = |term: &Term| {
             let t = (Dd::from(t) - term.offset.mid).to_f64();

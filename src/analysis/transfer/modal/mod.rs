@@ -170,7 +170,7 @@ impl ModalSum {
         frequencies.iter().enumerate().map(gain).collect()
     }
 
-    /// The same in double-double.
+    /// The sum over modes in double-double.
     pub fn accurate(&self, pair: &ModalPair, frequency: &Frequency) -> Gain {
         let mut total = Complex::<Ball>::ZERO;
         let mut radius = 0.0;

@@ -1,6 +1,6 @@
 //! H at many frequencies, to the last digit, for little more than a factorisation in binary64 each. In: a system whose
 //! dampers resist every motion, frequencies. Out: for each frequency, input and output a disc, or nothing where the proof
-//! fails and another road is due. See docs/method/transfer.md#two-sided-approximation.
+//! fails and another method is due. See docs/method/transfer.md#two-sided-approximation.
 //!
 //! With any approximations x of Q^-1 b and z of Q^-1 p, r = b - Q x, t = p - Q z and the symmetric Q,
 //!
@@ -23,7 +23,7 @@ use crate::base::{Ball, Dd, Number, larger};
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
 
-/// A system made ready for this road.
+/// A system made ready for this method.
 #[derive(Clone, Debug)]
 pub(in crate::analysis) struct TwoSided<'a> {
     pattern: &'a Pattern,

@@ -279,7 +279,7 @@ impl<V: Vector> Point<V> {
         self.omega.hi.fused(V::splat(q.c.hi.abs()), inertia)
     }
 
-    /// The same in double-double, and T.
+    /// The entry at this frequency in double-double, and T.
     #[inline(always)]
     fn exact(&self, q: &Polynomial) -> Entry<V> {
         let mut re = Double { hi: V::splat(q.k.hi), lo: V::splat(q.k.lo) };
