@@ -2,11 +2,19 @@
 //! C = sum 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system; out: its C with these terms added.
 //! See docs/method/response.md.
 
-use crate::analysis::answer::{ModeKind, Modes, PRECISE};
-use crate::analysis::modes::form;
+use crate::analysis::AnalysisError;
+use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::modes::condense::condense;
+use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
+use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::modes::squares::Squares;
+use crate::analysis::modes::structure;
+use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Name, Number};
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
+
+/// Sums of magnitudes are rounded upwards.
+const UP: f64 = 1.0 + 1e-9;
 
 /// Adds alpha M + beta K, term by term: exact where these are.
 pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
@@ -28,37 +36,136 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
     }
 }
 
-/// Adds the damping ratio to every oscillation. The rows M x_i are the double-double numbers that were computed: they give
-/// each mode its ratio to about 28 digits, and are data from then on.
+/// Adds the damping ratio to every oscillation. The rows are enclosures of numbers that give exactly this C: what is
+/// uncertain in the modes is uncertain in C, and so in every bound that is computed from it.
 ///
 /// The modes keep the shapes that were refined for it: they are those of the damped system too.
-pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) {
-    let n = system.n();
-    let m = Squares::of(&system.m);
-    let shapes = form::shapes(system, modes);
-    if n <= PRECISE {
-        modes.list.iter_mut().enumerate().for_each(|(i, mode)| mode.precise = Some(shapes.column(i).to_vec()));
+pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
+    let mut terms: Vec<Option<Term>> = vec![None; modes.list.len()];
+    for part in &independent_undamped(system) {
+        let own = of_part(part, &modes.list);
+        if !own.iter().any(|&i| modes.list[i].kind == ModeKind::Oscillation) {
+            continue;
+        }
+        let list: Vec<Mode> = own.iter().map(|&i| local(&modes.list[i], part)).collect();
+        let unknown = || AnalysisError::uncertain_modes(system, part.coordinates[0] as usize);
+        let basis = Basis::of(system, part, &list).ok_or_else(unknown)?;
+        for (column, &i) in own.iter().enumerate() {
+            let mode = &mut modes.list[i];
+            if mode.kind == ModeKind::Oscillation {
+                terms[i] = Some(basis.term(column, part));
+            }
+            if system.n() <= PRECISE
+                && let Some(shape) = basis.shape(column)
+            {
+                let precise = mode.precise.get_or_insert_with(|| vec![Dd::ZERO; mode.shape.len()]);
+                part.coordinates.iter().zip(shape).for_each(|(&c, &x)| precise[c as usize] = x);
+            }
+        }
     }
     let source = source(system);
-    for (i, mode) in modes.list.iter().enumerate().filter(|(_, mode)| mode.kind == ModeKind::Oscillation) {
-        let row = momentum(&m, shapes.column(i), n);
-        let entries = (0u32..).zip(row).map(|(j, x)| (CoordinateId(j), Number::Ball(Ball::exact(x))));
-        let weight = &(ratio * &Number::from(2)) * &Number::Ball(mode.omega);
-        system.c.push(source, Nature::Property, weight, entries);
+    for Term { omega, row } in terms.into_iter().flatten() {
+        let weight = &(ratio * &Number::from(2)) * &Number::Ball(omega);
+        system.c.push(source, Nature::Property, weight, row.into_iter().map(|(i, x)| (i, Number::Ball(x))));
+    }
+    Ok(())
+}
+
+/// 2 zeta omega (M x)(M x)^T without its ratio.
+#[derive(Clone)]
+struct Term {
+    omega: Ball,
+    row: Vec<(CoordinateId, Ball)>,
+}
+
+/// The modes that move a part.
+fn of_part(part: &Part, modes: &[Mode]) -> Vec<usize> {
+    let moves = |mode: &Mode| part.coordinates.iter().any(|&c| mode.shape[c as usize] != 0.0);
+    (0..modes.len()).filter(|&i| moves(&modes[i])).collect()
+}
+
+/// A mode in the coordinates of its part.
+fn local(mode: &Mode, part: &Part) -> Mode {
+    let coordinates = || part.coordinates.iter().map(|&c| c as usize);
+    let precise = mode.precise.as_ref().map(|x| coordinates().map(|c| x[c]).collect());
+    Mode { shape: coordinates().map(|c| mode.shape[c]).collect(), precise, ..mode.clone() }
+}
+
+/// The modes X of a part, and an enclosure of the rows that make up its C.
+struct Basis {
+    /// On the coordinates of the part that have inertia.
+    form: ModalForm,
+    /// M (X + X G), for the G of [`ModalForm::uncertainty`].
+    momenta: Matrix<Ball>,
+}
+
+impl Basis {
+    /// `None` where its massless motions are not known exactly, or the modes not well enough for a bound.
+    fn of(system: &LinearSystem, part: &Part, modes: &[Mode]) -> Option<Basis> {
+        let n = part.coordinates.len();
+        let mut place = vec![0u32; system.n()];
+        part.coordinates.iter().zip(0..).for_each(|(&c, i)| place[c as usize] = i);
+        let (m, k) = (chosen(&system.m, &part.m, &place), chosen(&system.k, &part.k, &place));
+        let masses = Squares::of(&m);
+        let (form, motions) = if modes.len() == n {
+            let form = ModalForm::refined(shapes(modes), &kinds(modes), &masses, &Squares::of(&k), gram);
+            let motions = form.shapes.clone();
+            (form, motions)
+        } else {
+            without_massless_motions(&m, &k, n, modes)?
+        };
+        let slack = form.uncertainty(&kinds(modes))?;
+        let mut momenta = momenta(&masses, &motions);
+        for i in 0..n {
+            let size: f64 = (0..modes.len()).map(|j| momenta[(i, j)].magnitude()).sum();
+            (0..modes.len()).for_each(|j| momenta[(i, j)] = momenta[(i, j)].widen(slack * size * UP));
+        }
+        Some(Basis { form, momenta })
+    }
+
+    fn term(&self, mode: usize, part: &Part) -> Term {
+        let omega = Ball::exact(self.form.k[(mode, mode)].mid).sqrt();
+        let row = part.coordinates.iter().zip(self.momenta.column(mode)).filter(|(_, x)| !x.is_zero());
+        Term { omega, row: row.map(|(&c, &x)| (CoordinateId(c), x)).collect() }
+    }
+
+    /// The refined shape over the coordinates of the part; `None` where some of them have no inertia.
+    fn shape(&self, mode: usize) -> Option<&[Dd]> {
+        (self.form.shapes.rows() == self.momenta.rows()).then(|| self.form.shapes.column(mode))
     }
 }
 
-/// M x
-fn momentum(m: &Squares, x: &[Dd], n: usize) -> Vec<Dd> {
-    let mut momentum = vec![Dd::ZERO; n];
-    for t in 0..m.len() {
-        let weighted = (m.weights[t] * m.stretch(t, x)).mid;
-        let (indices, values) = m.row(t);
-        for (&i, a) in indices.iter().zip(values) {
-            momentum[i as usize] += weighted * a.mid;
+/// The modes of a part some of whose motions have no inertia, on the coordinates that are left when these are eliminated
+/// exactly, and the motions of the part that M sees: those of the coordinates that are left, the others at rest.
+fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Option<(ModalForm, Matrix<Dd>)> {
+    let condensed = condense(m, k, n, &structure::null_space(m, n).vectors).ok()?;
+    if condensed.kept.len() != modes.len() {
+        return None;
+    }
+    let whole = shapes(modes);
+    let left =
+        Matrix::from_fn(modes.len(), modes.len(), |i, j| condensed.seen_by_inertia(condensed.kept[i], whole.column(j)));
+    let form = ModalForm::refined(left, &kinds(modes), &Squares::of(&condensed.m), &Squares::of(&condensed.k), gram);
+    let mut moving = Matrix::zeros(n, modes.len());
+    for j in 0..modes.len() {
+        condensed.kept.iter().zip(form.shapes.column(j)).for_each(|(&i, &x)| moving[(i, j)] = x);
+    }
+    Some((form, moving))
+}
+
+/// M X
+fn momenta(m: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
+    let mut momenta = Matrix::filled(x.rows(), x.columns(), Ball::ZERO);
+    for j in 0..x.columns() {
+        for t in 0..m.len() {
+            let weighted = m.weights[t] * m.stretch(t, x.column(j));
+            let (indices, values) = m.row(t);
+            for (&i, &a) in indices.iter().zip(values) {
+                momenta[(i as usize, j)] = momenta[(i as usize, j)] + weighted * a;
+            }
         }
     }
-    momentum
+    momenta
 }
 
 #[cfg(test)]
@@ -80,7 +187,7 @@ mod tests {
     fn every_mode_gets_its_ratio() {
         let mut system = chain();
         let mut undamped = modes(&system).expect("modes");
-        modal(&mut system, &Number::from("0.02"), &mut undamped);
+        modal(&mut system, &Number::from("0.02"), &mut undamped).expect("known modes");
         let poles = poles(&system, &undamped).expect("poles");
         assert_eq!(poles.list.len(), 6);
         for pole in &poles.list {

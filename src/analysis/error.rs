@@ -34,6 +34,8 @@ pub enum AnalysisError {
     StepTooLong { at: Span },
     /// A number too large or too small for binary64 met on the way.
     OutOfRange { at: Span },
+    /// `damping modal` at a part whose modes are not known well enough for a bound of what it adds.
+    UncertainModes { at: Span },
 }
 
 impl AnalysisError {
@@ -75,6 +77,10 @@ impl AnalysisError {
         AnalysisError::MotionOutOfRange { at: place(system, 0) }
     }
 
+    pub(in crate::analysis) fn uncertain_modes(system: &LinearSystem, coordinate: usize) -> AnalysisError {
+        AnalysisError::UncertainModes { at: place(system, coordinate) }
+    }
+
     pub(in crate::analysis) fn code_out_of_range(system: &LinearSystem, precision: &'static str) -> AnalysisError {
         AnalysisError::CodeOutOfRange { precision, at: place(system, 0) }
     }
@@ -107,7 +113,8 @@ impl AnalysisError {
             AnalysisError::MotionOutOfRange { .. }
             | AnalysisError::CodeOutOfRange { .. }
             | AnalysisError::StepTooLong { .. }
-            | AnalysisError::OutOfRange { .. } => Code::limit("vib::limit::range"),
+            | AnalysisError::OutOfRange { .. }
+            | AnalysisError::UncertainModes { .. } => Code::limit("vib::limit::range"),
         }
     }
 
@@ -130,7 +137,8 @@ impl AnalysisError {
             | AnalysisError::MotionOutOfRange { at }
             | AnalysisError::CodeOutOfRange { at, .. }
             | AnalysisError::StepTooLong { at }
-            | AnalysisError::OutOfRange { at } => *at,
+            | AnalysisError::OutOfRange { at }
+            | AnalysisError::UncertainModes { at } => *at,
         }
     }
 
@@ -190,6 +198,10 @@ impl AnalysisError {
             AnalysisError::MotionOutOfRange { .. } => (
                 "the motion leaves the range of binary64".to_string(),
                 "choose a shorter time: a divergence grows by a factor e in each of its growth times",
+            ),
+            AnalysisError::UncertainModes { .. } => (
+                "the modes here are not known well enough to give each its damping ratio".to_string(),
+                "choose stiffnesses and masses closer to each other, or write dampers instead of `damping modal`",
             ),
             AnalysisError::OutOfRange { .. } => (
                 "the stiffnesses and masses lie too far apart: a number beyond the range of binary64 came up"

@@ -122,7 +122,7 @@ pub fn with_damping(
 fn spread(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisError> {
     let mut modes = modes(system)?;
     let dampers = system.c.clone();
-    damping::modal(system, ratio, &mut modes);
+    damping::modal(system, ratio, &mut modes)?;
     Ok(Spread { dampers, modes })
 }
 

@@ -14,7 +14,7 @@
 //! coordinate at most. See docs/method/modes.md#motions-without-inertia.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
-use crate::base::{Number, Rational};
+use crate::base::{Dd, Number, Rational};
 use crate::system::{CoordinateId, Form, Nature};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -109,6 +109,12 @@ impl Condensed {
             }
         }
         whole
+    }
+
+    /// What coordinate i does in q', the part of the motion x that M sees.
+    pub fn seen_by_inertia(&self, i: usize, x: &[Dd]) -> Dd {
+        let parts = self.vectors.iter().filter(|(_, v)| !v[i].is_zero());
+        parts.fold(x[i], |sum, (at, v)| sum - v[i].to_ball().mid * x[*at])
     }
 
     /// The whole motion in which the coordinates that are left move like `x`.

@@ -5,7 +5,7 @@
 //! A step X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order squares the error (Ogita and
 //! Aishima 2018): 1e-16 becomes 1e-31 in two. Shapes that come in double-double need none.
 
-use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::analysis::numeric::fused::fused;
@@ -40,21 +40,24 @@ impl ModalForm {
         if n == 0 || modes.list.len() != n || modes.list.iter().any(|mode| mode.shape.len() != n) {
             return None;
         }
-        Some(ModalForm::refined(system, modes, gram))
+        let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
+        Some(ModalForm::refined(shapes(&modes.list), &kinds(&modes.list), &m, &k, gram))
     }
 
-    fn refined(
-        system: &LinearSystem,
-        modes: &Modes,
+    /// From shapes as they were computed, a column a mode, and the kinds of these modes.
+    pub fn refined(
+        shapes: Matrix<Dd>,
+        kinds: &[ModeKind],
+        m: &Squares,
+        k: &Squares,
         gram: impl Fn(&Squares, &Matrix<Dd>) -> Matrix<Ball>,
     ) -> ModalForm {
-        let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
-        let mut form = ModalForm::with(initial(modes, system.n()), &m, &k, &gram);
+        let mut form = ModalForm::with(shapes, m, k, &gram);
         for _ in 0..STEPS {
-            if form.is_diagonal(modes) {
+            if form.is_diagonal(kinds) {
                 break;
             }
-            form = ModalForm::with(newton(&form.shapes, &form.m.mid(), &form.k.mid()), &m, &k, &gram);
+            form = ModalForm::with(newton(&form.shapes, &form.m.mid(), &form.k.mid()), m, k, &gram);
         }
         form
     }
@@ -69,9 +72,9 @@ impl ModalForm {
     }
 
     /// Whether a step would change nothing but rounding errors.
-    fn is_diagonal(&self, modes: &Modes) -> bool {
+    fn is_diagonal(&self, kinds: &[ModeKind]) -> bool {
         let k = self.stiffnesses();
-        let (ones, sizes) = (vec![1.0; k.len()], sizes(&k, least_stiffness(&modes.list, &k)));
+        let (ones, sizes) = (vec![1.0; k.len()], sizes(&k, least_stiffness(kinds, &k)));
         let negligible = |entry: Ball, size: f64| entry.mid.hi.abs() <= entry.rad + LEAST_EPSILON * size;
         let off = |gram: &Matrix<Ball>, sizes: &[f64], i: usize, j: usize| {
             negligible(gram[(i, j)], (sizes[i] * sizes[j]).sqrt())
@@ -82,31 +85,51 @@ impl ModalForm {
         })
     }
 
+    /// A bound of the entries of a G with sum 2 zeta omega_i (M x_i)(M x_i)^T = (M X + M X G) W (M X + M X G)^T exactly, where
+    /// the sum is over the true oscillations, and W is diagonal: 2 zeta sqrt k_i for the oscillations, else 0. `None` where the
+    /// basis is too far from one of modes. Close and repeated frequencies need no care: the sum does not depend on the choice
+    /// of shapes within them. The proof is in docs/method/response.md#damping-by-modes.
+    pub fn uncertainty(&self, kinds: &[ModeKind]) -> Option<f64> {
+        let k = self.stiffnesses();
+        let least = least_stiffness(kinds, &k);
+        let sign_is_known = |(kind, k): (&ModeKind, &Dd)| match kind {
+            ModeKind::Oscillation => k.hi > 0.0,
+            ModeKind::Divergence => k.hi < 0.0,
+            ModeKind::Rigid => true,
+            ModeKind::Undetermined => false,
+        };
+        if !kinds.iter().zip(&k).all(sign_is_known) || !(least > 0.0 && least.is_finite()) {
+            return None;
+        }
+        let of_m = off_diagonal(&self.m, &vec![1.0; k.len()], true);
+        let rigid = kinds.iter().zip(&k).filter(|(kind, _)| **kind == ModeKind::Rigid);
+        let of_k = rigid
+            .fold(off_diagonal(&self.k, &sizes(&k, least), false), |sum, (_, k)| larger(sum, k.hi.abs() * UP / least));
+        let is_small = k.len() as f64 * (of_m + of_k) < 1e-3;
+        is_small.then_some((8.0 * of_m + 3.0 * of_k) * UP)
+    }
+
     /// The diagonal of X^T K X.
     pub fn stiffnesses(&self) -> Vec<Dd> {
         (0..self.k.columns()).map(|i| self.k[(i, i)].mid).collect()
     }
 }
 
-/// The shapes as they come.
-fn initial(modes: &Modes, n: usize) -> Matrix<Dd> {
-    Matrix::from_fn(n, modes.list.len(), |i, j| {
-        let mode = &modes.list[j];
-        mode.precise.as_ref().map_or_else(|| Dd::from(mode.shape[i]), |x| x[i])
+/// The shapes of modes as they were computed, a column a mode.
+pub(in crate::analysis) fn shapes(modes: &[Mode]) -> Matrix<Dd> {
+    let n = modes.first().map_or(0, |mode| mode.shape.len());
+    Matrix::from_fn(n, modes.len(), |i, j| {
+        modes[j].precise.as_ref().map_or_else(|| Dd::from(modes[j].shape[i]), |x| x[i])
     })
 }
 
-/// The shapes of the modes in double-double; as they are where there are too many to refine.
-pub(in crate::analysis) fn shapes(system: &LinearSystem, modes: &Modes) -> Matrix<Dd> {
-    match modes.list.len() > PRECISE {
-        true => initial(modes, system.n()),
-        false => ModalForm::refined(system, modes, gram).shapes,
-    }
+pub(in crate::analysis) fn kinds(modes: &[Mode]) -> Vec<ModeKind> {
+    modes.iter().map(|mode| mode.kind).collect()
 }
 
 /// Stands for the stiffness k_i of a rigid motion, which is zero up to rounding: the least of the others; infinite without any.
-pub(in crate::analysis) fn least_stiffness(modes: &[Mode], k: &[Dd]) -> f64 {
-    let others = modes.iter().zip(k).filter(|(mode, _)| mode.kind != ModeKind::Rigid);
+pub(in crate::analysis) fn least_stiffness(kinds: &[ModeKind], k: &[Dd]) -> f64 {
+    let others = kinds.iter().zip(k).filter(|(kind, _)| **kind != ModeKind::Rigid);
     others.map(|(_, k)| k.hi.abs()).fold(f64::INFINITY, f64::min)
 }
 
@@ -202,9 +225,10 @@ mod tests {
         let mut plain = precise.clone();
         plain.list.iter_mut().for_each(|mode| mode.precise = None);
         let (m, k) = (Squares::of(&system.m), Squares::of(&system.k));
-        let as_it_comes = |modes: &Modes| ModalForm::with(initial(modes, 20), &m, &k, gram);
-        assert!(as_it_comes(&precise).is_diagonal(&precise));
-        assert!(!as_it_comes(&plain).is_diagonal(&plain));
+        let is_diagonal =
+            |modes: &Modes| ModalForm::with(shapes(&modes.list), &m, &k, gram).is_diagonal(&kinds(&modes.list));
+        assert!(is_diagonal(&precise));
+        assert!(!is_diagonal(&plain));
         let (a, b) = (ModalForm::of(&system, &precise, gram), ModalForm::of(&system, &plain, gram));
         let (a, b) = (a.expect("all modes").stiffnesses(), b.expect("all modes").stiffnesses());
         for ((a, b), mode) in a.iter().zip(&b).zip(&precise.list) {

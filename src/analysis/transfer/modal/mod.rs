@@ -10,7 +10,7 @@
 mod lanes;
 
 use crate::analysis::answer::{Modes, PRECISE};
-use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, least_stiffness, off_diagonal, sizes};
+use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -71,7 +71,7 @@ impl ModalSum {
         let damping = gram(&Squares::of(&system.c), &form.shapes);
         let c: Vec<Dd> = (0..n).map(|i| damping[(i, i)].mid).collect();
         let k = form.stiffnesses();
-        let least = least_stiffness(&modes.list, &k);
+        let least = least_stiffness(&kinds(&modes.list), &k);
         let most = c.iter().map(|c| c.hi.abs()).fold(0.0, f64::max);
         // Damping that a mode does not feel is counted as a little.
         let (c_size, k_size) = (sizes(&c, 1e-10 * most), sizes(&k, least));
