@@ -6,9 +6,8 @@
 //! - damper: c (rate of stretch)^2/2
 //! - force: the work on the displacement of its point
 
-use super::linear::still;
 use super::motion::Motion;
-use super::names::{Label, Names, class};
+use super::names::{Label, Names, class, still};
 use crate::base::{Number, Span, Vec3};
 use crate::elements::Order;
 use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};

@@ -5,7 +5,7 @@
 use super::energy::{Energies, Stretch};
 use super::lagrange::Equation;
 use super::motion::Motion;
-use super::names::{Label, Names, class};
+use super::names::{Label, Names, class, still};
 use crate::symbols::{Lengths, Sum, Symbol};
 
 /// A square matrix of sums, row by row.
@@ -80,14 +80,6 @@ fn is_short(length: &Sum) -> bool {
     };
     length.terms().len() <= 2
         && length.terms().iter().all(|(product, _)| product.factors().iter().all(|(f, _)| short(f)))
-}
-
-/// With every motion and force at zero.
-pub fn still(sum: &Sum) -> Sum {
-    sum.replaced(&|symbol| {
-        let moves = (class::COORDINATE..=class::FORCE).contains(&symbol.class());
-        moves.then_some(Sum::ZERO)
-    })
 }
 
 /// The linear equations over all free coordinates; constraints add the curvature under their multipliers elsewhere.

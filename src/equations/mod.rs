@@ -12,6 +12,7 @@
 
 pub mod closed;
 pub mod constraint;
+pub mod coordinate;
 pub mod energy;
 pub mod error;
 pub mod lagrange;
@@ -29,11 +30,12 @@ use crate::model::scene::{Damping, Scene};
 use crate::model::written::{Named, Written, class_of};
 use crate::symbols::{Sum, Symbol};
 use constraint::Constraint;
+use coordinate::Coordinate;
 use energy::Energies;
 pub use error::EquationsError;
 use lagrange::Equation;
 use linear::{AtRest, Column};
-use motion::{Coordinate, Motion};
+use motion::Motion;
 use names::{Label, Names, class};
 use rest::Rest;
 

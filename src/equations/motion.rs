@@ -3,29 +3,11 @@
 //!
 //! A coordinate is measured from rest: at a rest away from the drawing it stands for `q_0 + q`.
 
+use super::coordinate::{self, Coordinate};
 use super::names::Names;
-use crate::base::{Name, Span};
 use crate::model::scene::{BaseId, BodyId, Freedom, InputKind, Joint, Part, Scene};
 use crate::model::written::{Pair, Written};
-use crate::symbols::{Lengths, Sum, Symbol};
-
-/// A coordinate of the tree, or a motion that a base prescribes.
-#[derive(Clone, Debug)]
-pub struct Coordinate {
-    pub owner: Part,
-    pub owner_name: Name,
-    /// Where its body or base is declared.
-    pub span: Span,
-    /// `x`, `y`, `along`, `slide`, `angle`.
-    pub motion: &'static str,
-    pub turns: bool,
-    /// Displacement, velocity, acceleration.
-    pub symbols: [Symbol; 3],
-    /// What the rest adds to it.
-    pub rest: Sum,
-    /// The input of a prescribed motion.
-    pub input: Option<usize>,
-}
+use crate::symbols::{Lengths, Sum};
 
 /// Parts that are welded together, and how they are carried.
 #[derive(Clone, Debug)]
@@ -265,7 +247,7 @@ impl<'a> Growth<'a> {
             coordinate.rest = self.written.inputs.get(input)?.constant.clone();
             coordinates.push(coordinate);
         }
-        names.name_coordinates(&coordinates, &self.scene.words);
+        coordinate::label(names, &coordinates, &self.scene.words);
         for (index, coordinate) in coordinates.iter_mut().enumerate().take(free) {
             coordinate.rest = rests(names, coordinate, index);
         }

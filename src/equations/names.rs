@@ -1,13 +1,10 @@
 //! The names of the equations: parameters as the model has them, coordinates as a textbook writes them, each with its value
 //! where it has one.
 
-use crate::base::{Number, Words};
-use crate::model::scene::Part;
+use crate::base::Number;
 use crate::model::written::{Named, Pair, Written, dot};
 use crate::symbols::{Sum, Symbol};
 use std::collections::BTreeMap;
-
-use super::motion::Coordinate;
 
 /// Classes of names besides those of the model's parameters, in the order of factors.
 pub mod class {
@@ -129,46 +126,12 @@ impl Names {
             None => direction.clone(),
         }
     }
-
-    /// Labels of coordinates: `x` and `theta` where there is one of its kind, else with the name of the body.
-    pub fn name_coordinates(&mut self, coordinates: &[Coordinate], words: &Words) {
-        for coordinate in coordinates {
-            let word = letter(coordinate);
-            let alone = coordinates.iter().filter(|other| letter(other) == word).count() == 1;
-            let label = if alone && !self.is_taken(word) {
-                Label::new(word, "")
-            } else {
-                let mut name = words.text(coordinate.owner_name.symbol).to_string();
-                let same_word = coordinates
-                    .iter()
-                    .filter(|other| letter(other) == word)
-                    .all(|other| other.owner_name.symbol == coordinate.owner_name.symbol);
-                let indices: Vec<String> = coordinate.owner_name.indices().iter().map(i32::to_string).collect();
-                if same_word && !indices.is_empty() && !self.is_taken(word) {
-                    name.clear();
-                } else if !indices.is_empty() {
-                    name.push(',');
-                }
-                Label::new(word, name + &indices.join(","))
-            };
-            for (dots, symbol) in coordinate.symbols.iter().enumerate() {
-                self.labels.insert(*symbol, Label { dots: dots as u8, ..label.clone() });
-            }
-        }
-    }
 }
 
-/// What a textbook calls a coordinate.
-fn letter(coordinate: &Coordinate) -> &'static str {
-    let prescribed = matches!(coordinate.owner, Part::Base(_));
-    match (coordinate.motion, prescribed) {
-        ("angle", false) => "theta",
-        ("angle", true) => "phi",
-        ("x", true) => "u",
-        ("y", true) => "v",
-        (_, true) => "w",
-        ("x", false) => "x",
-        ("y", false) => "y",
-        _ => "s",
-    }
+/// With every motion and force at zero.
+pub fn still(sum: &Sum) -> Sum {
+    sum.replaced(&|symbol| {
+        let moves = (class::COORDINATE..=class::FORCE).contains(&symbol.class());
+        moves.then_some(Sum::ZERO)
+    })
 }

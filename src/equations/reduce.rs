@@ -6,9 +6,9 @@
 use super::constraint::Constraint;
 use super::error::EquationsError;
 use super::lagrange::Equation;
-use super::linear::{AtRest, Column, Linear, Matrix, still};
+use super::linear::{AtRest, Column, Linear, Matrix};
 use super::motion::Motion;
-use super::names::{Names, class};
+use super::names::{Names, class, still};
 use super::rest::Rest;
 use super::{Entry, Linearised};
 use crate::base::{Number, Span};

@@ -1,11 +1,12 @@
 //! The rest in symbols: what it has to fulfil, and its closed form where one is found. In: the equations with every motion at zero;
 //! out: conditions over `q_0`, and solutions that agree with the rest that was found in numbers.
 
+use super::coordinate::Coordinate;
 use super::energy::Energies;
 use super::lagrange::Equation;
-use super::linear::{AtRest, still};
-use super::motion::{Coordinate, Motion};
-use super::names::{Label, Names, class};
+use super::linear::AtRest;
+use super::motion::Motion;
+use super::names::{Label, Names, class, still};
 use crate::base::{Name, Number, Rational};
 use crate::lower::Lowered;
 use crate::symbols::{Factor, Sum, Symbol};

@@ -3,8 +3,9 @@
 
 use super::closed::{Part, product};
 use super::energy::{Energies, Stretch};
-use super::linear::{AtRest, still};
+use super::linear::AtRest;
 use super::motion::Motion;
+use super::names::still;
 use super::{Equations, Linearised};
 use crate::base::Number;
 use crate::model::scene::{Element, Motion as Moved, Scene};

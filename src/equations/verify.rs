@@ -6,7 +6,7 @@
 
 use super::Equations;
 use super::error::EquationsError;
-use super::linear::still;
+use super::names::still;
 use crate::base::{Number, Rational, Span};
 use crate::lower::Lowered;
 use crate::symbols::{Lengths, Sum, Symbol};

@@ -22,10 +22,20 @@ pub enum Formula {
     /// An upright capital of a matrix, an energy or a vector.
     Symbol(&'static str, Option<Box<Formula>>),
     Matrix(Vec<Vec<Formula>>),
+    /// A sum over a running index.
+    Series(Running, Box<Formula>),
     /// `left = right`
     Equal(Box<Formula>, Box<Formula>),
     /// A number that has been rounded, as decimal text.
     Decimal(String),
+}
+
+/// An index that runs over whole numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Running {
+    pub index: String,
+    pub first: i64,
+    pub last: i64,
 }
 
 impl Formula {

@@ -1,6 +1,6 @@
 //! Equations as JSON: every section and formula of the layout, each formula as text and as LaTeX.
 
-use super::document::{Document, Inline, Item};
+use super::document::{Document, Item};
 use super::formula::Formula;
 use super::{latex, text};
 use crate::base::readable::escaped;
@@ -38,9 +38,13 @@ pub fn json(document: &Document) -> String {
 
 fn entries(item: &Item) -> Vec<Entry> {
     match item {
-        Item::Paragraph(inlines) => vec![Entry::Sentence { text: plain(inlines) }],
+        Item::Paragraph(inlines) => vec![Entry::Sentence { text: text::sentence(inlines) }],
         Item::Formula { formula, note } => {
-            vec![Entry::Formula { text: text::formula(formula), latex: latex::formula(formula), note: plain(note) }]
+            vec![Entry::Formula {
+                text: text::formula(formula),
+                latex: latex::formula(formula),
+                note: text::sentence(note),
+            }]
         }
         Item::Matrices(matrices) => matrices.iter().map(matrix).collect(),
     }
@@ -49,12 +53,4 @@ fn entries(item: &Item) -> Vec<Entry> {
 fn matrix((name, rows): &(Formula, Vec<Vec<Formula>>)) -> Entry {
     let each = |write: fn(&Formula) -> String| rows.iter().map(|row| row.iter().map(write).collect()).collect();
     Entry::Matrix { name: text::formula(name), text: each(text::formula), latex: each(latex::formula) }
-}
-
-fn plain(inlines: &[Inline]) -> String {
-    let part = |inline: &Inline| match inline {
-        Inline::Text(text) => text.clone(),
-        Inline::Formula(formula) => text::formula(formula),
-    };
-    inlines.iter().map(part).collect()
 }

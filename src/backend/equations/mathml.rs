@@ -1,168 +1,169 @@
-//! Equations as a page with MathML, which browsers show without any script.
+//! Equations in MathML, which browsers show without any script: a page of its own, or sections for a report.
 
-use super::document::{Document, Inline, Item};
-use super::formula::{Formula, Shown, greek_letter, shown};
-use super::latex::split;
+use super::document::{Document, Inline, Section};
+use super::formula::{Formula, Running, greek_letter};
+use super::write::{self, Language, Piece, Tight};
 use crate::base::readable::readable;
 use crate::equations::names::Label;
 
 pub fn mathml(document: &Document) -> String {
     let title = escaped(&document.title);
-    let mut text = format!(
+    let head = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>body {{ max-width: 60rem; \
-         margin: 2rem auto; font-family: serif; }} math[display=block] {{ margin: 0.6rem 0; }}</style>\n</head>\n<body>\n"
+         margin: 2rem auto; padding: 0 1rem; font-family: serif; }} math[display=block] {{ margin: 0.6rem 0; overflow-x: auto; \
+         overflow-y: hidden; }}</style>\n</head>\n<body>\n"
     );
-    text += &fragment(document);
-    text + "</body>\n</html>\n"
+    format!("{head}{}</body>\n</html>\n", write::document(&MathMl, document))
 }
 
-/// The sections without the page around them: for reports.
-pub fn fragment(document: &Document) -> String {
-    let mut text = format!("<h1>{}</h1>\n", escaped(&document.title));
-    for section in &document.sections {
-        text += &format!("<h2>{}</h2>\n", escaped(section.heading));
-        for item in &section.items {
-            text += &item_text(item);
-        }
-    }
-    text
-}
-
-fn item_text(item: &Item) -> String {
-    match item {
-        Item::Paragraph(inlines) => format!("<p>{}</p>\n", inlines.iter().map(inline).collect::<String>()),
-        Item::Formula { formula: of, note } => {
-            let note: String = note.iter().map(in_math).collect();
-            let gap = if note.is_empty() { "" } else { "<mspace width=\"2em\"/>" };
-            format!("<math display=\"block\">{}{gap}{note}</math>\n", formula(of))
-        }
-        Item::Matrices(matrices) => {
-            let one = |(name, rows): &(Formula, Vec<Vec<Formula>>)| {
-                format!("<math display=\"block\">{}<mo>=</mo>{}</math>\n", formula(name), matrix(rows))
-            };
-            matrices.iter().map(one).collect()
-        }
-    }
-}
-
-fn inline(inline: &Inline) -> String {
-    match inline {
-        Inline::Text(text) => escaped(text),
-        Inline::Formula(of) => format!("<math>{}</math>", formula(of)),
-    }
-}
-
-fn in_math(inline: &Inline) -> String {
-    match inline {
-        Inline::Text(text) => format!("<mtext>{}</mtext>", escaped(text)),
-        Inline::Formula(of) => formula(of),
-    }
+/// The items of one section without its heading: paragraphs, and each formula as a `math` element. Text is escaped; there is no
+/// script, no style and no reference to anything outside.
+pub fn section(section: &Section) -> String {
+    section.items.iter().map(|item| write::item(&MathMl, item)).collect()
 }
 
 fn escaped(text: &str) -> String {
     readable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Tight {
-    Sum,
-    Product,
-    Power,
-}
+struct MathMl;
 
-/// A formula as one element.
-pub fn formula(of: &Formula) -> String {
-    written(of).0
-}
+impl Language for MathMl {
+    fn number(&self, digits: &str) -> String {
+        format!("<mn>{digits}</mn>")
+    }
 
-fn row(inner: String) -> String {
-    format!("<mrow>{inner}</mrow>")
-}
-
-fn written(of: &Formula) -> (String, Tight) {
-    match of {
-        Formula::Number(number) => match shown(number) {
-            Shown::Whole(text) => (format!("<mn>{text}</mn>"), Tight::Power),
-            Shown::Fraction(over, under) => (format!("<mfrac><mn>{over}</mn><mn>{under}</mn></mfrac>"), Tight::Product),
-        },
-        Formula::Decimal(text) => match text.split_once('e') {
+    fn decimal(&self, text: &str) -> Piece {
+        match text.split_once('e') {
             Some((number, power)) => {
-                let power = format!("<msup><mn>10</mn><mn>{power}</mn></msup>");
-                (row(format!("<mn>{number}</mn><mo>·</mo>{power}")), Tight::Product)
+                let power = format!("<msup><mn>10</mn><mn>{}</mn></msup>", escaped(power));
+                (self.group(format!("<mn>{}</mn><mo>·</mo>{power}", escaped(number))), Tight::Product)
             }
             None => (format!("<mn>{}</mn>", escaped(text)), Tight::Power),
-        },
-        Formula::Imaginary => ("<mi mathvariant=\"normal\">i</mi>".into(), Tight::Power),
-        Formula::Pi => ("<mi>π</mi>".into(), Tight::Power),
-        Formula::Name(label) => (name(label), Tight::Power),
-        Formula::Sum(terms) => {
-            let mut text = String::new();
-            for (index, (negative, term)) in terms.iter().enumerate() {
-                text += match (index, negative) {
-                    (0, false) => "",
-                    (_, true) => "<mo>−</mo>",
-                    (_, false) => "<mo>+</mo>",
-                };
-                text += &within(term, Tight::Product);
-            }
-            (row(text), Tight::Sum)
         }
-        Formula::Product(factors) => {
-            let factors: Vec<String> = factors.iter().map(|factor| within(factor, Tight::Product)).collect();
-            (row(factors.join("<mo>&#x2062;</mo>")), Tight::Product)
-        }
-        Formula::Quotient(over, under) => {
-            (format!("<mfrac>{}{}</mfrac>", formula(over), formula(under)), Tight::Product)
-        }
-        Formula::Power(base, exponent) => {
-            (format!("<msup>{}<mn>{exponent}</mn></msup>", within(base, Tight::Power)), Tight::Power)
-        }
-        Formula::Root(inside) => (format!("<msqrt>{}</msqrt>", formula(inside)), Tight::Power),
-        Formula::Call(function, arguments) => {
-            let arguments: Vec<String> = arguments.iter().map(formula).collect();
-            let arguments = arguments.join("<mo>,</mo>");
-            (row(format!("<mi>{function}</mi><mo>&#x2061;</mo><mo>(</mo>{arguments}<mo>)</mo>")), Tight::Power)
-        }
-        Formula::Symbol(symbol, None) => (format!("<mi>{symbol}</mi>"), Tight::Power),
-        Formula::Symbol(symbol, Some(index)) => {
-            (format!("<msub><mi>{symbol}</mi>{}</msub>", formula(index)), Tight::Power)
-        }
-        Formula::Matrix(rows) => (matrix(rows), Tight::Power),
-        Formula::Equal(left, right) => (row(format!("{}<mo>=</mo>{}", formula(left), formula(right))), Tight::Sum),
     }
-}
 
-fn within(of: &Formula, least: Tight) -> String {
-    let (text, tight) = written(of);
-    if tight < least { row(format!("<mo>(</mo>{text}<mo>)</mo>")) } else { text }
-}
-
-fn matrix(rows: &[Vec<Formula>]) -> String {
-    let cell = |cell: &Formula| format!("<mtd>{}</mtd>", formula(cell));
-    let rows: String =
-        rows.iter().map(|row| format!("<mtr>{}</mtr>", row.iter().map(cell).collect::<String>())).collect();
-    row(format!("<mo>[</mo><mtable>{rows}</mtable><mo>]</mo>"))
-}
-
-fn name(label: &Label) -> String {
-    let (word, mut index) = split(&label.word);
-    if !label.index.is_empty() {
-        index = if index.is_empty() { label.index.clone() } else { format!("{index},{}", label.index) };
+    fn quotient(&self, over: Piece, under: Piece) -> Piece {
+        (format!("<mfrac>{}{}</mfrac>", over.0, under.0), Tight::Quotient)
     }
-    let letter = letters(&word);
-    let letter = match label.dots {
-        0 => letter,
-        1 => format!("<mover accent=\"true\">{letter}<mo>˙</mo></mover>"),
-        _ => format!("<mover accent=\"true\">{letter}<mo>¨</mo></mover>"),
-    };
-    if index.is_empty() {
-        return letter;
+
+    fn imaginary(&self) -> &'static str {
+        "<mi mathvariant=\"normal\">i</mi>"
     }
-    let parts: Vec<String> = index
-        .split(',')
-        .map(|part| if part.chars().all(|c| c.is_ascii_digit()) { format!("<mn>{part}</mn>") } else { letters(part) })
-        .collect();
-    format!("<msub>{letter}{}</msub>", row(parts.join("<mo>,</mo>")))
+
+    fn pi(&self) -> &'static str {
+        "<mi>π</mi>"
+    }
+
+    fn name(&self, label: &Label) -> String {
+        let (word, index) = write::letter_and_index(label);
+        let letter = letters(&word);
+        let letter = match label.dots {
+            0 => letter,
+            1 => format!("<mover accent=\"true\">{letter}<mo>˙</mo></mover>"),
+            _ => format!("<mover accent=\"true\">{letter}<mo>¨</mo></mover>"),
+        };
+        if index.is_empty() {
+            return letter;
+        }
+        let part = |part: &str| if write::is_plain_index(part) { format!("<mn>{part}</mn>") } else { letters(part) };
+        let parts: Vec<String> = index.split(',').map(part).collect();
+        format!("<msub>{letter}{}</msub>", self.group(parts.join("<mo>,</mo>")))
+    }
+
+    fn sign(&self, first: bool, negative: bool) -> &'static str {
+        match (first, negative) {
+            (true, false) => "",
+            (_, true) => "<mo>−</mo>",
+            (false, false) => "<mo>+</mo>",
+        }
+    }
+
+    fn times(&self) -> &'static str {
+        "<mo>&#x2062;</mo>"
+    }
+
+    fn brackets(&self, inner: &str) -> String {
+        self.group(format!("<mo>(</mo>{inner}<mo>)</mo>"))
+    }
+
+    fn power(&self, base: &str, exponent: u32) -> String {
+        format!("<msup>{base}<mn>{exponent}</mn></msup>")
+    }
+
+    fn root(&self, inside: &str) -> String {
+        format!("<msqrt>{inside}</msqrt>")
+    }
+
+    fn call(&self, function: &str, arguments: &[String], _: bool) -> Piece {
+        let arguments = arguments.join("<mo>,</mo>");
+        let text = format!("<mi>{function}</mi><mo>&#x2061;</mo><mo>(</mo>{arguments}<mo>)</mo>");
+        (self.group(text), Tight::Power)
+    }
+
+    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+        match index {
+            None => format!("<mi>{letter}</mi>"),
+            Some((index, _)) => format!("<msub><mi>{letter}</mi>{index}</msub>"),
+        }
+    }
+
+    fn series(&self, Running { index, first, last }: &Running, term: &str) -> String {
+        let below = self.group(format!("<mi>{index}</mi><mo>=</mo><mn>{first}</mn>"));
+        self.group(format!("<munderover><mo>∑</mo>{below}<mn>{last}</mn></munderover>{term}"))
+    }
+
+    fn matrix(&self, rows: &[Vec<String>]) -> String {
+        let row = |row: &Vec<String>| {
+            let cells: String = row.iter().map(|cell| format!("<mtd>{cell}</mtd>")).collect();
+            format!("<mtr>{cells}</mtr>")
+        };
+        let rows: String = rows.iter().map(row).collect();
+        self.group(format!("<mo>[</mo><mtable>{rows}</mtable><mo>]</mo>"))
+    }
+
+    fn equal(&self, left: &str, right: &str) -> String {
+        format!("{left}<mo>=</mo>{right}")
+    }
+
+    fn group(&self, inner: String) -> String {
+        format!("<mrow>{inner}</mrow>")
+    }
+
+    fn prose(&self, text: &str) -> String {
+        escaped(text)
+    }
+
+    fn in_sentence(&self, formula: &str) -> String {
+        format!("<math>{formula}</math>")
+    }
+
+    fn title(&self, text: &str) -> String {
+        format!("<h1>{}</h1>\n", escaped(text))
+    }
+
+    fn heading(&self, text: &str) -> String {
+        format!("<h2>{}</h2>\n", escaped(text))
+    }
+
+    fn paragraph(&self, inner: &str) -> String {
+        format!("<p>{inner}</p>\n")
+    }
+
+    fn display(&self, formula: &Formula, note: &[Inline]) -> String {
+        let in_math = |inline: &Inline| match inline {
+            Inline::Text(text) => format!("<mtext>{}</mtext>", escaped(text)),
+            Inline::Formula(of) => write::formula(self, of),
+        };
+        let note: String = note.iter().map(in_math).collect();
+        let gap = if note.is_empty() { "" } else { "<mspace width=\"2em\"/>" };
+        format!("<math display=\"block\">{}{gap}{note}</math>\n", write::formula(self, formula))
+    }
+
+    fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String {
+        let (name, matrix) = (write::formula(self, name), self.matrix(&write::cells(self, rows)));
+        format!("<math display=\"block\">{name}<mo>=</mo>{matrix}</math>\n")
+    }
 }
 
 fn letters(word: &str) -> String {

@@ -1,18 +1,22 @@
 //! Equations of motion as text, LaTeX, Typst, MathML and JSON: one layout value, and a file for each form. Clause: docs/equations.md.
 
+mod assumptions;
 mod build;
 mod document;
 mod formula;
 mod json;
-pub mod latex;
-pub mod mathml;
+mod latex;
+mod mathml;
+mod motions;
+mod results;
 mod solutions;
-pub mod text;
-pub mod typst;
+mod text;
+mod typst;
+mod write;
 
-pub use document::{Document, document};
+pub use document::{Document, Section, document};
 pub use json::json;
 pub use latex::latex;
-pub use mathml::mathml;
+pub use mathml::{mathml, section as mathml_section};
 pub use text::text;
 pub use typst::typst;

@@ -1,7 +1,8 @@
 //! Equations as plain text: `m2 L^2/3 theta'' + m2 g L/2 theta = 0`.
 
-use super::document::{Document, Inline, Item};
-use super::formula::{Formula, Shown, shown};
+use super::document::{Document, Inline};
+use super::formula::{Formula, Running};
+use super::write::{self, Language, Piece, Tight};
 use crate::base::readable::readable;
 use crate::equations::names::Label;
 
@@ -9,134 +10,148 @@ use crate::equations::names::Label;
 const WIDTH: usize = 100;
 
 pub fn text(document: &Document) -> String {
-    let mut text = format!("{}\n", readable(&document.title));
-    for section in &document.sections {
-        text += &format!("\n{}\n", section.heading);
-        for item in &section.items {
-            text += &item_text(item);
-        }
-    }
-    text
-}
-
-fn item_text(item: &Item) -> String {
-    match item {
-        Item::Paragraph(inlines) => filled(&inlines.iter().map(inline).collect::<String>(), 2),
-        Item::Formula { formula, note } => {
-            let note = note.iter().map(inline).collect::<String>();
-            let line = equation(formula);
-            match (note.is_empty(), &line) {
-                (true, line) => broken(line),
-                (false, line) => format!("    {line}    {note}\n"),
-            }
-        }
-        Item::Matrices(matrices) => matrices.iter().map(|(name, rows)| matrix(&formula(name), rows)).collect(),
-    }
-}
-
-fn inline(inline: &Inline) -> String {
-    match inline {
-        Inline::Text(text) => readable(text).into_owned(),
-        Inline::Formula(formula) => equation(formula),
-    }
-}
-
-fn equation(of: &Formula) -> String {
-    match of {
-        Formula::Equal(left, right) => format!("{} = {}", formula(left), formula(right)),
-        other => formula(other),
-    }
-}
-
-/// Rows in brackets, columns aligned.
-fn matrix(name: &str, rows: &[Vec<Formula>]) -> String {
-    let cells: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(formula).collect()).collect();
-    let columns = cells.first().map_or(0, Vec::len);
-    let width = |column: usize| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for (index, row) in cells.iter().enumerate() {
-        let shown: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        let front = if index == 0 { format!("{name} = ") } else { " ".repeat(name.chars().count() + 3) };
-        text += &format!("    {front}[ {} ]\n", shown.join("   "));
-    }
-    text
-}
-
-/// How tightly a formula holds together.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Tight {
-    Sum,
-    Product,
-    Quotient,
-    Power,
+    write::document(&Text, document)
 }
 
 /// A formula on one line.
-pub fn formula(formula: &Formula) -> String {
-    written(formula).0
+pub fn formula(of: &Formula) -> String {
+    write::formula(&Text, of)
 }
 
-fn written(formula: &Formula) -> (String, Tight) {
-    match formula {
-        Formula::Number(number) => match shown(number) {
-            Shown::Whole(text) => (text, Tight::Power),
-            Shown::Fraction(numerator, denominator) => (format!("{numerator}/{denominator}"), Tight::Quotient),
-        },
-        Formula::Decimal(text) => (text.clone(), Tight::Power),
-        Formula::Imaginary => ("i".into(), Tight::Power),
-        Formula::Pi => ("pi".into(), Tight::Power),
-        Formula::Name(label) => (name(label), Tight::Power),
-        Formula::Sum(terms) => {
-            let mut text = String::new();
-            for (index, (negative, term)) in terms.iter().enumerate() {
-                text += match (index, negative) {
-                    (0, false) => "",
-                    (0, true) => "-",
-                    (_, false) => " + ",
-                    (_, true) => " - ",
-                };
-                text += &within(term, Tight::Product);
-            }
-            (text, Tight::Sum)
-        }
-        Formula::Product(factors) => {
-            let written: Vec<String> = factors.iter().map(|factor| within(factor, Tight::Quotient)).collect();
-            (written.join(" "), Tight::Product)
-        }
-        Formula::Quotient(over, under) => {
-            let over = match written(over) {
-                (text, Tight::Sum | Tight::Quotient) => format!("({text})"),
-                (text, _) => text,
-            };
-            (format!("{over}/{}", within(under, Tight::Power)), Tight::Quotient)
-        }
-        Formula::Power(base, exponent) => (format!("{}^{exponent}", within(base, Tight::Power)), Tight::Power),
-        Formula::Root(inside) => (format!("sqrt({})", self::formula(inside)), Tight::Power),
-        Formula::Call(function, arguments) => {
-            let arguments: Vec<String> = arguments.iter().map(self::formula).collect();
-            (format!("{function}({})", arguments.join(", ")), Tight::Power)
-        }
-        Formula::Symbol(symbol, None) => (symbol.to_string(), Tight::Power),
-        Formula::Symbol(symbol, Some(index)) => (format!("{symbol}_{}", within(index, Tight::Power)), Tight::Power),
-        Formula::Matrix(rows) => {
-            let rows: Vec<String> =
-                rows.iter().map(|row| row.iter().map(self::formula).collect::<Vec<_>>().join(", ")).collect();
-            (format!("[{}]", rows.join("; ")), Tight::Power)
-        }
-        Formula::Equal(..) => (equation(formula), Tight::Sum),
+/// A sentence on one line.
+pub fn sentence(inlines: &[Inline]) -> String {
+    write::sentence(&Text, inlines)
+}
+
+struct Text;
+
+impl Language for Text {
+    fn number(&self, digits: &str) -> String {
+        digits.to_string()
     }
-}
 
-fn within(formula: &Formula, least: Tight) -> String {
-    let (text, tight) = written(formula);
-    if tight < least { format!("({text})") } else { text }
-}
+    fn decimal(&self, text: &str) -> Piece {
+        (text.to_string(), Tight::Power)
+    }
 
-/// `x_block''`, `m[3]`.
-fn name(label: &Label) -> String {
-    // Primes belong to the letter, but stand where they are read: at the end.
-    format!("{}{}", readable(&label.plain()), "'".repeat(usize::from(label.dots)))
+    fn quotient(&self, over: Piece, under: Piece) -> Piece {
+        let over = match over {
+            (text, Tight::Sum | Tight::Quotient) => format!("({text})"),
+            (text, _) => text,
+        };
+        let under = match under {
+            (text, Tight::Power) => text,
+            (text, _) => format!("({text})"),
+        };
+        (format!("{over}/{under}"), Tight::Quotient)
+    }
+
+    fn imaginary(&self) -> &'static str {
+        "i"
+    }
+
+    fn pi(&self) -> &'static str {
+        "pi"
+    }
+
+    /// `x_block''`, `m[3]`: primes belong to the letter, but stand where they are read, at the end.
+    fn name(&self, label: &Label) -> String {
+        format!("{}{}", readable(&label.plain()), "'".repeat(usize::from(label.dots)))
+    }
+
+    fn sign(&self, first: bool, negative: bool) -> &'static str {
+        match (first, negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        }
+    }
+
+    fn times(&self) -> &'static str {
+        " "
+    }
+
+    fn brackets(&self, inner: &str) -> String {
+        format!("({inner})")
+    }
+
+    fn power(&self, base: &str, exponent: u32) -> String {
+        format!("{base}^{exponent}")
+    }
+
+    fn root(&self, inside: &str) -> String {
+        format!("sqrt({inside})")
+    }
+
+    fn call(&self, function: &str, arguments: &[String], _: bool) -> Piece {
+        (format!("{function}({})", arguments.join(", ")), Tight::Power)
+    }
+
+    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+        match index {
+            None => letter.to_string(),
+            Some((index, Tight::Power)) => format!("{letter}_{index}"),
+            Some((index, _)) => format!("{letter}_({index})"),
+        }
+    }
+
+    /// `sum(m x_i'^2, i = 1..4)`
+    fn series(&self, Running { index, first, last }: &Running, term: &str) -> String {
+        format!("sum({term}, {index} = {first}..{last})")
+    }
+
+    fn matrix(&self, rows: &[Vec<String>]) -> String {
+        let rows: Vec<String> = rows.iter().map(|row| row.join(", ")).collect();
+        format!("[{}]", rows.join("; "))
+    }
+
+    fn equal(&self, left: &str, right: &str) -> String {
+        format!("{left} = {right}")
+    }
+
+    fn prose(&self, text: &str) -> String {
+        readable(text).into_owned()
+    }
+
+    fn in_sentence(&self, formula: &str) -> String {
+        formula.to_string()
+    }
+
+    fn title(&self, text: &str) -> String {
+        format!("{}\n", readable(text))
+    }
+
+    fn heading(&self, text: &str) -> String {
+        format!("\n{text}\n")
+    }
+
+    fn paragraph(&self, inner: &str) -> String {
+        filled(inner, 2)
+    }
+
+    fn display(&self, formula: &Formula, note: &[Inline]) -> String {
+        let line = self::formula(formula);
+        match note.is_empty() {
+            true => broken(&line),
+            false => format!("{}    {}\n", broken(&line).trim_end_matches('\n'), sentence(note)),
+        }
+    }
+
+    /// Rows in brackets, columns aligned.
+    fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String {
+        let (name, cells) = (self::formula(name), write::cells(self, rows));
+        let columns = cells.first().map_or(0, Vec::len);
+        let width = |column: usize| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        let mut text = String::new();
+        for (index, row) in cells.iter().enumerate() {
+            let shown: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+            let front = if index == 0 { format!("{name} = ") } else { " ".repeat(name.chars().count() + 3) };
+            text += &format!("    {front}[ {} ]\n", shown.join("   "));
+        }
+        text
+    }
 }
 
 /// Words in lines of at most [`WIDTH`] columns.

@@ -1,65 +1,157 @@
 //! Equations as a Typst document.
 
-use super::document::{Document, Inline, Item};
-use super::formula::{Formula, Shown, greek_letter, shown};
-use super::latex::split;
+use super::document::{Document, Inline};
+use super::formula::{Formula, Running, greek_letter};
+use super::write::{self, Language, Piece, Tight};
 use crate::equations::names::Label;
 
 pub fn typst(document: &Document) -> String {
-    let mut text = format!("= {}\n", prose(&document.title));
-    for section in &document.sections {
-        text += &format!("\n== {}\n\n", prose(section.heading));
-        for item in &section.items {
-            text += &item_text(item);
-        }
-    }
-    text
+    write::document(&Typst, document)
 }
 
-fn item_text(item: &Item) -> String {
-    match item {
-        Item::Paragraph(inlines) => format!("{}\n\n", inlines.iter().map(inline).collect::<String>()),
-        Item::Formula { formula: of, note } => {
-            let note: String = note.iter().map(inline_in_math).collect();
-            let gap = if note.is_empty() { "" } else { " quad " };
-            format!("$ {}{gap}{note} $\n\n", formula(of))
-        }
-        Item::Matrices(matrices) => {
-            let one =
-                |(name, rows): &(Formula, Vec<Vec<Formula>>)| format!("$ {} = {} $\n\n", formula(name), matrix(rows));
-            matrices.iter().map(one).collect()
-        }
-    }
-}
+struct Typst;
 
-fn inline(inline: &Inline) -> String {
-    match inline {
-        Inline::Text(text) => prose(text),
-        Inline::Formula(of) => format!("${}$", formula(of)),
+impl Language for Typst {
+    fn number(&self, digits: &str) -> String {
+        digits.to_string()
     }
-}
 
-fn inline_in_math(inline: &Inline) -> String {
-    match inline {
-        Inline::Text(text) => quoted(text),
-        Inline::Formula(of) => format!(" {} ", formula(of)),
-    }
-}
-
-/// Text that steers nothing.
-fn prose(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in text.chars() {
-        if c.is_control() {
-            escaped.push(' ');
-        } else if c.is_ascii_punctuation() && ![',', '.', ';', '(', ')'].contains(&c) {
-            escaped.push('\\');
-            escaped.push(c);
-        } else {
-            escaped.push(c);
+    fn decimal(&self, text: &str) -> Piece {
+        match text.split_once('e') {
+            Some((number, power)) => (format!("{number} dot 10^({power})"), Tight::Product),
+            None => (text.to_string(), Tight::Power),
         }
     }
-    escaped
+
+    fn quotient(&self, over: Piece, under: Piece) -> Piece {
+        (format!("frac({}, {})", over.0, under.0), Tight::Quotient)
+    }
+
+    fn imaginary(&self) -> &'static str {
+        "upright(i)"
+    }
+
+    fn pi(&self) -> &'static str {
+        "pi"
+    }
+
+    /// `dot.double(theta)_("rod")`
+    fn name(&self, label: &Label) -> String {
+        let (word, index) = write::letter_and_index(label);
+        let letter = letters(&word);
+        let letter = match label.dots {
+            0 => letter,
+            1 => format!("dot({letter})"),
+            _ => format!("dot.double({letter})"),
+        };
+        if index.is_empty() {
+            return letter;
+        }
+        let part = |part: &str| if write::is_plain_index(part) { part.to_string() } else { letters(part) };
+        let parts: Vec<String> = index.split(',').map(part).collect();
+        format!("{letter}_({})", parts.join(" \",\" "))
+    }
+
+    fn sign(&self, first: bool, negative: bool) -> &'static str {
+        match (first, negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        }
+    }
+
+    fn times(&self) -> &'static str {
+        " "
+    }
+
+    fn brackets(&self, inner: &str) -> String {
+        format!("({inner})")
+    }
+
+    fn power(&self, base: &str, exponent: u32) -> String {
+        format!("{base}^{exponent}")
+    }
+
+    fn root(&self, inside: &str) -> String {
+        format!("sqrt({inside})")
+    }
+
+    fn call(&self, function: &str, arguments: &[String], _: bool) -> Piece {
+        let function = match function {
+            "asin" => "arcsin",
+            "acos" => "arccos",
+            "atan" => "arctan",
+            "atan2" => "op(\"atan2\")",
+            "abs" => "op(\"abs\")",
+            "pow" => "op(\"pow\")",
+            other => other,
+        };
+        (format!("{function}({})", arguments.join(", ")), Tight::Power)
+    }
+
+    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+        index.map_or_else(|| letter.to_string(), |(index, _)| format!("{letter}_({index})"))
+    }
+
+    fn series(&self, Running { index, first, last }: &Running, term: &str) -> String {
+        format!("sum_({index} = {first})^{last} {term}")
+    }
+
+    fn matrix(&self, rows: &[Vec<String>]) -> String {
+        let rows: Vec<String> = rows.iter().map(|row| row.join(", ")).collect();
+        format!("mat(delim: \"[\", {})", rows.join("; "))
+    }
+
+    fn equal(&self, left: &str, right: &str) -> String {
+        format!("{left} = {right}")
+    }
+
+    /// Text that steers nothing.
+    fn prose(&self, text: &str) -> String {
+        let mut escaped = String::new();
+        for c in text.chars() {
+            if c.is_control() {
+                escaped.push(' ');
+            } else if c.is_ascii_punctuation() && ![',', '.', ';', '(', ')'].contains(&c) {
+                escaped.push('\\');
+                escaped.push(c);
+            } else {
+                escaped.push(c);
+            }
+        }
+        escaped
+    }
+
+    fn in_sentence(&self, formula: &str) -> String {
+        format!("${formula}$")
+    }
+
+    fn title(&self, text: &str) -> String {
+        format!("= {}\n", self.prose(text))
+    }
+
+    fn heading(&self, text: &str) -> String {
+        format!("\n== {}\n\n", self.prose(text))
+    }
+
+    fn paragraph(&self, inner: &str) -> String {
+        format!("{inner}\n\n")
+    }
+
+    fn display(&self, formula: &Formula, note: &[Inline]) -> String {
+        let in_math = |inline: &Inline| match inline {
+            Inline::Text(text) => quoted(text),
+            Inline::Formula(of) => format!(" {} ", write::formula(self, of)),
+        };
+        let note: String = note.iter().map(in_math).collect();
+        let gap = if note.is_empty() { "" } else { " quad " };
+        format!("$ {}{gap}{note} $\n\n", write::formula(self, formula))
+    }
+
+    fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String {
+        format!("$ {} = {} $\n\n", write::formula(self, name), self.matrix(&write::cells(self, rows)))
+    }
 }
 
 fn quoted(text: &str) -> String {
@@ -72,102 +164,6 @@ fn quoted(text: &str) -> String {
         })
         .collect();
     format!("\"{inner}\"")
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Tight {
-    Sum,
-    Product,
-    Power,
-}
-
-pub fn formula(of: &Formula) -> String {
-    written(of).0
-}
-
-fn written(of: &Formula) -> (String, Tight) {
-    match of {
-        Formula::Number(number) => match shown(number) {
-            Shown::Whole(text) => (text, Tight::Power),
-            Shown::Fraction(over, under) => (format!("frac({over}, {under})"), Tight::Product),
-        },
-        Formula::Decimal(text) => match text.split_once('e') {
-            Some((number, power)) => (format!("{number} dot 10^({power})"), Tight::Product),
-            None => (text.clone(), Tight::Power),
-        },
-        Formula::Imaginary => ("upright(i)".into(), Tight::Power),
-        Formula::Pi => ("pi".into(), Tight::Power),
-        Formula::Name(label) => (name(label), Tight::Power),
-        Formula::Sum(terms) => {
-            let mut text = String::new();
-            for (index, (negative, term)) in terms.iter().enumerate() {
-                text += match (index, negative) {
-                    (0, false) => "",
-                    (0, true) => "-",
-                    (_, false) => " + ",
-                    (_, true) => " - ",
-                };
-                text += &within(term, Tight::Product);
-            }
-            (text, Tight::Sum)
-        }
-        Formula::Product(factors) => {
-            let factors: Vec<String> = factors.iter().map(|factor| within(factor, Tight::Product)).collect();
-            (factors.join(" "), Tight::Product)
-        }
-        Formula::Quotient(over, under) => (format!("frac({}, {})", formula(over), formula(under)), Tight::Product),
-        Formula::Power(base, exponent) => (format!("{}^{exponent}", within(base, Tight::Power)), Tight::Power),
-        Formula::Root(inside) => (format!("sqrt({})", formula(inside)), Tight::Power),
-        Formula::Call(function, arguments) => {
-            let function = match *function {
-                "asin" => "arcsin",
-                "acos" => "arccos",
-                "atan" => "arctan",
-                "atan2" => "op(\"atan2\")",
-                "abs" => "op(\"abs\")",
-                "pow" => "op(\"pow\")",
-                other => other,
-            };
-            let arguments: Vec<String> = arguments.iter().map(formula).collect();
-            (format!("{function}({})", arguments.join(", ")), Tight::Power)
-        }
-        Formula::Symbol(symbol, None) => ((*symbol).to_string(), Tight::Power),
-        Formula::Symbol(symbol, Some(index)) => (format!("{symbol}_({})", formula(index)), Tight::Power),
-        Formula::Matrix(rows) => (matrix(rows), Tight::Power),
-        Formula::Equal(left, right) => (format!("{} = {}", formula(left), formula(right)), Tight::Sum),
-    }
-}
-
-fn within(of: &Formula, least: Tight) -> String {
-    let (text, tight) = written(of);
-    if tight < least { format!("({text})") } else { text }
-}
-
-fn matrix(rows: &[Vec<Formula>]) -> String {
-    let rows: Vec<String> = rows.iter().map(|row| row.iter().map(formula).collect::<Vec<_>>().join(", ")).collect();
-    format!("mat(delim: \"[\", {})", rows.join("; "))
-}
-
-/// `dot.double(theta)_"rod"`
-fn name(label: &Label) -> String {
-    let (word, mut index) = split(&label.word);
-    if !label.index.is_empty() {
-        index = if index.is_empty() { label.index.clone() } else { format!("{index},{}", label.index) };
-    }
-    let letter = letters(&word);
-    let letter = match label.dots {
-        0 => letter,
-        1 => format!("dot({letter})"),
-        _ => format!("dot.double({letter})"),
-    };
-    if index.is_empty() {
-        return letter;
-    }
-    let parts: Vec<String> = index
-        .split(',')
-        .map(|part| if part.chars().all(|c| c.is_ascii_digit()) { part.to_string() } else { letters(part) })
-        .collect();
-    format!("{letter}_({})", parts.join(" \",\" "))
 }
 
 fn letters(word: &str) -> String {

@@ -1,0 +1,119 @@
+//! Section 1: assumptions, coordinates with a sentence each, and what names stand for.
+
+use super::document::{DIGITS, Inline, Item, Section, Writer, paragraph, words};
+use super::formula::Formula;
+use crate::backend::decimal::certain_number;
+use crate::base::Dimension;
+use crate::equations::coordinate::Coordinate;
+use crate::equations::energy::Stretch;
+use crate::symbols::{Sum, Symbol};
+
+impl Writer<'_> {
+    pub fn assumptions(&self) -> Section {
+        let motion = &self.equations.motion;
+        let mut items = vec![paragraph(
+            "Bodies are rigid, joints without friction, and the motion stays in the plane. x points right, y up; angles are positive \
+             counter-clockwise. Springs and dampers follow their laws at any displacement; the linearised equations keep terms of \
+             first order in the coordinates and neglect those of second order and above.",
+        )];
+        let moved = &self.equations.rest.moved;
+        items.push(paragraph(if moved.is_empty() {
+            "Coordinates are measured from rest, which is the scene as drawn."
+        } else {
+            "Coordinates are measured from rest, which differs from the scene as drawn by the values of section 4."
+        }));
+        for (index, coordinate) in motion.coordinates.iter().enumerate() {
+            let what = self.described(index, coordinate);
+            items.push(Item::Paragraph(vec![
+                Inline::Formula(self.name(coordinate.symbols[0])),
+                words(format!(": {what}")),
+            ]));
+        }
+        items.extend(self.names());
+        Section { heading: "1 Assumptions and coordinates", items }
+    }
+
+    fn described(&self, index: usize, coordinate: &Coordinate) -> String {
+        let body = &self.equations.bodies[index];
+        let prescribed = if coordinate.input.is_some() { ", prescribed" } else { "" };
+        match coordinate.motion {
+            "x" => format!("displacement of {body} to the right{prescribed}"),
+            "y" => format!("displacement of {body} upwards{prescribed}"),
+            "along" => format!("displacement of {body} along its direction{prescribed}"),
+            "slide" => format!("displacement of {body} along its slide"),
+            _ => format!("angle of {body}, counter-clockwise{prescribed}"),
+        }
+    }
+
+    /// What names stand for: the `let`s, and the names that were made up here.
+    fn names(&self) -> Vec<Item> {
+        let used = self.used();
+        let mut items = Vec::new();
+        for named in &self.equations.names.given {
+            if !used.contains(&named.symbol) {
+                continue;
+            }
+            let name = self.name(named.symbol);
+            if let Some(definition) = &named.definition {
+                let value = format!("= {}", certain_number(&named.value, DIGITS));
+                let unit = match named.dimension {
+                    Dimension::FREQUENCY => "1/s".to_string(),
+                    dimension => dimension.usual_unit(),
+                };
+                let note = if definition.as_number().is_some() { unit } else { format!("{value} {unit}") };
+                items.push(Item::Formula {
+                    formula: name.equal(self.build.sum(definition)),
+                    note: vec![words(note.trim())],
+                });
+            } else if named.text == "g" && self.is_made_up(named.symbol) {
+                let value = Formula::Decimal(certain_number(&named.value, DIGITS));
+                items.push(Item::Formula {
+                    formula: name.equal(value),
+                    note: vec![words("m/s^2, the gravity of the model")],
+                });
+            } else if let Some(source) = &named.source {
+                let value = Formula::Decimal(certain_number(&named.value, DIGITS));
+                items
+                    .push(Item::Formula { formula: name.equal(value), note: vec![words(format!("written {source}"))] });
+            }
+        }
+        items
+    }
+
+    fn is_made_up(&self, symbol: Symbol) -> bool {
+        symbol.place() == Symbol::new(0, usize::MAX).place()
+    }
+
+    /// Names that occur in the energies or equations, those of definitions included.
+    fn used(&self) -> std::collections::BTreeSet<Symbol> {
+        let energies = &self.equations.energies;
+        let mut used = std::collections::BTreeSet::new();
+        let mut look = |sum: &Sum| {
+            sum.names(&mut |symbol| {
+                used.insert(symbol);
+            });
+        };
+        look(&energies.kinetic);
+        look(&energies.weights);
+        for element in &energies.elements {
+            [&element.coefficient, &element.free, &element.tension].into_iter().for_each(&mut look);
+            let (Stretch::Plain(sum) | Stretch::Line { square: sum, .. }) = &element.stretch;
+            look(sum);
+        }
+        self.equations.energies.works.iter().for_each(|work| look(&work.displacement));
+        self.equations.constraints.iter().for_each(|constraint| look(&constraint.equation));
+        if let Some((alpha, beta)) = &self.equations.rayleigh {
+            look(alpha);
+            look(beta);
+        }
+        // A `let` may stand on others.
+        for named in self.equations.names.given.iter().rev() {
+            if let Some(definition) = named.definition.as_ref().filter(|_| used.contains(&named.symbol)) {
+                definition.names(&mut |symbol| {
+                    used.insert(symbol);
+                });
+            }
+        }
+        used
+    }
+}
