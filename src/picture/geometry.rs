@@ -148,6 +148,10 @@ impl Bounds {
         if other.is_empty() { self } else { self.with(other.low).with(other.high) }
     }
 
+    pub fn shifted(self, by: Point) -> Bounds {
+        Bounds { low: self.low.plus(by), high: self.high.plus(by) }
+    }
+
     pub fn grown(self, by: f64) -> Bounds {
         let by = Point::new(by, by);
         Bounds { low: self.low.minus(by), high: self.high.plus(by) }

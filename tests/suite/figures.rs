@@ -403,3 +403,49 @@ fn figures_of_the_documents_are_fresh() {
     let readme = fs::read_to_string(folder("README.md")).expect("README.md");
     assert!(readme.contains("docs/figures/cart.svg"));
 }
+
+/// Parts without coordinates beside some that have them are a figure of their own: what moves along y stands in a column, its
+/// elements run along y, and nothing lies over a body.
+#[test]
+fn parts_without_coordinates_beside_others_are_laid_out() {
+    for (name, column, elements) in [
+        ("raft.vib", &["deck", "raft", "pump"][..], &["mounts", "lining", "feet", "pads"][..]),
+        ("crane.vib", &["deck", "raft", "pump"], &["mounts", "feet", "pads"]),
+    ] {
+        let figured = Figured::of(name, &drawing(name), AS_DRAWN).expect("a figure");
+        let body = |part: &str| {
+            let glyphs = || figured.figure.glyphs.iter().filter(|g| matches!(g.kind, Kind::Block | Kind::Base));
+            let found = glyphs().find(|glyph| glyph.title.contains(&format!(" {part}")));
+            found.unwrap_or_else(|| panic!("{name}: {part}")).bounds()
+        };
+        for pair in column.windows(2) {
+            let (lower, upper) = (body(pair[0]), body(pair[1]));
+            assert!(lower.low.y > upper.high.y + 30.0, "{name}: {} stands below {}", pair[0], pair[1]);
+            assert!((lower.centre().x - upper.centre().x).abs() < 1.0, "{name}: {pair:?} stand in a column");
+        }
+        for element in elements {
+            let glyphs = figured.figure.glyphs.iter();
+            let mut ties = glyphs.filter(|glyph| matches!(glyph.kind, Kind::Spring | Kind::Damper));
+            let found = ties.find(|glyph| glyph.title.contains(&format!(" {element}"))).expect("an element");
+            let bounds = found.bounds();
+            assert!(bounds.height() > 2.0 * bounds.width(), "{name}: {element} runs along y: {bounds:?}");
+            for part in column {
+                assert!(!body(part).grown(-4.0).overlaps(&bounds), "{name}: {element} lies over {part}");
+            }
+        }
+        // Nothing of the column lies over what has coordinates.
+        let lever = figured.of_kind(Kind::Rod).next().expect("a rod").bounds();
+        assert!(!lever.overlaps(&body("raft")) && !lever.overlaps(&body("deck")), "{name}");
+    }
+}
+
+/// The force in an element is an arrow beside it.
+#[test]
+fn the_force_in_an_element_stands_beside_it() {
+    let figured = Figured::of("m.vib", &example("inerter_table.vib"), AS_DRAWN).expect("a figure");
+    let inerter = figured.named(Kind::Inerter, "inerter b").bounds();
+    let push = figured.named(Kind::Output, "output push").bounds();
+    let apart = (push.low.x - inerter.high.x).max(inerter.low.x - push.high.x);
+    assert!(0.0 < apart && apart < 12.0, "{push:?} beside {inerter:?}");
+    assert!(inerter.low.y < push.low.y && push.high.y < inerter.high.y, "{push:?} beside {inerter:?}");
+}

@@ -92,7 +92,10 @@ impl<'a> Sheet<'a> {
         for index in 0..self.scene.couples.len() {
             couple::draw(self, stage, index);
         }
-        for index in 0..self.scene.elements.len() {
+        // What is drawn round a pivot is drawn upon the bodies that it joins.
+        let (round, between): (Vec<usize>, Vec<usize>) =
+            (0..self.scene.elements.len()).partition(|index| self.layout.links[*index].round.is_some());
+        for index in between {
             self.element(stage, index);
         }
         for index in 0..self.scene.joints.len() {
@@ -102,6 +105,9 @@ impl<'a> Sheet<'a> {
         }
         for index in 0..self.scene.bodies.len() {
             self.body(stage, index);
+        }
+        for index in round {
+            self.element(stage, index);
         }
         for index in 0..self.scene.joints.len() {
             // What slides is drawn behind the bodies.

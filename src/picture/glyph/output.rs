@@ -10,6 +10,8 @@ use crate::picture::occupied::Occupied;
 use crate::picture::stage::Stage;
 
 const LENGTH: f64 = 28.0;
+/// Where there is little room.
+const SHORT: f64 = 19.0;
 
 /// What an arrow is of.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,9 +115,16 @@ fn beside_element(stage: &Stage, index: usize) -> Vec<Vec<Stroke>> {
     let link = &stage.layout.links[index];
     let [a, b] = [0, 1].map(|end| stage.point(link.feet[end].part, link.feet[end].at));
     let Some(along) = b.minus(a).unit() else { return arrow::arcs(a, 24.0, Pen::Thin, false) };
-    let middle = a.middle(b);
-    let places = arrow::offsets(13.0).flat_map(|off| [off, -off]).map(|off| middle.towards(along.across(), off));
-    places
-        .map(|at| arrow::double(at.towards(along, -LENGTH / 2.0), at.towards(along, LENGTH / 2.0), Pen::Thin))
-        .collect()
+    let mut tries = Vec::new();
+    let arrow = |at: Point, length: f64| {
+        arrow::double(at.towards(along, -length / 2.0), at.towards(along, length / 2.0), Pen::Thin)
+    };
+    for off in arrow::offsets(13.0).flat_map(|off| [off, -off]) {
+        let beside = a.middle(b).towards(along.across(), off);
+        tries.push(arrow(beside, LENGTH));
+        // Beside its ends, where its name stands at its middle.
+        let aside = a.distance(b) * 0.3;
+        tries.extend([aside, -aside].map(|aside| arrow(beside.towards(along, aside), SHORT)));
+    }
+    tries
 }

@@ -1,7 +1,7 @@
 //! Where parts stand on the page and where elements end, as drawn. In: a scene; out: a [`Layout`].
 //!
-//! A scene with coordinates is drawn to scale ([`scaled`]); parts of it that have none stand beside those that they are tied
-//! to. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
+//! A scene with coordinates is drawn to scale ([`scaled`]). A part of it that has none stands beside what it is tied to; several
+//! connected ones are laid out as a scene of their own beside or below the others. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
 
 mod grid;
 mod links;
@@ -92,7 +92,7 @@ pub fn layout(scene: &Scene, detail: Detail, says: &Says) -> Result<Layout, Refu
     let parts = Parts::new(scene);
     let known = parts.known_points(scene)?;
     if known.iter().any(|points| !points.is_empty()) {
-        scaled::layout(scene, &parts, &known, detail)
+        scaled::layout(scene, &parts, &known, detail, says)
     } else if detail == Detail::Full {
         Ok(rows::layout(scene, &parts, says))
     } else {

@@ -13,33 +13,57 @@ use crate::picture::geometry::{Bounds, Point};
 use crate::picture::glyph::values::Says;
 use families::Families;
 use folds::Folds;
-use ties::{Bundle, Graph, Mesh, Strand};
+use ties::{Bundle, Graph, Strand};
 
 /// Pixels that a metre of motion is drawn with in a scene without lengths; modes are drawn not to scale.
 const METRE: f64 = 100.0;
 /// Between groups of parts that nothing ties, px.
 const APART: f64 = 44.0;
 
+/// A scene in which no part has a place.
 pub fn layout(scene: &Scene, parts: &Parts, says: &Says) -> Layout {
-    let graph = Graph::of(scene, parts);
     let mut page = Page::new(scene, parts);
-    let (mut down, mut right) = (0.0, 0.0);
-    let groups = graph.groups(parts);
-    let (level, upright): (Vec<_>, Vec<_>) = groups.into_iter().partition(|group| !is_upright(scene, parts, group));
-    for group in &level {
-        let row = Row::of(scene, parts, says, &graph, group, false);
-        let bounds = row.bounds();
-        page.put(&row, &graph, Frame::level(Point::new(0.0, down - bounds.low.y)));
-        down += bounds.height() + APART;
-    }
-    for group in &upright {
-        let row = Row::of(scene, parts, says, &graph, group, true);
-        let bounds = row.bounds();
-        // Its top stands below what is level.
-        page.put(&row, &graph, Frame::upright(Point::new(right - bounds.low.y, down + bounds.high.x)));
-        right += bounds.height() + APART;
+    let mut below = Below { down: 0.0, left: 0.0, right: 0.0 };
+    let (level, upright): (Vec<_>, Vec<_>) =
+        groups(scene, parts, says, METRE, &vec![true; parts.count()]).into_iter().partition(Block::is_level);
+    for mut block in level.into_iter().chain(upright) {
+        below.set(&mut block);
+        page.put(block);
     }
     page.finish()
+}
+
+/// The groups of connected parts among those that are free, each laid out by itself. `metre`: how many pixels one is.
+pub fn groups(scene: &Scene, parts: &Parts, says: &Says, metre: f64, free: &[bool]) -> Vec<Block> {
+    let graph = Graph::of(scene, parts, free);
+    let block = |group: &Vec<usize>| {
+        let upright = is_upright(scene, parts, group);
+        let row = Row::of(scene, parts, says, &graph, group, upright);
+        Block::of(&row, &graph, if upright { Frame::UPRIGHT } else { Frame::LEVEL }, metre)
+    };
+    graph.groups(parts, free).iter().map(block).collect()
+}
+
+/// Where the next groups go: level ones below each other, then upright ones side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Below {
+    pub down: f64,
+    pub left: f64,
+    pub right: f64,
+}
+
+impl Below {
+    pub fn set(&mut self, block: &mut Block) {
+        let Bounds { low, high } = block.bounds;
+        if block.is_level() {
+            // The parts that hold rows stand below each other.
+            block.shift(Point::new(self.left, self.down - low.y));
+            self.down += high.y - low.y + APART;
+        } else {
+            block.shift(Point::new(self.right - low.x, self.down - low.y));
+            self.right += high.x - low.x + APART;
+        }
+    }
 }
 
 /// Whether most of a group moves up and down.
@@ -52,31 +76,21 @@ fn is_upright(scene: &Scene, parts: &Parts, group: &[usize]) -> bool {
 /// From rows to the page.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    origin: Point,
     along: Point,
     across: Point,
 }
 
 impl Frame {
-    fn level(origin: Point) -> Frame {
-        Frame { origin, along: Point::new(1.0, 0.0), across: Point::new(0.0, 1.0) }
-    }
-
-    fn upright(origin: Point) -> Frame {
-        Frame { origin, along: Point::new(0.0, -1.0), across: Point::new(1.0, 0.0) }
-    }
+    const LEVEL: Frame = Frame { along: Point::new(1.0, 0.0), across: Point::new(0.0, 1.0) };
+    const UPRIGHT: Frame = Frame { along: Point::new(0.0, -1.0), across: Point::new(1.0, 0.0) };
 
     /// Names of parts stand across the row in a column, where elements leave no room above and below.
     fn names(&self) -> Vec<Point> {
         if self.along.x == 0.0 { vec![self.across, self.across.times(-1.0)] } else { Vec::new() }
     }
 
-    fn vector(&self, v: Point) -> Point {
-        self.along.times(v.x).plus(self.across.times(v.y))
-    }
-
     fn point(&self, p: Point) -> Point {
-        self.origin.plus(self.vector(p))
+        self.along.times(p.x).plus(self.across.times(p.y))
     }
 }
 
@@ -112,6 +126,17 @@ impl<'a> Row<'a> {
         let feet = self.links.iter().flat_map(|(_, link)| &link.feet);
         let feet = feet.flat_map(|foot| std::iter::once(&foot.at).chain(&foot.lead));
         feet.fold(own.fold(Bounds::EMPTY, Bounds::and), |bounds, point| bounds.with(*point)).grown(14.0)
+    }
+
+    /// A metre of the scene on the page: along the row for the motion of the part.
+    fn axes(&self, number: usize, along: Point, metre: f64) -> [Point; 2] {
+        match self.parts.translations(self.scene, number) {
+            [only] => {
+                let [x, y] = straight(&only.direction);
+                [along.times(x * metre), along.times(y * metre)]
+            }
+            _ => [Point::new(metre, 0.0), Point::new(0.0, -metre)],
+        }
     }
 
     /// The feet of every element of the group.
@@ -280,17 +305,83 @@ impl Lanes {
     }
 }
 
+/// A group of connected parts in page coordinates, with the part that holds it at the origin until it is shifted.
+pub struct Block {
+    pub placed: Vec<(usize, Placed)>,
+    pub links: Vec<(usize, Link)>,
+    pub joints: Vec<(usize, Point)>,
+    pub bounds: Bounds,
+    /// The direction of its row.
+    pub along: Point,
+}
+
+impl Block {
+    fn of(row: &Row, graph: &Graph, frame: Frame, metre: f64) -> Block {
+        let placed = row.members.iter().enumerate().map(|(member, number)| {
+            let along = frame.along.times(row.way[member]);
+            let placed = Placed {
+                at: frame.point(row.at[member]),
+                origin: [0.0, 0.0],
+                outline: turned(&row.outline[member], frame, along),
+                arms: Vec::new(),
+                axes: row.axes(*number, along, metre),
+                name_at: frame.names(),
+            };
+            (*number, placed)
+        });
+        let placed: Vec<(usize, Placed)> = placed.collect();
+        let foot = |foot: &Foot| Foot {
+            part: foot.part,
+            at: frame.point(foot.at),
+            lead: foot.lead.iter().map(|point| frame.point(*point)).collect(),
+            wall: foot.wall.map(|wall| frame.point(wall)),
+        };
+        let links = row.links.iter().map(|(element, link)| {
+            let feet = [foot(&link.feet[0]), foot(&link.feet[1])];
+            (*element, Link { feet, round: None })
+        });
+        let joints = graph.meshes.iter().filter_map(|mesh| {
+            let at = |number: usize| placed.iter().find(|(own, _)| *own == number).map(|(_, placed)| placed.at);
+            let middle = match mesh.parts.map(at) {
+                [Some(a), Some(b)] => a.middle(b),
+                [a, b] => a.or(b)?,
+            };
+            Some((mesh.joint, middle))
+        });
+        let bounds = row.bounds();
+        Block {
+            links: links.collect(),
+            joints: joints.collect(),
+            bounds: Bounds::of(&[frame.point(bounds.low), frame.point(bounds.high)]),
+            along: frame.along,
+            placed,
+        }
+    }
+
+    pub fn is_level(&self) -> bool {
+        self.along.y == 0.0
+    }
+
+    pub fn shift(&mut self, by: Point) {
+        self.placed.iter_mut().for_each(|(_, placed)| placed.at = placed.at.plus(by));
+        self.joints.iter_mut().for_each(|(_, at)| *at = at.plus(by));
+        for foot in self.links.iter_mut().flat_map(|(_, link)| &mut link.feet) {
+            foot.at = foot.at.plus(by);
+            foot.lead.iter_mut().for_each(|point| *point = point.plus(by));
+        }
+        self.bounds = self.bounds.shifted(by);
+    }
+}
+
 /// The whole page, while it fills.
-struct Page<'a> {
-    scene: &'a Scene,
-    parts: &'a Parts,
+struct Page {
     placed: Vec<Placed>,
     links: Vec<Link>,
     joints: Vec<Point>,
 }
 
-impl<'a> Page<'a> {
-    fn new(scene: &'a Scene, parts: &'a Parts) -> Page<'a> {
+impl Page {
+    fn new(scene: &Scene, parts: &Parts) -> Page {
         let ground = Placed {
             at: Point::default(),
             origin: [0.0, 0.0],
@@ -301,56 +392,16 @@ impl<'a> Page<'a> {
         };
         let nowhere = Foot { part: GROUND, at: Point::default(), lead: Vec::new(), wall: None };
         Page {
-            scene,
-            parts,
             placed: vec![ground; parts.count()],
             links: vec![Link { feet: [nowhere.clone(), nowhere], round: None }; scene.elements.len()],
             joints: vec![Point::default(); scene.joints.len()],
         }
     }
 
-    fn put(&mut self, row: &Row, graph: &Graph, frame: Frame) {
-        for (member, number) in row.members.iter().enumerate() {
-            let along = frame.along.times(row.way[member]);
-            self.placed[*number] = Placed {
-                at: frame.point(row.at[member]),
-                origin: [0.0, 0.0],
-                outline: turned(&row.outline[member], frame, along),
-                arms: Vec::new(),
-                axes: self.axes(*number, along),
-                name_at: frame.names(),
-            };
-        }
-        for (element, link) in &row.links {
-            let foot = |foot: &Foot| Foot {
-                part: foot.part,
-                at: frame.point(foot.at),
-                lead: foot.lead.iter().map(|point| frame.point(*point)).collect(),
-                wall: foot.wall.map(|wall| frame.vector(wall)),
-            };
-            self.links[*element] = Link { feet: [foot(&link.feet[0]), foot(&link.feet[1])], round: None };
-        }
-        for Mesh { joint, parts } in &graph.meshes {
-            if row.members.contains(&parts[1]) || row.members.contains(&parts[0]) {
-                let own = |number: usize| (number != GROUND).then(|| self.placed[number].at);
-                let (a, b) = (own(parts[0]), own(parts[1]));
-                self.joints[*joint] = match (a, b) {
-                    (Some(a), Some(b)) => a.middle(b),
-                    (a, b) => a.or(b).unwrap_or_default(),
-                };
-            }
-        }
-    }
-
-    /// A metre of the scene on the page: along the row for the motion of the part.
-    fn axes(&self, number: usize, along: Point) -> [Point; 2] {
-        match self.parts.translations(self.scene, number) {
-            [only] => {
-                let [x, y] = straight(&only.direction);
-                [along.times(x * METRE), along.times(y * METRE)]
-            }
-            _ => [Point::new(METRE, 0.0), Point::new(0.0, -METRE)],
-        }
+    fn put(&mut self, block: Block) {
+        block.placed.into_iter().for_each(|(number, placed)| self.placed[number] = placed);
+        block.links.into_iter().for_each(|(element, link)| self.links[element] = link);
+        block.joints.into_iter().for_each(|(joint, at)| self.joints[joint] = at);
     }
 
     fn finish(self) -> Layout {
@@ -361,7 +412,7 @@ impl<'a> Page<'a> {
 /// An outline in row coordinates on the page.
 fn turned(outline: &Outline, frame: Frame, along: Point) -> Outline {
     let half = |half: &Point| {
-        let v = frame.vector(*half);
+        let v = frame.point(*half);
         Point::new(v.x.abs(), v.y.abs())
     };
     match outline {

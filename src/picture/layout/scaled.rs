@@ -1,11 +1,14 @@
-//! A scene with coordinates, to scale. Parts without any stand beside those that they are tied to.
+//! A scene with coordinates, to scale. A part without any stands beside what it is tied to; groups of connected parts without
+//! any are laid out by [`rows`] and set at the end of the element that ties them, or below.
 
 use super::links::{self, Tie};
 use super::parts::{BOB, DOT, GROUND, Parts, straight};
-use super::{Layout, Outline, Placed, REACH, SIDE, TWISTED};
+use super::rows::{self, Below, Block};
+use super::{Layout, Link, Outline, Placed, REACH, SIDE, TWISTED};
 use crate::base::Number;
 use crate::model::scene::{Attachment, Element, Freedom, Geometry, Part, Scene, Shape};
 use crate::picture::geometry::{Bounds, Point};
+use crate::picture::glyph::values::Says;
 use crate::picture::{Detail, Refusal};
 use std::collections::BTreeMap;
 
@@ -17,14 +20,24 @@ const EACH: f64 = 120.0;
 /// Of scenes too large for names.
 const LARGE: f64 = 1_400.0;
 
-pub fn layout(scene: &Scene, parts: &Parts, known: &[Vec<[f64; 2]>], detail: Detail) -> Result<Layout, Refusal> {
+pub fn layout(
+    scene: &Scene,
+    parts: &Parts,
+    known: &[Vec<[f64; 2]>],
+    detail: Detail,
+    says: &Says,
+) -> Result<Layout, Refusal> {
     let scale = scale(scene, parts, known, detail);
     let mut drawing = Drawing { scene, parts, known, scale, detail, placed: Vec::new(), is_placed: Vec::new() };
     drawing.place_known();
+    let (attached, apart) = drawing.groups(says);
+    let mut own: Vec<(usize, Link)> = attached.into_iter().flat_map(|block| drawing.attach(block)).collect();
     drawing.place_others();
+    own.extend(drawing.set_apart(apart));
     let ties = drawing.ties();
     drawing.widen(&ties);
-    let links = links::links(&ties, &drawing.placed);
+    let mut links = links::links(&ties, &drawing.placed);
+    own.into_iter().for_each(|(element, link)| links[element] = link);
     let joints = (0..scene.joints.len()).map(|joint| drawing.joint(joint)).collect();
     let extent = extent(known);
     let has_extent =
@@ -227,14 +240,80 @@ impl Drawing<'_> {
             }
             next += 1;
         }
+        // What is left hangs on nothing that has a place, in a scene too large for rows.
         let bounds = self.taken();
         let mut next = Point::new(bounds.low.x, bounds.high.y + REACH + 40.0);
         for number in 1..self.parts.count() {
-            if !self.is_placed[number] {
+            if !self.is_placed[number] && self.detail > Detail::Full {
                 self.settle(number, next);
                 next.x += REACH * 2.0;
             }
         }
+    }
+
+    /// Groups of connected parts without a place: those of several parts that something ties to a part with a place, and
+    /// those that nothing does. A single part that is tied to others has its place beside them.
+    fn groups(&self, says: &Says) -> (Vec<Block>, Vec<Block>) {
+        if self.detail > Detail::Full {
+            return (Vec::new(), Vec::new());
+        }
+        let free: Vec<bool> = self.is_placed.iter().map(|is_placed| !is_placed).collect();
+        let blocks = rows::groups(self.scene, self.parts, says, self.scale, &free);
+        let (attached, apart): (Vec<_>, Vec<_>) = blocks.into_iter().partition(|block| self.tie_of(block).is_some());
+        (attached.into_iter().filter(|block| block.placed.len() > 1).collect(), apart)
+    }
+
+    /// The first element or joint that ties a group to a part with a place: the member's number, the end of the other.
+    fn tie_of(&self, block: &Block) -> Option<(usize, &Attachment, Option<&Element>)> {
+        let is_member = |number: usize| block.placed.iter().any(|(member, _)| *member == number);
+        let elements = self.scene.elements.iter().map(|element| (&element.ends, Some(element)));
+        let joints = self.scene.joints.iter().map(|joint| (&joint.ends, None));
+        elements.chain(joints).find_map(|(ends, element)| {
+            let numbers = [0, 1].map(|end| self.parts.number(ends[end].part));
+            let has_place = |number: usize| number != GROUND && self.is_placed[number];
+            let end = (0..2).find(|end| is_member(numbers[*end]) && has_place(numbers[1 - end]))?;
+            Some((numbers[end], &ends[1 - end], element))
+        })
+    }
+
+    /// Sets a group so that what ties it to the others runs in its own direction.
+    fn attach(&mut self, mut block: Block) -> Vec<(usize, Link)> {
+        let Some((member, end, element)) = self.tie_of(&block) else { return Vec::new() };
+        let held = self.parts.number(end.part);
+        let Some((_, own)) = block.placed.iter().find(|(number, _)| *number == member) else { return Vec::new() };
+        let from = self.map_end(end).unwrap_or(self.placed[held].at);
+        let along = element.and_then(|element| self.direction(element)).or(self.motion(member)).unwrap_or(block.along);
+        // The group lies on that side of its member on which most of it does.
+        let middle = block.bounds.centre().minus(own.at).dot(along);
+        let first = if middle < 0.0 { along.times(-1.0) } else { along };
+        let half = own.outline.half().dot(Point::new(along.x.abs(), along.y.abs()));
+        let mut tries = self.tries(held, from, first, half).map(|at| at.minus(own.at));
+        let is_free = |by: &Point| self.is_free(&block.bounds.shifted(*by), member);
+        let below = Point::new(from.x - own.at.x, self.taken().high.y + REACH - block.bounds.low.y);
+        let by = tries.find(is_free).unwrap_or(below);
+        block.shift(by);
+        self.put(block)
+    }
+
+    /// Below what is drawn, those that nothing ties to it.
+    fn set_apart(&mut self, blocks: Vec<Block>) -> Vec<(usize, Link)> {
+        let taken = self.taken();
+        let mut below = Below { down: taken.high.y + REACH + 40.0, left: taken.low.x, right: taken.low.x };
+        let (level, upright): (Vec<_>, Vec<_>) = blocks.into_iter().partition(Block::is_level);
+        let mut links = Vec::new();
+        for mut block in level.into_iter().chain(upright) {
+            below.set(&mut block);
+            links.extend(self.put(block));
+        }
+        links
+    }
+
+    fn put(&mut self, block: Block) -> Vec<(usize, Link)> {
+        for (number, placed) in block.placed {
+            self.placed[number] = placed;
+            self.is_placed[number] = true;
+        }
+        block.links
     }
 
     fn settle(&mut self, number: usize, at: Point) {
@@ -271,24 +350,34 @@ impl Drawing<'_> {
     fn beside(&self, element: usize, number: usize, tied: usize, end: usize) -> Point {
         let element = &self.scene.elements[element];
         let from = self.map_end(&element.ends[end]).unwrap_or(self.placed[tied].at);
-        let along = match &element.geometry {
-            Geometry::Along(direction) => Some(page(straight(direction))),
-            Geometry::Line | Geometry::Torsion => None,
-        };
-        let along = along.or(self.motion(number)).or(self.motion(tied)).unwrap_or(Point::new(1.0, 0.0));
+        let along =
+            self.direction(element).or(self.motion(number)).or(self.motion(tied)).unwrap_or(Point::new(1.0, 0.0));
         let is_base = matches!(self.parts.part(number), Part::Base(_));
         let first = if is_base { along.times(-1.0) } else { along };
         let outline = &self.placed[number].outline;
         let own = outline.half().dot(Point::new(along.x.abs(), along.y.abs()));
-        let mut tries = Vec::new();
-        for shift in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0] {
-            for way in [first, first.times(-1.0)] {
-                let inside = self.placed[tied].outline.reach(from.minus(self.placed[tied].at), way);
-                tries.push(from.towards(way, inside + REACH + own).towards(along.across(), shift * 70.0));
-            }
-        }
+        let mut tries = self.tries(tied, from, first, own);
         let is_free = |at: &Point| self.is_free(&Bounds::around(*at, outline.half()).grown(6.0), number);
-        tries.iter().copied().find(is_free).unwrap_or(tries[0])
+        tries.clone().find(is_free).or(tries.next()).unwrap_or(from)
+    }
+
+    /// Places at the far end of an element that starts at a point of a part: straight on, straight back, then aside.
+    fn tries(&self, part: usize, from: Point, first: Point, half: f64) -> impl Iterator<Item = Point> + Clone + use<> {
+        let inside = from.minus(self.placed[part].at);
+        let far = [first, first.times(-1.0)].map(|way| {
+            let reach = self.placed[part].outline.reach(inside, way);
+            from.towards(way, reach + REACH + half)
+        });
+        let shifts = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0];
+        shifts.into_iter().flat_map(move |shift| far.map(|at| at.towards(first.across(), shift * 70.0)))
+    }
+
+    /// The direction of an element that has one, on the page.
+    fn direction(&self, element: &Element) -> Option<Point> {
+        match &element.geometry {
+            Geometry::Along(direction) => Some(page(straight(direction))),
+            Geometry::Line | Geometry::Torsion => None,
+        }
     }
 
     /// Plates and blocks as wide as the elements that end at them side by side.
@@ -337,11 +426,7 @@ impl Drawing<'_> {
 
     /// Where the ground is drawn that holds an element whose other end is at a point of a part.
     fn stub(&self, element: &Element, part: usize, at: Point) -> Point {
-        let along = match &element.geometry {
-            Geometry::Along(direction) => Some(page(straight(direction))),
-            Geometry::Line | Geometry::Torsion => None,
-        };
-        let along = along.or(self.motion(part)).unwrap_or(Point::new(1.0, 0.0));
+        let along = self.direction(element).or(self.motion(part)).unwrap_or(Point::new(1.0, 0.0));
         let way = |way: Point| {
             let inside = self.placed[part].outline.reach(at.minus(self.placed[part].at), way);
             at.towards(way, inside + REACH)

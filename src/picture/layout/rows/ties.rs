@@ -64,7 +64,9 @@ pub struct Gear {
 }
 
 impl Graph {
-    pub fn of(scene: &Scene, parts: &Parts) -> Graph {
+    /// Of the parts that are free, and of the ground.
+    pub fn of(scene: &Scene, parts: &Parts, free: &[bool]) -> Graph {
+        let is_free = |pair: &[usize; 2]| pair.iter().all(|number| *number == GROUND || free[*number]);
         let mut graph = Graph {
             bundles: Vec::new(),
             meshes: Vec::new(),
@@ -73,7 +75,7 @@ impl Graph {
             is_between: vec![false; parts.count()],
         };
         let mut known: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-        for (pair, strand) in strands(scene, parts, &mut graph.is_between) {
+        for (pair, strand) in strands(scene, parts, free, &mut graph.is_between) {
             let place = *known.entry(pair).or_insert(graph.bundles.len());
             match graph.bundles.get_mut(place) {
                 Some(bundle) => bundle.strands.push(strand),
@@ -85,15 +87,18 @@ impl Graph {
         }
         for (joint, of) in scene.joints.iter().enumerate() {
             let pair = [0, 1].map(|end| parts.number(of.ends[end].part));
+            if !is_free(&pair) {
+                continue;
+            }
             graph.meshes.push(Mesh { joint, parts: pair });
             graph.join(pair);
         }
         for couple in &scene.couples {
             let numbers: Vec<usize> = couple.terms.iter().filter_map(|term| moved(&term.motion, parts)).collect();
-            for pair in numbers.windows(2) {
-                graph.join([pair[0], pair[1]]);
+            for pair in numbers.windows(2).map(|pair| [pair[0], pair[1]]).filter(is_free) {
+                graph.join(pair);
             }
-            if let Some(gear) = gear(&couple.terms, parts) {
+            if let Some(gear) = gear(&couple.terms, parts).filter(|gear| is_free(&gear.parts)) {
                 graph.gears.push(gear);
             }
         }
@@ -107,9 +112,9 @@ impl Graph {
         }
     }
 
-    /// The sets of parts that hang together, without the ground.
-    pub fn groups(&self, parts: &Parts) -> Vec<Vec<usize>> {
-        let mut seen = vec![false; parts.count()];
+    /// The sets of free parts that hang together, without the ground.
+    pub fn groups(&self, parts: &Parts, free: &[bool]) -> Vec<Vec<usize>> {
+        let mut seen: Vec<bool> = free.iter().map(|free| !free).collect();
         let mut groups = Vec::new();
         for start in 1..parts.count() {
             if seen[start] || self.is_between[start] {
@@ -134,7 +139,7 @@ impl Graph {
 }
 
 /// What ties which two parts, the smaller number first, in order of declaration.
-fn strands(scene: &Scene, parts: &Parts, is_between: &mut [bool]) -> Vec<([usize; 2], Strand)> {
+fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool]) -> Vec<([usize; 2], Strand)> {
     let ends = |element: usize| [0, 1].map(|end| parts.number(scene.elements[element].ends[end].part));
     let mut tied: Vec<Vec<usize>> = vec![Vec::new(); parts.count()];
     for element in 0..scene.elements.len() {
@@ -148,6 +153,7 @@ fn strands(scene: &Scene, parts: &Parts, is_between: &mut [bool]) -> Vec<([usize
         held[motion] = true;
     }
     let far = |element: usize, number: usize| ends(element).into_iter().find(|end| *end != number).unwrap_or(number);
+    let is_free = |number: usize| number == GROUND || free[number];
     let is_dot = |n: usize| matches!(parts.common_outline(scene, n, Point::new(1.0, 0.0)), Outline::Dot { .. });
     let mut list = Vec::new();
     let mut taken = vec![false; scene.elements.len()];
@@ -155,6 +161,9 @@ fn strands(scene: &Scene, parts: &Parts, is_between: &mut [bool]) -> Vec<([usize
         let [first, second] = tied[number][..] else { continue };
         let (a, b) = (far(first, number), far(second, number));
         // Neighbours in series are not looked for beyond one.
+        if ![number, a, b].into_iter().all(is_free) {
+            continue;
+        }
         if held[number] || !is_dot(number) || a == b || a == number || b == number || is_between[a] || is_between[b] {
             continue;
         }
@@ -165,6 +174,9 @@ fn strands(scene: &Scene, parts: &Parts, is_between: &mut [bool]) -> Vec<([usize
     }
     for element in (0..scene.elements.len()).filter(|element| !taken[*element]) {
         let [a, b] = ends(element);
+        if !is_free(a) || !is_free(b) {
+            continue;
+        }
         list.push((element, [a.min(b), a.max(b)], Strand { elements: vec![element], between: Vec::new() }));
     }
     list.sort_by_key(|(element, ..)| *element);
