@@ -1,8 +1,9 @@
-//! One declaration's text to nodes of the tree: pest recognises it, this module puts what it found into the arenas.
+//! Turns the text of one declaration into nodes of the tree: pest recognises it, this module stores the nodes in the
+//! arenas.
 //!
-//! In: the text of one declaration, as `split` cut it out. Out: nodes of the [`Tree`], or nothing and the tree as it was.
-//! pest gives operands and operators as they stand; they are put in order of precedence here (Dijkstra's shunting yard,
-//! so that the depth of recursion is that of the brackets, which `split` limits).
+//! In: the text of one declaration, as cut out by `split`. Out: nodes of the [`Tree`], or an error and an unchanged tree.
+//! pest yields operands and operators in the order of the text; they are put in order of precedence here by Dijkstra's
+//! shunting yard, so that the recursion is only as deep as the brackets, whose nesting `split` limits.
 //! See spec.md#keywords and spec.md#expressions.
 
 use super::limits;
@@ -17,13 +18,13 @@ use pest_derive::Parser;
 #[grammar = "../grammar/vib.pest"]
 struct Grammar;
 
-/// What a text was recognised as.
+/// The result of a parse: a declaration, or the head of a `repeat`.
 pub(super) enum Built {
     Decl(Decl),
     Repeat(RepeatHead),
 }
 
-/// `repeat i in first..last {`: its declarations follow one by one.
+/// `repeat i in first..last {`; the declarations of its body are parsed one by one afterwards.
 pub(super) struct RepeatHead {
     pub index: Span,
     pub first: ExprId,
@@ -32,7 +33,7 @@ pub(super) struct RepeatHead {
 
 /// Why a declaration is not in the tree.
 pub(super) enum Refused {
-    /// It is not in the grammar.
+    /// Its text does not match the grammar.
     Grammar,
     /// An expression is nested too deep.
     TooDeep(Span),
@@ -40,7 +41,7 @@ pub(super) enum Refused {
     LongNumber(Span),
 }
 
-/// The form of the declaration that starts with this word, and the grammar's rule for it.
+/// The shape of the declaration whose keyword `text` starts with, and its grammar rule.
 fn rule_of(text: &str) -> Option<(Shape, Rule)> {
     let end = text.bytes().position(|b| !b.is_ascii_lowercase()).unwrap_or(text.len());
     let shape = kinds::declaration(&text[..end])?.shape;
@@ -76,12 +77,12 @@ pub(super) fn declaration(tree: &mut Tree, yard: &mut Yard, text: &str, offset: 
     take(rule, tree, yard, text, offset, |build| build.declaration(shape))
 }
 
-/// Parses a value that stands alone, as that of `--set NAME=VALUE`. Its brackets have been counted.
+/// Parses a stand-alone value, such as that of `--set NAME=VALUE`. The caller has limited its brackets.
 pub(super) fn value(tree: &mut Tree, text: &str, offset: usize) -> Result<ExprId, Refused> {
     take(Rule::expression, tree, &mut Yard::default(), text, offset, |build| build.expression().id)
 }
 
-/// Recognises all of `text` as `rule` and walks through what pest found; the tree stays as it was where that fails.
+/// Recognises all of `text` as `rule` and walks through pest's tokens. If that fails, the tree is left unchanged.
 fn take<T>(
     rule: Rule,
     tree: &mut Tree,
@@ -118,7 +119,7 @@ fn take<T>(
     }
 }
 
-/// Operands and operators that wait for their turn; kept between declarations for their memory.
+/// The operand and operator stacks of the shunting yard, kept between declarations to reuse their memory.
 #[derive(Default)]
 pub(super) struct Yard {
     operands: Vec<Operand>,
@@ -137,22 +138,22 @@ impl Yard {
 #[derive(Clone, Copy)]
 struct Operand {
     id: ExprId,
-    /// Levels of nodes, this one included.
+    /// Height of its subtree in nodes, itself included.
     depth: u16,
-    /// Its place in the declaration's text, with the brackets around it.
+    /// Its byte range in the declaration's text, including any brackets around it.
     start: u32,
     end: u32,
 }
 
 #[derive(Clone, Copy)]
 enum Operator {
-    /// Unary minus, and where it stands.
+    /// Unary minus and its position.
     Negate(usize),
     Binary(Binary),
 }
 
 impl Operator {
-    /// How tightly it binds; an operator waits while those before it bind at least as tightly.
+    /// Precedence: operators already on the stack that bind at least as tightly are applied first.
     fn binds(self) -> u8 {
         match self {
             Operator::Negate(_) => 5,
@@ -181,7 +182,7 @@ fn binary(text: &str) -> Binary {
     }
 }
 
-/// The walk through pest's tokens. Every method takes the tokens of the rule that it is named after.
+/// Walks through pest's tokens. Each method consumes the tokens of the rule it is named after.
 struct Build<'a> {
     tree: &'a mut Tree,
     yard: &'a mut Yard,
@@ -189,14 +190,14 @@ struct Build<'a> {
     text: &'a str,
     offset: usize,
     tokens: Tokens<'a, Rule>,
-    /// The rule that starts next; `None` where the rule around it ends.
+    /// The rule that starts next, or `None` at the end of the enclosing rule.
     next: Option<Rule>,
     next_place: usize,
     refused: Option<Refused>,
 }
 
 impl Build<'_> {
-    /// Steps over a start or an end; its place in the declaration's text.
+    /// Steps over a start or end token; returns its position in the declaration's text.
     fn step(&mut self) -> usize {
         let place = self.next_place;
         (self.next, self.next_place) = match self.tokens.next() {
@@ -207,7 +208,7 @@ impl Build<'_> {
         place
     }
 
-    /// A rule without rules inside.
+    /// Consumes a rule without inner rules; returns where it starts and ends.
     fn leaf(&mut self) -> (usize, usize) {
         (self.step(), self.step())
     }
@@ -292,19 +293,19 @@ impl Build<'_> {
         }
     }
 
-    /// `along ...` or `= ...`, where it is there.
+    /// `along ...` or `= ...`, if present.
     fn clause(&mut self, rule: Rule) -> Option<ExprId> {
         (self.next == Some(rule)).then(|| self.wrapped().0)
     }
 
-    /// A rule that holds one expression and nothing else; the places where it starts and ends.
+    /// Consumes a rule that holds a single expression; returns the expression and where the rule starts and ends.
     fn wrapped(&mut self) -> (ExprId, usize, usize) {
         let start = self.step();
         let id = self.expression().id;
         (id, start, self.step())
     }
 
-    /// The word that starts at `start`, where a rule has just found one.
+    /// The word at `start`, where a rule has just matched one.
     fn word_at(&mut self, start: usize) -> Span {
         let len = self.text[start..].bytes().position(|b| !words::continues(b)).unwrap_or(self.text.len() - start);
         let span = self.span((start, start + len));
@@ -381,7 +382,7 @@ impl Build<'_> {
         (from, to)
     }
 
-    /// `@A`, `@(0, 1 m)`: the point and the place behind it.
+    /// `@A`, `@(0, 1 m)`: the point, and the position just after it.
     fn place(&mut self) -> (Operand, usize) {
         self.step();
         let point = match self.next {
@@ -471,7 +472,7 @@ impl Build<'_> {
         self.pop_operand()
     }
 
-    /// Applies the operators that bind before `next`: those that bind tighter and, except for `^`, as tightly.
+    /// Applies the waiting operators that bind before `next`: tighter ones and, unless `next` is `^`, equally tight ones.
     fn settle(&mut self, base: usize, next: Operator) {
         let from_the_right = matches!(next, Operator::Binary(Binary::Power));
         self.reduce(base, next.binds() + u8::from(from_the_right));
@@ -545,7 +546,7 @@ impl Build<'_> {
         self.node((start, end), ExprKind::Literal { number_len: number_len as u16 }, 0)
     }
 
-    /// `k`, `m[i]`, `sqrt(x)`, with what follows of a part: `.angle`, `@A.x`.
+    /// `k`, `m[i]`, `sqrt(x)`, with any suffixes: `.angle`, `@A.x`.
     fn reference(&mut self) -> Operand {
         let start = self.step();
         let name_len = self.word_at(start).len() as u16;

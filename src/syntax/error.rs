@@ -1,4 +1,4 @@
-//! What can be wrong with a text: facts with places, and how each is reported.
+//! Syntax errors: facts with their places, and the diagnostic for each.
 //! See spec.md#text and docs/diagnostics, `vib::syntax::*`.
 //!
 //! Messages say in words what was expected and what to type; rules of the grammar are not named.
@@ -17,16 +17,16 @@ const TOO_DEEP: Code = Code::model("vib::syntax::too_deep");
 const TOO_LARGE: Code = Code::model("vib::syntax::too_large");
 const MORE: Code = Code::model("vib::syntax::more_errors");
 
-/// An error of the text.
+/// A syntax error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SyntaxError {
-    /// A declaration starts with something else than a keyword.
+    /// A declaration does not start with a keyword.
     UnknownKeyword {
         at: Span,
         found: String,
         meant: Meant,
     },
-    /// Something else stands where the grammar has one thing.
+    /// Something stands where the grammar expects something else.
     Unexpected {
         at: Span,
         found: Option<String>,
@@ -56,20 +56,20 @@ pub enum SyntaxError {
     UnclosedString {
         open: Span,
     },
-    /// A character that may stand nowhere.
+    /// A character that is not allowed anywhere.
     Character {
         at: Span,
         character: char,
     },
-    /// Brackets inside brackets.
+    /// Too many brackets inside each other.
     Nesting {
         at: Span,
     },
-    /// `repeat` inside `repeat`.
+    /// Too many `repeat`s inside each other.
     RepeatNesting {
         at: Span,
     },
-    /// Operators on operators.
+    /// An expression whose tree is too deep.
     ExpressionDepth {
         at: Span,
     },
@@ -85,38 +85,38 @@ pub enum SyntaxError {
     FileLength {
         at: Span,
     },
-    /// Errors that are counted and not told.
+    /// Further errors, counted but not reported one by one.
     More {
         at: Span,
         count: usize,
     },
 }
 
-/// What may have been meant by something that is no keyword.
+/// The likely intention behind a line that does not start with a keyword.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Meant {
     Declaration(&'static Declaration),
     /// `k = 10 N/m`, without `param` or `let`.
     Value,
-    /// `s: ground -- block`, without `spring` or another.
+    /// `s: ground -- block`, without a keyword such as `spring`.
     Part,
     /// `# as drawn`
     Comment,
     Nothing,
 }
 
-/// What the grammar has at a place.
+/// What the grammar expects at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expected {
     /// A blank after a keyword.
     Blank(&'static str),
-    /// A name, and whose.
+    /// A name, and what it names.
     Name(&'static str),
-    /// A sign or word, and between or after what it stands.
+    /// A sign or word, and a phrase for its place: "after a field's name".
     Sign(&'static str, &'static str),
-    /// One of several words, and after what they stand.
+    /// One of several words, and a phrase for their place.
     OneOf(&'static [&'static str], &'static str),
-    /// A value, and which.
+    /// A value, and a phrase for it: "a direction".
     Value(&'static str),
     /// A direction after `moves`.
     Motion,
@@ -124,26 +124,26 @@ pub enum Expected {
     Field,
     /// Something between two fields.
     Separator,
-    /// Something between two values in brackets of this closing kind.
+    /// A comma between two values, or this closing bracket.
     Comma(char),
     LineEnd,
-    /// Another declaration form: only where the grammar and this module disagree.
+    /// Another form of the declaration; only reached if the grammar and `explain` disagree.
     Form,
 }
 
-/// What the reader of an error may want to know beside what was expected.
+/// A hint that accompanies what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remark {
     /// How the declaration is written.
     Form(&'static Declaration),
-    /// What to type for a character that looks like it.
+    /// What to type instead of a look-alike character.
     Write(&'static str),
     Plus,
     Power,
     UnitApart,
     /// `2 m*cos(x)`: the word before the bracket is glued to a unit.
     UnitGlued,
-    /// `L N/m`: a unit after something that is no number.
+    /// `L N/m`: a unit after something that is not a number.
     UnitOfNoNumber,
     FunctionApart,
     IndexApart,
@@ -182,7 +182,7 @@ impl SyntaxError {
         }
     }
 
-    /// The `{` of fields or of a `repeat` is missing where the line ends.
+    /// Whether the `{` of fields or of a `repeat` is missing at the end of the line.
     pub(super) fn lacks_brace(&self) -> bool {
         matches!(self, SyntaxError::Unexpected { found: None, expected: Expected::Sign("{", _), .. })
     }
@@ -319,10 +319,10 @@ impl Meant {
 }
 
 impl Remark {
-    /// What to do with what was found, where that is plain.
+    /// The edit that fixes the error, if it is obvious.
     fn mend(&self, found: Option<&str>, expected: Expected) -> Option<Change> {
         let write = |text: &str| Some(Change::Replace(text.into()));
-        // As it is shown: in quotes.
+        // `found` is stored as it is shown, in back-ticks.
         let found = found?.strip_prefix('`')?.strip_suffix('`')?;
         match (self, expected) {
             (Remark::Write(what), _) => write(what.strip_prefix('`')?.strip_suffix('`')?),
@@ -375,7 +375,7 @@ fn quoted(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| format!("`{word}`")).collect()
 }
 
-/// A declaration as it is written; the kinds of damping differ so much that both are shown.
+/// How a declaration is written. The kinds of damping differ so much that both are shown.
 fn forms(declaration: &Declaration) -> String {
     let chooses = declaration.pieces.iter().any(|piece| matches!(piece, Piece::OneOf(..)));
     if chooses { declaration.forms.replace('\n', "` or `") } else { declaration.form.into() }
@@ -399,7 +399,7 @@ fn character_error(at: Span, character: char) -> Diagnostic {
         _ => (format!("a control character (U+{number:04X}) is not allowed"), "delete it"),
     };
     let told = Diagnostic::error(CHARACTER, at, message).help(help);
-    // A carriage return in the middle of a text may stand for a line end; the others are of no use.
+    // A carriage return in the middle of a text may be meant as a line end; the other characters have no use.
     if character == '\r' { told } else { told.mend(at, Change::Replace(String::new())) }
 }
 

@@ -1,9 +1,9 @@
-//! A declaration that is not in the grammar to the first thing that is wrong with it.
+//! Finds the first mistake in a declaration that is not in the grammar.
 //!
-//! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and
-//! what may help. pest tells how far it came in terms of its rules; an engineer wants to know what to type. So this module
-//! reads the text once more, piece by piece as the table of kinds lists them, and stops at the first thing amiss. It makes
-//! nothing of what it reads: that it agrees with the grammar is shown by tests. See spec.md#text.
+//! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and a
+//! hint. pest reports how far it came in terms of its rules; an engineer wants to know what to type. So this module reads
+//! the text once more, piece by piece as the table of kinds lists them, and stops at the first mistake. It builds nothing
+//! from what it reads; tests show that it agrees with the grammar. See spec.md#text.
 
 use super::error::{Expected, Remark};
 use super::words;
@@ -11,11 +11,11 @@ use crate::base::{Takes, unit};
 use crate::kinds::{self, Declaration, Piece, Shape};
 use std::ops::Range;
 
-/// Where a declaration leaves the grammar; places are bytes of its text.
+/// Where a declaration leaves the grammar; positions are byte offsets into its text.
 #[derive(Debug)]
 pub(super) struct Problem {
     pub at: Range<usize>,
-    /// As it is shown; `None` at the end.
+    /// The text found, as messages show it; `None` at the end of the declaration.
     pub found: Option<String>,
     pub expected: Expected,
     pub remark: Remark,
@@ -23,7 +23,7 @@ pub(super) struct Problem {
 
 type Read = Result<(), Problem>;
 
-/// What is wrong with the text of a declaration, which starts with its keyword.
+/// Finds what is wrong with the text of a declaration, which starts with its keyword.
 pub(super) fn explain(declaration: &'static Declaration, text: &str) -> Problem {
     let mut reader = Reader { text, at: declaration.keyword.len(), declaration };
     match reader.pieces(declaration.pieces).and_then(|()| reader.line_end()) {
@@ -41,7 +41,7 @@ pub(super) fn declaration_of(text: &str) -> Option<&'static Declaration> {
     kinds::declaration(&text[..end])
 }
 
-/// The thing that starts at a place: a word or number, an operator, or one character.
+/// The range of what starts at a position: a word or number, an operator, or one character.
 pub(super) fn thing(text: &str, at: usize) -> Range<usize> {
     let rest = &text[at..];
     let word = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
@@ -55,7 +55,7 @@ pub(super) fn thing(text: &str, at: usize) -> Range<usize> {
     }
 }
 
-/// A thing as a message shows it: in quotes, shortened, invisible characters by their number.
+/// Source text as messages show it: in back-ticks, shortened, invisible characters by their code point.
 pub(super) fn shown(thing: &str) -> String {
     match thing.chars().next() {
         Some(c)
@@ -69,7 +69,7 @@ pub(super) fn shown(thing: &str) -> String {
     }
 }
 
-/// What to type for characters that look like those of the language.
+/// What to type instead of a character that looks like one of the language.
 fn look_alike(c: char) -> Option<&'static str> {
     Some(match c {
         '\u{2212}' | '\u{2010}'..='\u{2015}' => "`-`",
@@ -103,12 +103,12 @@ impl Reader<'_> {
         self.rest().chars().next()
     }
 
-    /// The character before the place at hand.
+    /// The character before the current position.
     fn last(&self) -> Option<char> {
         self.text[..self.at].chars().next_back()
     }
 
-    /// The last character before the place at hand that is not a blank.
+    /// The last character before the current position that is not a blank.
     fn last_visible(&self) -> Option<char> {
         self.text[..self.at].trim_end().chars().next_back()
     }
@@ -121,7 +121,7 @@ impl Reader<'_> {
         found
     }
 
-    /// Steps over a word that is followed by no letter or digit.
+    /// Steps over `word` unless a letter or digit follows it.
     fn eat_word(&mut self, word: &str) -> bool {
         let rest = self.rest();
         let found = rest.starts_with(word) && !rest[word.len()..].starts_with(|c: char| in_word(c));
@@ -131,7 +131,7 @@ impl Reader<'_> {
         found
     }
 
-    /// Steps over blanks and line ends; `false` where there are none.
+    /// Steps over blanks and line ends; returns whether there were any.
     fn blanks(&mut self) -> bool {
         let start = self.at;
         self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\n' | b'\r')).count();
@@ -142,7 +142,7 @@ impl Reader<'_> {
         self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\r')).count();
     }
 
-    /// The problem that something else is expected at the place at hand.
+    /// The problem that something else than `expected` stands at the current position.
     fn problem(&self, expected: Expected) -> Problem {
         let at = thing(self.text, self.at);
         let found = (!at.is_empty()).then(|| shown(&self.text[at.clone()]));
@@ -153,7 +153,7 @@ impl Reader<'_> {
         Problem { remark, ..self.problem(expected) }
     }
 
-    /// What is worth saying about what stands where something else is expected.
+    /// The hint for what stands at the current position instead of what is expected.
     fn remark(&self, expected: Expected) -> Remark {
         let Some(next) = self.next() else {
             let operator = matches!(self.last_visible(), Some('+' | '-' | '*' | '/' | '^' | '=' | '<' | '>' | ','));
@@ -184,12 +184,12 @@ impl Reader<'_> {
         }
     }
 
-    /// `left-wheel`, where only `left` was read.
+    /// Whether a name goes on, as in `left-wheel`, of which only `left` was read.
     fn joins_name(&self) -> bool {
         self.last().is_some_and(in_word) && self.rest()[1..].starts_with(in_word)
     }
 
-    /// A complete value, and something after it.
+    /// The hint for something that follows a complete value.
     fn remark_after_value(&self, expected: Expected, next: char) -> Remark {
         let apart = self.text[..self.at].ends_with([' ', '\t']);
         let after_digit = self.last_visible().is_some_and(|c| c.is_ascii_digit());
@@ -210,7 +210,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A unit and nothing else up to the next blank, bracket or comma.
+    /// Whether a unit, and nothing else, comes before the next blank, bracket or comma.
     fn starts_unit(&self) -> bool {
         let end = self.rest().find([' ', '\t', '\n', ',', ')', '}', '=']).unwrap_or(self.rest().len());
         unit::parse(&self.rest()[..end]).is_ok()
@@ -272,7 +272,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Before a value: a blank or a bracket.
+    /// Requires a blank or a bracket before a value.
     fn apart(&mut self) -> Read {
         if self.next() == Some('(') || self.blanks() {
             return Ok(());
@@ -292,7 +292,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A word of the language between others, with a blank before it.
+    /// Requires a word of the language, which blanks may precede.
     fn marker(&mut self, word: &'static str, place: &'static str) -> Read {
         self.blanks();
         if self.eat_word(word) { Ok(()) } else { Err(self.problem(Expected::Sign(word, place))) }
@@ -352,7 +352,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `-- box`, where it is there.
+    /// `-- box`, if present.
     fn other_end(&mut self, which: &'static str) -> Read {
         let before = self.at;
         self.blanks();
@@ -364,7 +364,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The point behind `@`.
+    /// The point after `@`.
     fn place(&mut self) -> Read {
         self.blanks();
         if self.eat("(") {
@@ -577,7 +577,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Steps over a unit, with a blank before it perhaps.
+    /// Steps over a unit and an optional blank before it.
     fn unit(&mut self) {
         let number = self.at;
         if self.eat(" ") {

@@ -47,7 +47,7 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
     parse.finish()
 }
 
-/// Parses a value that stands alone, as that of `--set NAME=VALUE`; `None` where it is no expression of the language.
+/// Parses a stand-alone value, such as that of `--set NAME=VALUE`; `None` if it is not an expression of the language.
 pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
     let text = sources.slice(value);
     let brackets = text.bytes().filter(|byte| matches!(byte, b'(' | b'[')).count();
@@ -63,7 +63,7 @@ pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
 struct OpenRepeat {
     range: Range<usize>,
     doc: Option<Range<usize>>,
-    /// `None` where it is not in the grammar.
+    /// `None` if it does not match the grammar.
     head: Option<RepeatHead>,
     body: Vec<Decl>,
 }
@@ -74,11 +74,11 @@ struct Parse<'a> {
     yard: Yard,
     report: Report,
     open: Vec<OpenRepeat>,
-    /// The text of a declaration with its comments blanked, where it has some.
+    /// Buffer for the text of a declaration with its comments replaced by blanks.
     blanked: String,
-    /// The declaration before this lacks its `{`: what follows up to the next keyword belongs to it.
+    /// The previous declaration lacks its `{`: everything up to the next keyword belongs to it.
     headless: bool,
-    /// Brackets that were reported as unclosed: as many closing ones may still come.
+    /// Number of brackets reported as unclosed: as many closing ones may still follow, without another error.
     abandoned: usize,
 }
 
@@ -135,9 +135,10 @@ impl<'a> Parse<'a> {
         }
     }
 
-    /// A text that is no declaration; neighbours become one, so that a file of nothing else takes little memory.
+    /// Records a text that is not a declaration. Neighbours are merged, so that a file of nothing else takes little
+    /// memory.
     fn push_broken(&mut self, range: Range<usize>) {
-        // A `repeat` that is broken as a whole holds what was broken in it.
+        // A broken `repeat` contains the broken texts of its body.
         while self.tree.broken.last().is_some_and(|last| range.start <= last.start()) {
             self.tree.broken.pop();
         }
@@ -198,7 +199,7 @@ impl<'a> Parse<'a> {
         None
     }
 
-    /// The declaration before has lost its `{`, and this is no declaration: its fields, most likely.
+    /// The previous declaration lacks its `{` and this text is not a declaration: most likely these are its fields.
     fn belongs_to_headless(&mut self, range: &Range<usize>) -> bool {
         let text = &self.text[range.clone()];
         let belongs = explain::declaration_of(text).is_none();
@@ -256,7 +257,8 @@ impl<'a> Parse<'a> {
         self.text[at..].chars().next().unwrap_or('\n')
     }
 
-    /// A closing bracket too many in a declaration: most often its opening one is missing, and something stands there.
+    /// Reports a surplus closing bracket in a declaration. Most often its opening bracket is missing, and the error is
+    /// where that belongs.
     fn stray_inside(&mut self, range: &Range<usize>, at: usize) {
         let before = self.text[range.start..at].trim_end();
         if explain::declaration_of(before).is_some() && !self.report.is_full() {
@@ -291,7 +293,7 @@ impl<'a> Parse<'a> {
             self.report.tell(SyntaxError::RepeatNesting { at: self.span(range.clone()) });
         }
         let head = match self.open.len() {
-            // Told once, for the outermost one that is too deep.
+            // Reported once, for the outermost one that is too deep.
             limits::REPEATS.. => None,
             _ => match self.build(&range, trouble, comments) {
                 Some(Built::Repeat(head)) => Some(head),
@@ -309,7 +311,7 @@ impl<'a> Parse<'a> {
         self.push(Decl { span: self.span(range.start..end), kind }, doc);
     }
 
-    /// At the end of the file: what is still open was not closed.
+    /// Reports the `repeat`s that are still open at the end of the file, and closes them.
     fn close_rest(&mut self) {
         while let Some(repeat) = self.open.last() {
             let open = repeat.range.end - 1;
@@ -321,7 +323,7 @@ impl<'a> Parse<'a> {
     }
 }
 
-/// The text of a declaration with spaces in place of its comments, byte for byte.
+/// Copies the text of a declaration into `blanked`, with its comments replaced by spaces byte for byte.
 fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut String) {
     blanked.clear();
     let mut done = 0;
@@ -335,7 +337,7 @@ fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut Str
     blanked.push_str(&text[done..]);
 }
 
-/// What may have been meant by a declaration that starts with this word.
+/// The likely intention behind a declaration that starts with this word.
 fn meant(word: &str, rest: &str) -> Meant {
     let is_word = word.starts_with(words::is_letter);
     if word.starts_with('#') {

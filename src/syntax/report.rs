@@ -1,4 +1,4 @@
-//! The errors of a file: the first ones told, the others counted. See spec.md#limits.
+//! The errors of a file: the first ones are kept, the others only counted. See spec.md#limits.
 
 use super::error::SyntaxError;
 use super::limits;
@@ -20,13 +20,13 @@ impl Report {
         }
     }
 
-    /// An error that is not told, since there are enough.
+    /// Counts an error that is not reported, since there are enough.
     pub fn count(&mut self, at: Span) {
         let (_, count) = self.more.get_or_insert((at, 0));
         *count += 1;
     }
 
-    /// Errors from now on are counted: no need to find words for them.
+    /// Whether further errors are only counted, so that no message has to be composed for them.
     pub fn is_full(&self) -> bool {
         self.told.len() >= limits::ERRORS
     }

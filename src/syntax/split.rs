@@ -1,15 +1,15 @@
-//! A file's text to declarations: where each starts and ends, and which brackets and quotes do not match.
+//! Splits a file's text into declarations: where each starts and ends, and which brackets and quotes do not match.
 //!
-//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; nothing is kept but the open brackets of the
-//! declaration at hand. A declaration ends at the first line end outside all brackets; the body of a `repeat` is a list
-//! of declarations of its own. Where a bracket stays open, the next line that starts like a declaration starts one:
-//! no field and no expression has a line of the form `body b`. See spec.md#declarations.
+//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes, which keeps nothing but the open brackets of the
+//! current declaration. A declaration ends at the first line end outside all brackets; the body of a `repeat` is a list
+//! of declarations of its own. If a bracket stays open, the next line that starts like a declaration starts a new one: no
+//! field and no expression has a line of the form `body b`. See spec.md#declarations.
 
 use super::limits;
 use super::words;
 use std::ops::Range;
 
-/// What the text is made of.
+/// A piece of the text: a declaration, the start or the end of a `repeat`, or an error between declarations.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Piece {
     /// A declaration without blanks and comments around it.
@@ -18,16 +18,16 @@ pub(super) enum Piece {
     Open { range: Range<usize>, trouble: Option<Trouble> },
     /// The `}` of a `repeat`.
     Close { at: usize },
-    /// A character that may not stand anywhere, in a comment or between declarations.
+    /// A character that is not allowed anywhere, in a comment or between declarations.
     Character { range: Range<usize> },
     /// A `)`, `]` or `}` between declarations.
     Stray { at: usize },
 }
 
-/// What is wrong with a declaration before its words are read; the first such thing.
+/// The first error in a declaration that shows before its words are read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
-    /// Opening brackets without their closing ones, the innermost of them, and the keyword that starts the next declaration.
+    /// Unclosed brackets: the innermost, their number, and the keyword that starts the next declaration.
     Unclosed { open: usize, count: usize, before: Option<Range<usize>> },
     /// A bracket that is closed by one of another kind.
     Mismatch { open: usize, close: usize },
@@ -35,7 +35,7 @@ pub(super) enum Trouble {
     Stray { at: usize },
     /// A string without its closing quote.
     Text { open: usize },
-    /// A character that may not stand anywhere.
+    /// A character that is not allowed anywhere.
     Character { range: Range<usize> },
     /// More brackets inside each other than [`limits::BRACKETS`].
     Nesting { at: usize },
@@ -52,11 +52,11 @@ pub(super) struct Pieces<'a> {
     at: usize,
     /// Open `repeat`s.
     repeats: usize,
-    /// Nothing but blanks since the line began or a `repeat` was opened.
+    /// Only blanks since the line began or a `repeat` was opened.
     fresh: bool,
     /// The `///` lines since the last declaration.
     doc: Option<Range<usize>>,
-    /// The comments inside the declaration at hand.
+    /// The comments inside the current declaration.
     comments: Vec<Range<usize>>,
 }
 
@@ -104,7 +104,7 @@ fn class(byte: u8) -> Class {
 #[derive(Default)]
 struct Brackets {
     open: Vec<usize>,
-    /// Brackets beyond the limit are counted only.
+    /// Number of brackets beyond the limit, which are only counted.
     beyond: usize,
 }
 
@@ -129,7 +129,7 @@ impl<'a> Pieces<'a> {
         self.doc.take()
     }
 
-    /// The comments inside the declaration that came last, and one after it perhaps.
+    /// The comments inside the declaration that came last, and possibly one after it.
     pub fn comments(&self) -> &[Range<usize>] {
         &self.comments
     }
@@ -138,8 +138,8 @@ impl<'a> Pieces<'a> {
         self.bytes.get(at).copied().unwrap_or(b'\n')
     }
 
-    /// A character at `at` that may not stand in a model file: control characters, which terminals obey, and those that
-    /// reverse the order of what is shown, so that a reviewer sees another text than the compiler (CVE-2021-42574).
+    /// A forbidden character at `at`: a control character, which terminals obey, or one that reverses the display order,
+    /// so that a reviewer sees a different text from the compiler (CVE-2021-42574).
     fn forbidden(&self, at: usize) -> Option<Range<usize>> {
         let len = match (class(self.byte(at)), self.byte(at)) {
             (Class::Control, b'\r') if self.byte(at + 1) == b'\n' => return None,
@@ -155,7 +155,7 @@ impl<'a> Pieces<'a> {
         Some(at..at + len)
     }
 
-    /// Steps over a comment up to its line end; the first forbidden character in it.
+    /// Steps over a comment up to its line end; returns the first forbidden character in it.
     fn skip_comment(&mut self) -> Option<Range<usize>> {
         self.skip_until(|byte| byte == b'\n')
     }
@@ -192,7 +192,8 @@ impl<'a> Pieces<'a> {
         None
     }
 
-    /// A comment on a line of its own or after a declaration; one of the first kind with three slashes is documentation.
+    /// Steps over a comment on a line of its own or after a declaration. On a line of its own, three slashes make it
+    /// documentation.
     fn comment_between(&mut self) -> Option<Range<usize>> {
         let start = self.at;
         let forbidden = self.skip_comment();
@@ -312,7 +313,7 @@ impl<'a> Pieces<'a> {
         Piece::Declaration { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) }
     }
 
-    /// The `{` opens the body of a `repeat`, or of something that was meant as one.
+    /// Whether the `{` opens the body of a `repeat`, or of something meant as one.
     fn opens_repeat(&self, start: usize, at: usize) -> bool {
         if at == start {
             return words::starts_declaration(self.bytes[at + 1..].trim_ascii_start()).is_some();
@@ -326,7 +327,7 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Steps over a string, to the end of its line where it is not closed.
+    /// Steps over a string; an unclosed one ends with its line.
     fn skip_text(&mut self) -> Option<Trouble> {
         let open = self.at;
         self.at += 1;
@@ -338,12 +339,12 @@ impl<'a> Pieces<'a> {
         forbidden.map(|range| Trouble::Character { range })
     }
 
-    /// A `}` belongs to this declaration rather than to the `repeat` around it.
+    /// Whether a `}` belongs to this declaration rather than to the enclosing `repeat`.
     fn closes_own(&self, brackets: &Brackets) -> bool {
         brackets.beyond > 0 || brackets.open.iter().any(|&open| self.byte(open) == b'{')
     }
 
-    /// Takes the closing bracket at hand off the open ones.
+    /// Matches the closing bracket at the current position with the open ones.
     fn close(&self, brackets: &mut Brackets) -> Option<Trouble> {
         let close = self.at;
         if brackets.beyond > 0 {
@@ -356,9 +357,9 @@ impl<'a> Pieces<'a> {
             return None;
         }
         match brackets.open.iter().rposition(|&open| closes(self.byte(open), self.byte(close))) {
-            // Those inside were not closed.
+            // The brackets inside the matching one were not closed.
             Some(matching) => brackets.open.truncate(matching),
-            // In braces, where a line end ends a value, it is the other one that is too many.
+            // In braces a line end ends a value, so the surplus bracket is the closing one.
             None if self.byte(top) == b'{' => return Some(Trouble::Stray { at: close }),
             None => {
                 brackets.open.pop();

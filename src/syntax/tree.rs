@@ -1,9 +1,9 @@
-//! The syntax tree: what was written, with its places, before any name or unit is looked at.
+//! The syntax tree: what was written, and where, before any name or unit is resolved.
 //!
-//! The tree is flat: nodes sit in a few vectors and refer to each other by index, lists are ranges of those vectors.
-//! So a file of a million declarations costs some three times its text, nothing in it is deeper than the text's own
-//! nesting (which the parser limits), and dropping it recurses into nothing. Texts are not copied: a node has a [`Span`]
-//! and its words are read from the source.
+//! The tree is flat: nodes sit in a few vectors and refer to each other by index; lists are ranges of those vectors. So a
+//! file of a million declarations costs some three times its text, nothing in the tree is nested deeper than the text
+//! itself (which the parser limits), and dropping it does not recurse. Texts are not copied: a node has a [`Span`], and
+//! its words are read from the source.
 
 use crate::base::{FileId, Span};
 use crate::kinds::{ElementId, JointId};
@@ -15,7 +15,7 @@ pub struct Tree {
     pub file: FileId,
     /// Top-level declarations in order; the bodies of `repeat` are in [`Repeat::body`].
     pub decls: Vec<Decl>,
-    /// Expressions, operands before what is made of them.
+    /// Expressions; operands come before the expressions that use them.
     exprs: Vec<Expr>,
     /// Storage of every [`ExprList`]: the number of its items, then the items' indices into `exprs`.
     lists: Vec<ExprId>,
@@ -26,15 +26,15 @@ pub struct Tree {
     pub rare: Vec<Rare>,
     /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
     docs: Vec<(u32, Span)>,
-    /// Texts that are no declaration: the check says nothing of names that occur in them.
+    /// Texts that are not declarations; the check reports nothing about names that occur in them.
     pub broken: Vec<Span>,
 }
 
-/// An expression of the tree, see [`Tree::expr`]. An index plus one: so that `Option<ExprId>` is no larger.
+/// An expression of the tree, see [`Tree::expr`]: an index plus one, so that `Option<ExprId>` is no larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ExprId(NonZeroU32);
 
-/// Several expressions, see [`Tree::list`].
+/// A list of expressions, see [`Tree::list`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExprList(Option<ExprId>);
 
@@ -86,7 +86,7 @@ pub enum DeclKind {
     Rare { index: u32 },
 }
 
-/// The declarations of which a scene has few.
+/// The declarations that a scene has few of.
 #[derive(Clone, Copy, Debug)]
 pub enum Rare {
     /// `pivot p: a@A -- b`, `slide g: a -- b along (1, 0)`, `weld w: a -- b`
@@ -134,7 +134,7 @@ pub struct End {
     pub at: Option<ExprId>,
 }
 
-/// What stands in braces: `mass = 1 kg`, `moves x y`, `inertia = 1 kg*m^2 about A`.
+/// A field in braces: `mass = 1 kg`, `moves x y`, `inertia = 1 kg*m^2 about A`.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// The field's word: `mass`, `moves`, `turns`, `free`.
@@ -146,8 +146,8 @@ pub struct Field {
 pub enum FieldValue {
     /// `mass = 1 kg`
     Expr(ExprId),
-    /// `inertia = 0.8 kg*m^2 about A`: value and point, see [`Tree::about`]. A list, because it is rare: so that fields
-    /// stay small.
+    /// `inertia = 0.8 kg*m^2 about A`: value and point, see [`Tree::about`]. It is rare, so it is stored as a list to
+    /// keep fields small.
     About(ExprList),
     /// A word alone: `turns`, `free`.
     Flag,
@@ -223,7 +223,7 @@ pub enum Binary {
     Equal,
 }
 
-/// How long the arenas were: what was appended since can be taken back.
+/// The lengths of the arenas at some point, so that what is appended later can be removed.
 pub(super) struct Mark {
     exprs: usize,
     lists: usize,
@@ -296,8 +296,9 @@ impl Tree {
         Some(self.docs[at].1)
     }
 
-    /// Room for what is to come, guessed from what came: `done` of `total` bytes are parsed. An arena that doubled each
-    /// time it is full would hold twice what it needs, and the old one beside the new one while it is copied.
+    /// Reserves room for the rest of the file, estimated from the part that is parsed: `done` of `total` bytes. An arena
+    /// that doubles whenever it is full would hold up to twice what it needs, and old and new memory side by side while
+    /// it is copied.
     pub(super) fn make_room(&mut self, done: usize, total: usize) {
         room(&mut self.decls, done, total);
         room(&mut self.exprs, done, total);
@@ -360,15 +361,15 @@ impl ExprList {
     }
 }
 
-/// More than nearly every declaration needs at once.
+/// Room reserved in advance: more than nearly any single declaration needs.
 const AT_ONCE: usize = 64;
 
 fn room<T>(arena: &mut Vec<T>, done: usize, total: usize) {
     if arena.capacity() - arena.len() >= AT_ONCE || arena.is_empty() && done > 0 {
         return;
     }
-    // As many as so far for the rest of the file and a little more, since no file is even; at most eight times what is
-    // there, since the start of a file says little. What is reserved and never used is never touched.
+    // At the rate so far for the rest of the file, and a little more, since no file is even; at most eight times what is
+    // there, since the start of a file says little. Memory that is reserved and never used is never touched.
     let expected = arena.len() as u128 * total as u128 * 33 / (done.max(1) as u128 * 32);
     let most = arena.len() * 8;
     arena.reserve_exact(AT_ONCE + (expected.min(most as u128) as usize).saturating_sub(arena.len()));

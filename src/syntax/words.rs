@@ -7,8 +7,8 @@ pub fn is_keyword(word: &str) -> bool {
     kinds::declaration(word).is_some()
 }
 
-/// The declaration that a word may have been meant to start: by a synonym, or the nearest keyword by the number of letters to
-/// change.
+/// The declaration that a word may be meant to start: the one it is a synonym for, or the one whose keyword takes the
+/// fewest edits.
 pub(super) fn nearest(word: &str) -> Option<&'static Declaration> {
     let word = word.to_lowercase();
     if let Some(declaration) = DECLARATIONS.iter().find(|declaration| declaration.synonyms.contains(&&*word)) {
@@ -20,14 +20,14 @@ pub(super) fn nearest(word: &str) -> Option<&'static Declaration> {
     (distance(&nearest) * 3 <= word.chars().count().max(nearest.keyword.len())).then_some(nearest)
 }
 
-/// The word of small letters at the start of a text; may be empty.
+/// The lower-case word at the start of a text; may be empty.
 pub(super) fn first_word(text: &[u8]) -> &[u8] {
     let end = text.iter().position(|b| !b.is_ascii_lowercase()).unwrap_or(text.len());
     &text[..end]
 }
 
-/// The keyword of a line that nothing but a declaration begins with: a keyword and, after blanks, a word (or a value, for
-/// `gravity`).
+/// The keyword at the start of a line that can only be a declaration: a keyword and, after blanks, a word (or a value,
+/// for `gravity`).
 pub fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
     let start = line.len() - skip_blanks(line).len();
     let word = first_word(&line[start..]);
@@ -40,24 +40,25 @@ pub fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
     starts.then_some(start..start + word.len())
 }
 
-/// Not past the line: what is read for every line of a file must not read on in it.
+/// Stays within the line: it runs for every line of a file, so it must not read on through the file.
 fn skip_blanks(text: &[u8]) -> &[u8] {
     let blanks = text.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
     &text[blanks..]
 }
 
-/// The text before a `{` is the head of a `repeat`, or of what was meant as one: another word with a range after it.
+/// Whether the text before a `{` is the head of a `repeat`, or of something meant as one: another word followed by a
+/// range.
 pub(super) fn opens_repeat(head: &str) -> bool {
     let word = first_word(head.as_bytes());
     word == b"repeat" || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
 }
 
-/// A byte inside a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.
+/// Whether a byte may be part of a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.
 pub(super) fn continues(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
 
-/// A letter of names: rule `letter` of the grammar.
+/// Whether a character is a letter of names: rule `letter` of the grammar.
 pub fn is_letter(c: char) -> bool {
     c.is_ascii_alphabetic()
         || matches!(c, '_' | '\u{391}'..='\u{3c9}' | '\u{3d0}'..='\u{3d6}' | '\u{3f0}'..='\u{3f5}' | '\u{b5}')
