@@ -1,6 +1,6 @@
-//! Checked scene to damped linear system: lowering, then the damping that is declared for the whole of it. In: a checked
-//! scene; out: its linear system with all of C, and what was worked out on the way. Everything that asks something of a
-//! scene begins here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
+//! From a checked scene to a damped linear system: lowering, then the damping declared for the whole scene. In: a checked
+//! scene. Out: its linear system with the complete C, and the intermediate results. Every analysis of a scene starts
+//! here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
 
 use crate::analysis::damping;
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
@@ -10,26 +10,26 @@ use crate::model::CheckedScene;
 use crate::model::scene::Damping;
 use crate::system::{Form, LinearSystem, Signal};
 
-/// A lowered scene with the damping that is declared for all of it.
+/// A lowered scene with the damping declared for the whole of it.
 #[derive(Clone, Debug)]
 pub struct Damped {
-    /// Rows may be chained where the scene hangs deep.
+    /// Rows may be chained if the scene hangs deep.
     pub lowered: Lowered,
     by_modes: Option<ByModes>,
 }
 
-/// A damping ratio that every oscillation has.
+/// A damping ratio that every mode has.
 #[derive(Clone, Debug)]
 struct ByModes {
     ratio: Number,
-    /// What spreading it over the coordinates took; or why C does not hold it.
+    /// The result of adding it to C as terms, or why that failed.
     spread: Result<Spread, AnalysisError>,
 }
 
-/// The ratio as terms of C.
+/// What remains to be known once the ratio is expressed as terms of C.
 #[derive(Clone, Debug)]
 struct Spread {
-    /// C without it.
+    /// C without the ratio.
     dampers: Form,
     /// All undamped modes.
     modes: Modes,
@@ -39,23 +39,23 @@ struct Spread {
 #[derive(Clone, Debug)]
 pub struct WrittenOut {
     pub lowered: Lowered,
-    /// All undamped modes, where the damping needed them.
+    /// All undamped modes, if the damping needed them.
     pub modes: Option<Modes>,
 }
 
-/// Takes a scene through the stage. `None` after an error, which is among the diagnostics.
+/// Lowers a scene and adds its damping. `None` after an error, which is among the diagnostics.
 pub fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
     let lowered = lowered(scene, diagnostics)?;
     with_damping(scene, lowered, diagnostics).ok()
 }
 
-/// [`damped`], with its rows written out, as most analyses take them.
+/// Like [`damped`], with the rows written out, as most analyses need them.
 pub fn written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
     damped(scene, diagnostics)?.written_out(diagnostics)
 }
 
-/// [`written_out`] for a transfer function, whose matrices are summed from products of the entries of rows: refused where
-/// these are too many.
+/// Like [`written_out`], for a transfer function, whose matrices are summed from products of entries of rows: an error if
+/// there are too many.
 pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
     let damped = damped(scene, diagnostics)?;
     if let Some(refusal) = too_long_rows(&damped.lowered.system) {
@@ -65,11 +65,11 @@ pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Opti
     damped.written_out(diagnostics)
 }
 
-/// Products of entries of rows that the matrices of a transfer function are summed from: some ten seconds of them.
+/// Most products of entries of rows that the matrices of a transfer function are summed from: some ten seconds of work.
 const MOST_PRODUCTS: u64 = 50_000_000;
 
-/// Says that rows of so many entries are not multiplied out: each of n links that hang one under another moves with all
-/// above it, which makes n^3 products.
+/// The error for rows with too many entries to multiply out: each of n links that hang one below another moves with all
+/// links above it, which makes n^3 products.
 fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
     let products = system.products();
     let span = system.coordinates.last()?.span;
@@ -83,14 +83,14 @@ fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
     })
 }
 
-/// The scene without the damping that is declared for all of it.
+/// Lowers a scene, without the damping declared for the whole of it.
 pub fn lowered(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
     let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
     outcome.lowered
 }
 
-/// Adds the declared damping to what was lowered of a scene, or hands it back after an error.
+/// Adds the declared damping to a lowered scene; after an error, returns the lowered scene.
 pub fn with_damping(
     scene: &CheckedScene,
     mut lowered: Lowered,
@@ -101,7 +101,7 @@ pub fn with_damping(
         None => {}
         Some(Damping::Rayleigh { alpha, beta, .. }) => damping::rayleigh(&mut lowered.system, alpha, beta),
         Some(Damping::Modal { ratio, .. }) => {
-            // Damping that joins all coordinates has no short rows.
+            // Modal damping couples all coordinates, so its rows are not short.
             if flatten(&mut lowered, diagnostics).is_none() {
                 return Err(Box::new(lowered));
             }
@@ -118,7 +118,7 @@ pub fn with_damping(
     Ok(Damped { lowered, by_modes })
 }
 
-/// Adds terms to C that give every oscillation the ratio.
+/// Adds terms to C that give every mode the damping ratio.
 fn spread(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisError> {
     let mut modes = modes(system)?;
     let dampers = system.c.clone();
@@ -136,7 +136,8 @@ pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec
 }
 
 impl Damped {
-    /// The rows over the coordinates alone; refused where C cannot hold the damping, or where the rows would be too long.
+    /// Writes the rows over the coordinates alone. An error if C cannot hold the damping, or if the rows would be too
+    /// long.
     pub fn written_out(mut self, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
         let modes = match self.by_modes {
             None => None,
@@ -150,7 +151,7 @@ impl Damped {
         Some(WrittenOut { lowered: self.lowered, modes })
     }
 
-    /// Modes and poles of the system; its rows are written out where they are computed so.
+    /// Modes and poles of the system. Its rows are written out if the method needs that.
     pub fn modal(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
         let found = self.modal_of_system(request, diagnostics)?;
         Some(about(&self.lowered.rest, found))
@@ -160,7 +161,7 @@ impl Damped {
         let system = &self.lowered.system;
         if system.is_chained() && takes_chained(system, request) {
             match modal(system, request) {
-                // Written out there may be a way, or else more to say of why there is none.
+                // With its rows written out there may be a method, or a better explanation of why there is none.
                 Err(AnalysisError::NotSparse { .. }) => {}
                 found => {
                     return found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok();
@@ -176,8 +177,8 @@ impl Damped {
     }
 }
 
-/// Leaves out what the system alone does not settle: the stability of a rest that is not proven, and how much changes of the
-/// model's numbers change a mode where they change the rest as well.
+/// Removes what the system alone does not decide: the stability of a rest that is not proven, and the sensitivity of
+/// modes to the model's numbers if these change the rest as well.
 fn about(rest: &Rest, mut found: Modal) -> Modal {
     if rest.moves_terms {
         found.modes.list.iter_mut().for_each(|mode| mode.input_condition = None);
@@ -186,7 +187,7 @@ fn about(rest: &Rest, mut found: Modal) -> Modal {
 }
 
 impl ByModes {
-    /// In closed form where the dampers do not join the modes, else from all of C.
+    /// In closed form if the dampers do not couple the modes, otherwise from the complete C.
     fn modal(&self, system: &mut LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
         let Spread { dampers, modes } = match &self.spread {
             Ok(spread) => spread,

@@ -1,5 +1,5 @@
-//! A damper: force c de/dt of a stretch e. At rest it does nothing, so it adds C = c (grad e)(grad e)^T and no stiffness.
-//! See docs/method/linearisation.md.
+//! A damper: force c de/dt of a stretch e. It exerts no force at rest, so it adds C = c (grad e)(grad e)^T and no
+//! stiffness. See docs/method/linearisation.md.
 
 use super::kind::{ALONG, Kind, Negative, Order};
 use crate::base::{Code, Dimension, Expected, Field};

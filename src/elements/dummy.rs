@@ -1,5 +1,5 @@
-//! An element that exists in unit tests alone: a damper by other words. `kinds` takes it through every stage, so that a
-//! place which has to name kinds by hand shows itself.
+//! A damper under another name, for unit tests only. `kinds` takes it through every stage, which reveals any place that
+//! names kinds by hand.
 
 use super::kind::{ALONG, Kind, Negative, Order};
 use crate::base::{Dimension, Expected, Field};

@@ -1,7 +1,7 @@
-//! Loads that stay as they are while the scene moves. See docs/method/linearisation.md.
+//! Loads that stay constant while the scene moves. See docs/method/linearisation.md.
 //!
 //! - a dead force F on a point u: V = -F . u, so grad^2 V = -F . grad^2 u (weight is one: F = m g)
-//! - a pull P between two points: V = P e of their stretch e: a spring of preload P without stiffness.
+//! - a pull P between two points with stretch e: V = P e, as of a spring with preload P and no stiffness.
 //!   A force that drives two points apart is a negative pull.
 
 use super::{Scalar, Spring, Stretch, Vector};
@@ -18,7 +18,7 @@ impl<S: Scalar> DeadForce<S> {
     }
 }
 
-/// A pull of fixed size between two ends (or a fixed torque, where the stretch is a turn).
+/// A pull of fixed size between two ends (a fixed torque if the stretch is a rotation).
 #[derive(Clone, Debug)]
 pub struct Pull<S> {
     pub stretch: Stretch<S>,

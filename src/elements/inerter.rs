@@ -1,7 +1,8 @@
 //! An inerter: force b d2e/dt2 of a stretch e, energy b (de/dt)^2 / 2 (Smith, IEEE Trans. Automat. Control 47 (2002) 1648).
 //!
-//! With e(q), Lagrange's equations give b grad e (grad e . q'' + q'^T grad^2 e q'). At a rest q' = 0: there is no force, and
-//! to first order it adds M = b (grad e)(grad e)^T, with the gradient at that rest, and nothing to C and K. See docs/method/linearisation.md.
+//! With e(q), Lagrange's equations give b grad e (grad e . q'' + q'^T grad^2 e q'). At rest q' = 0: it exerts no force
+//! and, to first order, adds M = b (grad e)(grad e)^T, with the gradient at that rest, and nothing to C and K. See
+//! docs/method/linearisation.md.
 
 use super::kind::{ALONG, Kind, Negative, Order};
 use crate::base::{Dimension, Expected, Field};

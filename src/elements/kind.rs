@@ -1,10 +1,10 @@
-//! What a kind of element is: its words, its fields and its law. See spec.md and docs/method/linearisation.md.
+//! The description of a kind of element: its words, its fields and its law. See spec.md and docs/method/linearisation.md.
 //!
-//! An element lies between two ends and feels their stretch e. Its force is its coefficient times a derivative of e, and a
-//! spring's tension as drawn besides. So the law is one number, the order of that derivative: an element of order p adds
+//! An element connects two ends and acts on their stretch e. Its force is its coefficient times a derivative of e, plus,
+//! for a spring, its tension as drawn. So the law is one number, the order of that derivative: an element of order p adds
 //! coefficient (grad e)(grad e)^T to K (p = 0), C (p = 1) or M (p = 2), the prescribed motions of its ends to the input
 //! columns of the same order, and the p-th derivative of its stretch to outputs of its force. All of it is linear in the
-//! coefficient, which is what derivatives with respect to parameters use.
+//! coefficient; derivatives with respect to parameters rely on this.
 
 use crate::base::{Code, Field, Takes};
 
@@ -15,27 +15,28 @@ pub struct Kind {
     /// With its article: "a spring".
     pub noun: &'static str,
     pub plural: &'static str,
-    /// A declaration as it is written.
+    /// An example of a declaration.
     pub form: &'static str,
-    /// More of them, one a line.
+    /// More examples, one per line.
     pub forms: &'static str,
     /// What it declares, in one sentence.
     pub summary: &'static str,
     /// Its rules, as Markdown paragraphs.
     pub rules: &'static str,
-    /// The heading of `spec.md` with the whole story.
+    /// The heading of `spec.md` under which it is described in full.
     pub heading: &'static str,
     /// What other programs and textbooks call it.
     pub synonyms: &'static [&'static str],
-    /// Its coefficient first, then what else it takes.
+    /// The coefficient first, then the other fields.
     pub fields: &'static [Field],
-    /// The units that its coefficient is shown in: along a line, on the rotation.
+    /// Units in which the coefficient is shown: translational, torsional.
     pub units: [&'static str; 2],
     pub order: Order,
     pub negative: Negative,
 }
 
-/// The derivative of the stretch that an element's force is proportional to, and the matrix that this makes it part of.
+/// The order of the derivative of the stretch that an element's force is proportional to, which decides the matrix that
+/// the element adds to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// K
@@ -46,7 +47,7 @@ pub enum Order {
     Acceleration = 2,
 }
 
-/// What is said of a coefficient below zero.
+/// How a negative coefficient is reported.
 #[derive(Clone, Copy, Debug)]
 pub enum Negative {
     Noted(Code, &'static str),
@@ -59,7 +60,7 @@ impl Kind {
         &self.fields[0]
     }
 
-    /// Whether it holds its ends where they are: it has a tension at rest, and stores strain energy.
+    /// Whether it has a tension at rest and stores strain energy.
     pub fn is_elastic(&self) -> bool {
         self.order == Order::Displacement
     }

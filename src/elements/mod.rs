@@ -1,8 +1,8 @@
-//! One file a kind of element: what it adds to energy, dissipation and load, and its first and second derivatives.
+//! Elements, one file per kind: what each adds to energy, dissipation and load, and its first and second derivatives.
 //! See docs/method/linearisation.md.
 //!
-//! An element sees the relative displacement of its two ends and nothing else; how the ends move with the coordinates is
-//! the business of `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
+//! An element depends only on the relative displacement of its two ends; how the ends move with the coordinates is worked
+//! out in `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
 //! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
 
 pub mod damper;
@@ -23,7 +23,7 @@ pub use spring::Spring;
 pub use stretch::{Stretch, Stretched};
 pub use vector::Vector;
 
-/// Every kind of element, in the order in which they are listed to people.
+/// Every kind of element, in the order in which they are listed to users.
 pub const KINDS: &[&Kind] = &[
     &spring::KIND,
     &damper::KIND,

@@ -1,9 +1,10 @@
-//! The numbers that mechanics is written in: binary64 for steps that only steer, [`Number`] for what is kept.
+//! The number types of the mechanics: binary64 for steps that only steer a search, [`Number`] for results.
 
 use crate::base::{Ball, Dd, Number};
 use std::fmt::Debug;
 
-/// A field with roots and sines. Operations are methods, since references to generic operands read worse.
+/// A field with square roots and sines. Operations are methods, since operators on references to generic operands read
+/// worse.
 pub trait Scalar: Clone + Debug {
     fn zero() -> Self;
     fn one() -> Self;
@@ -16,7 +17,7 @@ pub trait Scalar: Clone + Debug {
     /// Square root of a number that is not negative.
     fn root(&self) -> Self;
     fn sin_cos(&self) -> (Self, Self);
-    /// Certainly zero: what is multiplied with it can be left out.
+    /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
     fn to_f64(&self) -> f64;
 }
@@ -64,7 +65,7 @@ impl Scalar for f64 {
         self.sqrt()
     }
 
-    /// By the ball functions: those of the standard library are not the same on all machines, and how many steps the
+    /// Uses the ball functions: those of the standard library differ between machines, and the number of steps that the
     /// search for the rest takes is reported.
     fn sin_cos(&self) -> (f64, f64) {
         let (sine, cosine) = Number::Ball(Ball::from(*self)).sin_cos().unwrap_or((Number::ZERO, Number::ONE));
@@ -82,7 +83,7 @@ impl Scalar for f64 {
     }
 }
 
-/// A number of which nothing is known.
+/// A ball that contains every number: nothing is known.
 fn unknown() -> Number {
     Number::Ball(Ball::new(Dd::ZERO, f64::INFINITY))
 }
@@ -130,7 +131,7 @@ impl Scalar for Number {
     }
 
     fn sin_cos(&self) -> (Number, Number) {
-        // Beyond the range of the reduction both lie somewhere in [-1, 1].
+        // Beyond the range of the argument reduction, both are only known to lie in [-1, 1].
         let anywhere = || Number::Ball(Ball::new(Dd::ZERO, 1.0));
         Number::sin_cos(self).unwrap_or_else(|| (anywhere(), anywhere()))
     }

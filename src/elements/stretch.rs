@@ -1,37 +1,37 @@
-//! What a spring or damper between two ends feels: its stretch e as a function of the relative displacement delta (second
-//! end minus first) or of the relative turn of its ends. See docs/method/linearisation.md.
+//! The stretch e of an element between two ends, as a function of their relative displacement delta (second end minus
+//! first) or of their relative rotation. See docs/method/linearisation.md.
 //!
 //! - line: e = |d| - |D|, d = D + delta, D the line as drawn; grad e = d / |d|, grad^2 e = (1 - d d^T / |d|^2) / |d|
 //! - along a fixed direction a: e = a . delta / |a|; grad^2 e = 0
-//! - torsion: e = the relative turn; grad^2 e = 0
+//! - torsion: e = the relative rotation; grad^2 e = 0
 //!
-//! Directions stay as long as they are and their squared length is kept beside them, so that the squares
-//! `(k / |d|^2) (d . delta)^2` are rational wherever the scene is.
+//! Directions are not normalised; their squared length is kept beside them, so that the squares `(k / |d|^2) (d .
+//! delta)^2` are rational if the scene is.
 
 use super::{Scalar, Square, Vector};
 
 /// The geometry of an element.
 #[derive(Clone, Debug)]
 pub enum Stretch<S> {
-    /// The distance of two points; the vector between them as drawn, second minus first.
+    /// The distance between two points; `drawn` is the vector from the first to the second as drawn.
     Line { drawn: Vector<S> },
     /// The displacement along a fixed direction.
     Along { direction: Vector<S> },
-    /// The relative turn.
+    /// The relative rotation.
     Torsion,
 }
 
 /// A stretch at a state of its ends.
 #[derive(Clone, Debug)]
 pub enum Stretched<S> {
-    /// grad e = direction / sqrt(length_squared); `curved` where grad^2 e is not zero.
+    /// grad e = direction / sqrt(length_squared); `curved` if grad^2 e is not zero.
     Displacement { change: S, direction: Vector<S>, length_squared: S, curved: bool },
-    /// e is the relative turn itself.
+    /// e is the relative rotation itself.
     Turn { change: S },
 }
 
 impl<S: Scalar> Stretch<S> {
-    /// The stretch at a relative displacement `delta` and a relative turn.
+    /// The stretch at a relative displacement `delta` and a relative rotation `turn`.
     pub fn at(&self, delta: &Vector<S>, turn: &S) -> Stretched<S> {
         match self {
             Stretch::Line { drawn } => line(drawn, delta),
@@ -55,7 +55,7 @@ fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
     Stretched::Displacement { change, direction, length_squared, curved: true }
 }
 
-/// value / sqrt(length_squared), exact where the value is zero.
+/// value / sqrt(length_squared), exactly zero if the value is.
 pub fn over_length<S: Scalar>(value: S, length_squared: &S) -> S {
     if value.is_zero() { value } else { value.over(&length_squared.root()) }
 }
@@ -67,9 +67,9 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// tension / |d|, the tension for each metre of the element; of a torsion the tension itself.
+    /// tension / |d|, the tension per metre of the element; for a torsion, the tension itself.
     ///
-    /// It is rational where the tension that holds a rational drawing is not.
+    /// In a rational drawing it is rational even if the tension that holds the drawing is not.
     pub fn rate(&self, tension: &S) -> S {
         match self {
             Stretched::Displacement { length_squared, .. } => over_length(tension.clone(), length_squared),
@@ -77,7 +77,7 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// The tension of a rate.
+    /// The tension that has this rate.
     pub fn tension_of(&self, rate: &S) -> S {
         match self {
             Stretched::Displacement { length_squared, .. } if !rate.is_zero() => rate.times(&length_squared.root()),
@@ -85,7 +85,7 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// The squares of `tension grad^2 e`: rate / |d|^2 (d x delta)^2. None where the tension is zero.
+    /// The squares of `tension grad^2 e`: rate / |d|^2 (d x delta)^2. `None` if the tension is zero.
     pub fn tension_squares(&self, rate: &S) -> Option<[Square<S>; 3]> {
         match self {
             Stretched::Displacement { direction, length_squared, curved: true, .. } if !rate.is_zero() => {
@@ -96,7 +96,7 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// tension grad e: the force on the second end against the stretch, with the opposite sign. `None` for a torsion.
+    /// tension grad e: minus the force on the second end, which acts against the stretch. `None` for a torsion.
     pub fn force(&self, rate: &S) -> Option<Vector<S>> {
         match self {
             Stretched::Displacement { direction, .. } => Some(direction.scaled(rate)),

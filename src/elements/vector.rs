@@ -1,4 +1,4 @@
-//! Vectors of three components of any [`Scalar`], and turns about an axis.
+//! Vectors of three components of any [`Scalar`], and rotations about an axis.
 
 use super::Scalar;
 use crate::base::Vec3;
@@ -64,7 +64,7 @@ impl<S: Scalar> Vector<S> {
         self.dot(self)
     }
 
-    /// Certainly zero.
+    /// Whether it is certainly zero.
     pub fn is_zero(&self) -> bool {
         self.x.is_zero() && self.y.is_zero() && self.z.is_zero()
     }
@@ -78,7 +78,7 @@ impl<S: Scalar> Vector<S> {
         ]
     }
 
-    /// Turned about the unit vector `axis` by the angle with this sine and cosine (Rodrigues):
+    /// Rotated about the unit vector `axis` by the angle with this sine and cosine (Rodrigues):
     /// v cos + (a x v) sin + a (a . v) (1 - cos).
     pub fn turned(&self, axis: &Vector<S>, sine: &S, cosine: &S) -> Vector<S> {
         let along = axis.scaled(&axis.dot(self).times(&S::one().minus(cosine)));

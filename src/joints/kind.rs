@@ -1,18 +1,19 @@
-//! What a kind of joint is: its words, and the freedoms that it leaves between the two parts it ties. See spec.md and docs/method/kinematics.md.
+//! The description of a kind of joint: its words, and the degrees of freedom that it leaves between the two parts it
+//! connects. See spec.md and docs/method/kinematics.md.
 
 /// A kind of joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
     pub keyword: &'static str,
-    /// A declaration as it is written.
+    /// An example of a declaration.
     pub form: &'static str,
-    /// More of them, one a line.
+    /// More examples, one per line.
     pub forms: &'static str,
     /// What it declares, in one sentence.
     pub summary: &'static str,
     /// Its rules, as Markdown paragraphs.
     pub rules: &'static str,
-    /// The heading of `spec.md` with the whole story.
+    /// The heading of `spec.md` under which it is described in full.
     pub heading: &'static str,
     /// What other programs and textbooks call it.
     pub synonyms: &'static [&'static str],

@@ -1,5 +1,5 @@
-//! One file a kind of joint: its words, the freedoms it leaves between the two parts it ties, or the constraint it closes.
-//! See docs/method/kinematics.md.
+//! Joints, one file per kind: its words, the degrees of freedom it leaves between the two parts it connects, or the
+//! constraint by which it closes a loop. See docs/method/kinematics.md.
 
 pub mod kind;
 pub mod pivot;
@@ -10,21 +10,21 @@ pub use kind::Kind;
 
 use crate::base::Vec3;
 
-/// Every kind of joint, in the order in which they are listed to people.
+/// Every kind of joint, in the order in which they are listed to users.
 pub const KINDS: &[&Kind] = &[&pivot::KIND, &slide::KIND, &weld::KIND];
 
-/// What a joint leaves free between a part and the part that carries it.
+/// The motion that a joint allows between a part and the part that carries it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relative {
-    /// Whether the carried part keeps one point, that of the joint, on its carrier.
+    /// Whether the point of the joint stays fixed on the carrier.
     pub holds_point: bool,
-    /// Whether the carried part turns on its own.
+    /// Whether the carried part rotates relative to its carrier.
     pub turns: bool,
     /// The direction in which it slides.
     pub slide: Option<Vec3>,
 }
 
-/// What a joint that closes a loop holds.
+/// The relative motions that a joint prevents if it closes a loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
     pub displacement: Displacement,
@@ -32,21 +32,21 @@ pub struct Held {
     pub turn: bool,
 }
 
-/// How much of the relative displacement of the two ends a joint holds.
+/// The part of the relative displacement of the two ends that a joint prevents.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Displacement {
     All,
-    /// What is across this direction, which is fixed to the first part.
+    /// The components perpendicular to this direction, which is fixed to the first part.
     Across(Vec3),
 }
 
 impl Kind {
-    /// The freedoms that a joint of the tree leaves.
+    /// The degrees of freedom that a joint of the tree leaves.
     pub fn freedoms(&self, along: Option<&Vec3>) -> Relative {
         Relative { holds_point: self.turns && !self.slides, turns: self.turns, slide: along.cloned() }
     }
 
-    /// The constraint that a joint is where the tree does not need it.
+    /// The constraint that a joint imposes if the tree does not need it.
     pub fn held(&self, along: Option<&Vec3>) -> Held {
         let displacement = along.map_or(Displacement::All, |along| Displacement::Across(along.clone()));
         Held { displacement, turn: !self.turns }

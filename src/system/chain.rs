@@ -1,15 +1,16 @@
-//! Rows of scenes that hang deep. The motion of a link is that of the one above it and its own share, so its row is written
-//! with the other's: M of N links is N short rows, not N^2 numbers. In: a system with chained rows; out: the same with
-//! rows over coordinates alone, where there is room for them. See docs/method/system.md#deep-trees.
+//! Chained rows of scenes that hang deep. The motion of a link is that of the link above it plus its own contribution, so
+//! its row is written in terms of that link's row: M of N links takes N short rows, not N^2 numbers. In: a system with
+//! chained rows. Out: the same system with rows over coordinates alone, if there is room for them. See
+//! docs/method/system.md#deep-trees.
 
 use super::{CoordinateId, Form, LinearSystem};
 use crate::base::Number;
 use std::collections::BTreeMap;
 
-/// A row over coordinates and, from n on, over the chained motions before it.
+/// A row over coordinates (ids below n) and the chained motions before it (ids from n on).
 pub type ChainedRow = Vec<(CoordinateId, Number)>;
 
-/// Rows over coordinates alone would hold more numbers than asked for.
+/// Error: rows over coordinates alone would have more entries than allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLong {
     pub entries: u64,
@@ -18,7 +19,7 @@ pub struct TooLong {
 }
 
 impl LinearSystem {
-    /// Whether rows of M, C or K hold chained motions: ids from n on.
+    /// Whether rows of M, C or K refer to chained motions, whose ids start at n.
     pub fn is_chained(&self) -> bool {
         !self.chain.is_empty()
     }
@@ -29,7 +30,7 @@ impl LinearSystem {
         Ok(self)
     }
 
-    /// [`LinearSystem::flattened`] in place; as it was where that is refused.
+    /// Like [`LinearSystem::flattened`], in place; the system is unchanged after an error.
     pub fn flatten(&mut self, most: u64) -> Result<(), TooLong> {
         if !self.is_chained() {
             return Ok(());
@@ -43,14 +44,14 @@ impl LinearSystem {
         Ok(())
     }
 
-    /// Products of two entries of one row, over all rows as they would be written out: what sums the matrices takes.
+    /// Number of products of two entries of the same row, over all rows written out: the cost of assembling the matrices.
     pub fn products(&self) -> u64 {
         let (n, lengths) = (self.n(), self.lengths());
         let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
         terms.fold(0, |sum: u64, row| sum.saturating_add(length(row, &lengths, n).saturating_pow(2)))
     }
 
-    /// How many entries the row of each chained motion has at most where it is written out.
+    /// Upper bounds on the number of entries in the row of each chained motion, written out.
     fn lengths(&self) -> Vec<u64> {
         let mut lengths: Vec<u64> = Vec::with_capacity(self.chain.len());
         for row in &self.chain {
@@ -59,7 +60,7 @@ impl LinearSystem {
         lengths
     }
 
-    /// Counts what rows over coordinates alone would hold, before any is made.
+    /// Counts the entries that rows over coordinates alone would have, before any row is made.
     fn room_for(&self, most: u64) -> Result<(), TooLong> {
         let n = self.n();
         let lengths = self.lengths();
@@ -77,7 +78,7 @@ impl LinearSystem {
     }
 }
 
-/// How many entries a row has at most where chained motions are written out.
+/// Upper bound on the number of entries of a row with its chained motions written out.
 fn length(row: &[(CoordinateId, Number)], lengths: &[u64], n: usize) -> u64 {
     let lengths = row.iter().map(|(i, _)| i.index().checked_sub(n).map_or(1, |chained| lengths[chained]));
     lengths.fold(0, u64::saturating_add)
@@ -92,7 +93,7 @@ fn flat(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
     result
 }
 
-/// A row over coordinates alone, ascending: chained motions are replaced from the last one on.
+/// The row over coordinates alone, ascending: chained motions are replaced one by one, the last one first.
 pub fn written_out(row: &[(CoordinateId, Number)], chain: &[ChainedRow], n: usize) -> ChainedRow {
     let mut waiting: BTreeMap<usize, Number> = BTreeMap::new();
     let mut own: ChainedRow = Vec::new();

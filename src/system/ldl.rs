@@ -1,5 +1,6 @@
-//! A = L D L^T of a sparse symmetric matrix in binary64, columns ordered for little fill. In: entries of one triangle; out:
-//! the factors, or the pivot that was not positive. Steers only: what is kept is refined with exact residuals.
+//! Factorisation A = L D L^T of a sparse symmetric matrix in binary64, with columns ordered for little fill. In: entries
+//! of one triangle. Out: the factors, or the pivot that was not positive. It only steers: results are refined with exact
+//! residuals.
 //!
 //! Up-looking factorisation along the elimination tree: T. A. Davis, *Algorithm 849: a concise sparse Cholesky
 //! factorization package*, ACM TOMS 31 (2005) 587-591. The order is that of approximate minimum degree.
@@ -10,12 +11,12 @@ use crate::system::order::least_fill;
 #[derive(Clone, Debug)]
 pub struct Symmetric {
     n: usize,
-    /// Place in the order of elimination of each row.
+    /// Position of each row in the order of elimination.
     place: Vec<u32>,
     starts: Vec<usize>,
     rows: Vec<u32>,
     values: Vec<f64>,
-    /// For each entry given, where it goes.
+    /// For each given entry, its index in `values`.
     slots: Vec<u32>,
 }
 
@@ -36,7 +37,8 @@ pub struct NotPositive {
 }
 
 impl Symmetric {
-    /// The pattern of a matrix of n rows with entries at these places, each given once or more, in either triangle.
+    /// The pattern of a matrix of n rows with entries at these places, in either triangle; a place may be given more than
+    /// once.
     pub fn pattern(n: usize, entries: &[(u32, u32)]) -> Symmetric {
         let place = order(n, entries);
         let mut keys: Vec<(u32, u32, u32)> = Vec::with_capacity(entries.len() + n);
@@ -44,7 +46,7 @@ impl Symmetric {
             let (a, b) = (place[*i as usize], place[*j as usize]);
             keys.push((a.max(b), a.min(b), slot as u32));
         }
-        // The diagonal is always there: shifts are added to it.
+        // The diagonal is always stored, since shifts are added to it.
         keys.extend((0..n as u32).map(|i| (i, i, u32::MAX)));
         keys.sort_unstable();
         let (mut starts, mut rows, mut slots) = (vec![0; n + 1], Vec::new(), vec![0; entries.len()]);
@@ -63,7 +65,8 @@ impl Symmetric {
         Symmetric { n, place, starts, rows, values, slots }
     }
 
-    /// Sets the values of the entries, in the order in which the pattern has them; those at one place add up.
+    /// Sets the values of the entries, in the order in which they were given to `pattern`; values at the same place are
+    /// added up.
     pub fn fill(&mut self, values: impl IntoIterator<Item = f64>) {
         self.values.fill(0.0);
         for (slot, value) in self.slots.iter().zip(values) {
@@ -76,8 +79,8 @@ impl Symmetric {
         self.place.iter().map(|&place| self.values[self.starts[place as usize + 1] - 1]).collect()
     }
 
-    /// The factors of A + diag(shift); stops at a pivot that is not greater than `least` times what it was made from,
-    /// the size of its diagonal entry and of all that is subtracted from it.
+    /// Factors A + diag(shift). Stops at a pivot that is not greater than `least` times the sum of the magnitudes of its
+    /// diagonal entry and of all that is subtracted from it.
     pub fn factor(&self, shift: impl Fn(usize) -> f64, least: f64) -> Result<Factors, NotPositive> {
         let n = self.n;
         let mut row_of = vec![0usize; n];
@@ -160,7 +163,7 @@ impl Symmetric {
     }
 }
 
-/// The way from i up the tree to what is marked already, in front of the pattern found so far.
+/// Appends the path from i up the tree, as far as the first marked column, to the pattern; it is stored backwards.
 fn reach(i: usize, k: usize, parents: &[usize], mark: &mut [usize], way: &mut Vec<u32>, pattern: &mut Vec<u32>) {
     let mut at = i;
     way.clear();
@@ -173,7 +176,7 @@ fn reach(i: usize, k: usize, parents: &[usize], mark: &mut [usize], way: &mut Ve
 }
 
 impl Factors {
-    /// The most entries that a row of L has, its diagonal not counted.
+    /// The largest number of entries in a row of L, not counting the diagonal.
     pub fn longest_row(&self) -> usize {
         let mut counts = vec![0usize; self.pivots.len()];
         self.rows.iter().for_each(|row| counts[*row as usize] += 1);
@@ -206,10 +209,10 @@ impl Factors {
     }
 }
 
-/// Below this the order makes no difference that would pay for finding it.
+/// Up to this size the order makes too little difference to pay for finding it.
 const SMALL: usize = 8;
 
-/// The place of each row in the order of elimination.
+/// The position of each row in the order of elimination.
 fn order(n: usize, entries: &[(u32, u32)]) -> Vec<u32> {
     let as_given = || (0..n as u32).collect();
     if n <= SMALL {
@@ -222,7 +225,7 @@ fn order(n: usize, entries: &[(u32, u32)]) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// A grid of springs: the discrete Laplacian of side m, grounded at every node by a little.
+    /// A grid of springs: the discrete Laplacian of side m, with a weak spring to ground at every node.
     fn grid(m: usize) -> (usize, Vec<(u32, u32)>, Vec<f64>) {
         let (mut places, mut values) = (Vec::new(), Vec::new());
         let at = |i: usize, j: usize| (i * m + j) as u32;
@@ -261,7 +264,7 @@ mod tests {
         assert!(worst < 1e-10, "{worst:e}");
     }
 
-    /// Masses that hardly anything joins.
+    /// Masses with hardly any connections.
     #[test]
     fn a_pattern_of_few_entries_has_its_factors() {
         let mut matrix = Symmetric::pattern(12, &[(3, 3), (3, 7), (7, 7)]);

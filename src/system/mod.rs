@@ -1,10 +1,10 @@
 //! The linear system M q'' + C q' + K q = (B0 + B1 s + B2 s^2) u, y = (P0 + P1 s + P2 s^2) q + (D0 + D1 s + D2 s^2) u,
-//! kept as the terms that it was assembled from. It knows neither the language nor springs: coordinates and terms have
-//! names and places to talk about, and that is all. See docs/method/system.md.
+//! kept as the terms it is the sum of. It knows neither the language nor springs, only names and places in the text for
+//! its coordinates and terms. See docs/method/system.md.
 //!
 //! Each of M, C and K is a sum of signed squares `w a a^T` with a sparse row `a`. The terms hold more digits than the
-//! matrix: a chain of springs determines every frequency to the last digit whatever its stiffness ratio, the assembled
-//! matrix does not (shared by Demmel et al., LAA 299 (1999) 21-80).
+//! matrix: those of a chain of springs determine every frequency to the last digit whatever the stiffness ratios, the
+//! assembled matrix does not (a principle also found in Demmel et al., LAA 299 (1999) 21-80).
 
 pub mod chain;
 pub mod ldl;
@@ -35,15 +35,15 @@ pub struct Coordinate {
     pub span: Span,
 }
 
-/// What a coordinate measures: decides its unit, m or rad.
+/// What a coordinate measures, which decides its unit: m or rad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
     Translation,
     Rotation,
 }
 
-/// What a coordinate, a term, an input or an output is called: a name of the model and, for coordinates, a motion.
-/// Written out only where it is shown (see [`LinearSystem::display`]): a scene of a million masses has millions of them.
+/// The name of a coordinate, term, input or output: a name of the model and, for coordinates, a motion. It is formatted
+/// only when it is shown (see [`LinearSystem::display`]): a scene of a million masses has millions of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label {
     pub name: Name,
@@ -51,24 +51,24 @@ pub struct Label {
     pub motion: &'static str,
 }
 
-/// What made terms of a form: an item of the model, with the name to show. Two sources may have the same name (a spring may
-/// be called `gravity`); their origins differ.
+/// The item of the model that terms of a form come from, with the name to show. Two sources may have the same name (a
+/// spring may be called `gravity`); their origins differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
     pub name: Label,
     pub origin: Origin,
 }
 
-/// Where a source of terms stands in the model: an index counts the items of that kind in order of declaration.
+/// The kind of item that terms come from, and its index among the items of that kind in order of declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Origin {
     Body(u32),
-    /// A spring or a damper.
+    /// A spring, a damper or an inerter.
     Element(u32),
     /// A load that is part of the rest.
     Input(u32),
-    /// A joint or a coupling that closes a loop, by its reaction.
+    /// The reaction of a joint or coupling that closes a loop.
     Constraint(u32),
     /// The weights of all bodies.
     Gravity,
@@ -99,8 +99,8 @@ pub struct LinearSystem {
     pub m: Form,
     pub c: Form,
     pub k: Form,
-    /// Motions that rows of M, C and K may hold besides coordinates, with ids from n on; empty but for scenes that hang
-    /// deep (see `chain`). Analyses take systems without them.
+    /// Motions that rows of M, C and K may refer to besides coordinates, with ids from n on; empty except in scenes that
+    /// hang deep (see `chain`). Most analyses need systems without them.
     pub chain: Vec<chain::ChainedRow>,
     pub inputs: Vec<Input>,
     pub outputs: Vec<Output>,
@@ -121,7 +121,7 @@ pub struct Form {
 pub struct Term {
     pub weight: Number,
     pub nature: Nature,
-    /// Index of what made it, into the form's sources; terms of one element share it.
+    /// Index into the form's sources; terms of one element share it.
     pub source: u32,
     start: u32,
     len: u32,
@@ -130,9 +130,9 @@ pub struct Term {
 /// Where a term comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nature {
-    /// Inertia, elasticity, dissipation: the weight is a property that the model gives (its sign too).
+    /// Inertia, elasticity, dissipation: the weight, including its sign, is a property given by the model.
     Property,
-    /// Stiffness of gravity, of tensions or of the reactions of joints: either sign.
+    /// Stiffness due to gravity, tensions or joint reactions, of either sign.
     Geometric,
 }
 
@@ -164,21 +164,21 @@ impl Form {
         Form::default()
     }
 
-    /// Makes room for so many more terms with so many entries together.
+    /// Reserves room for `terms` more terms with `entries` entries in total.
     pub fn reserve(&mut self, terms: usize, entries: usize) {
         self.sources.reserve(terms);
         self.terms.reserve(terms);
         self.entries.reserve(entries);
     }
 
-    /// Registers what terms come from; returns the index for [`Form::push`].
+    /// Registers a source of terms; returns the index for [`Form::push`].
     pub fn source(&mut self, source: impl Into<Source>) -> u32 {
         self.sources.push(source.into());
         u32::try_from(self.sources.len() - 1).expect("the number of parts is limited far below")
     }
 
-    /// Adds `weight row row^T`; entries that are exactly zero are dropped, a term without entries or weight too.
-    /// The row's coordinates are distinct.
+    /// Adds `weight row row^T`. Entries that are exactly zero are dropped, and so is a term without entries or weight.
+    /// The row's coordinates must be distinct.
     pub fn push(
         &mut self,
         source: u32,
@@ -220,7 +220,7 @@ impl Form {
         self.terms.is_empty()
     }
 
-    /// The assembled matrix, row by row: n x n numbers, exact where the terms are. For small n; analyses that want
+    /// The assembled matrix, row by row: n x n numbers, exact if the terms are. For small n; analyses that need all
     /// digits use the terms.
     pub fn entries(&self, n: usize) -> Vec<Vec<Number>> {
         let mut entries: Vec<Vec<Number>> = vec![vec![Number::ZERO; n]; n];

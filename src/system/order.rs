@@ -1,14 +1,14 @@
-//! The order of elimination of a sparse symmetric matrix: approximate minimum degree (Amestoy, Davis, Duff, SIAM J. Matrix
-//! Anal. 17 (1996) 886; crate `amd`). In: the places of its entries. Out: the place of each row in the order.
+//! The order of elimination of a sparse symmetric matrix: approximate minimum degree (Amestoy, Davis, Duff, SIAM J.
+//! Matrix Anal. 17 (1996) 886; crate `amd`). In: the places of its entries. Out: the position of each row in the order.
 
-/// The place of each of n rows in an order of little fill, for entries in either triangle, given once or more; rows without
-/// entries have their place too. `None` where the pattern is beyond the crate's numbers.
+/// The position of each of n rows in an order with little fill. Entries may be in either triangle and given more than
+/// once; rows without entries get a position too. `None` if the pattern is too large for the crate's integers.
 pub fn least_fill(n: usize, entries: impl IntoIterator<Item = (u32, u32)>) -> Option<Vec<u32>> {
     if n == 0 {
         return Some(Vec::new());
     }
-    // With the diagonal, each entry once: the crate takes it for granted that there are at least as many entries as rows,
-    // and not more outside the diagonal than it counts itself.
+    // With the diagonal, and each entry once: the crate assumes that there are at least as many entries as rows, and no
+    // more off the diagonal than it counts itself.
     let diagonal = (0..n as u32).map(|i| (i, i));
     let pairs = entries.into_iter().chain(diagonal);
     let mut pairs: Vec<(i32, i32)> = pairs.map(|(i, j)| (i.min(j) as i32, i.max(j) as i32)).collect();

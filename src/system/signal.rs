@@ -1,21 +1,21 @@
-//! Signals of time that drive inputs, as plain data in SI: what a model declares, without its words.
+//! Functions of time that drive inputs, as plain data in SI units: what a model declares, apart from its wording.
 //! See docs/method/response.md.
 
 use crate::base::Number;
 
-/// A signal of time; SI, angles in radians, frequencies in Hz.
+/// A function of time; SI units, angles in radians, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
     Step {
         value: Number,
         at: Number,
     },
-    /// `value` is the time integral.
+    /// `value` is the integral over time.
     Impulse {
         value: Number,
         at: Number,
     },
-    /// From 0 at `from` to `value` at `to`, which it keeps.
+    /// Rises from 0 at `from` to `value` at `to`, and keeps that value.
     Ramp {
         value: Number,
         from: Number,
@@ -39,7 +39,8 @@ pub enum Signal {
         to: Number,
         duration: Number,
     },
-    /// Times ascending and values, kept before the first and after the last; between them a line or a natural cubic spline.
+    /// Values at ascending times, constant before the first and after the last; in between straight lines or a natural
+    /// cubic spline.
     Table {
         times: Vec<Number>,
         values: Vec<Number>,
