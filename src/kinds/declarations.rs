@@ -1,4 +1,4 @@
-//! Every declaration: its keyword, how it is written, what it is made of, its fields and its page in the manual.
+//! Every declaration: its keyword, how it is written, its pieces and fields, and its page in the manual.
 
 use super::functions::{DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
 use super::motions::INITIAL_FIELDS;
@@ -11,17 +11,17 @@ use crate::{elements, joints};
 #[derive(Clone, Copy, Debug)]
 pub struct Declaration {
     pub keyword: &'static str,
-    /// What the grammar and the tree make of it.
+    /// Its form in the grammar and in the tree.
     pub shape: Shape,
-    /// How it is written, as one example, to be shown and to be typed.
+    /// One example of it, to be shown and to be typed.
     pub form: &'static str,
-    /// More examples, one a line.
+    /// More examples, one per line.
     pub forms: &'static str,
     /// What it declares, in one sentence.
     pub summary: &'static str,
     /// Its rules, as Markdown paragraphs.
     pub rules: &'static str,
-    /// The heading of `spec.md` with the whole story.
+    /// The heading of `spec.md` under which it is described in full.
     pub heading: &'static str,
     /// What other languages and textbooks call it.
     pub synonyms: &'static [&'static str],
@@ -63,7 +63,7 @@ impl PartialEq for Declaration {
 impl Eq for Declaration {}
 
 impl Declaration {
-    /// Whether it lies between ends.
+    /// Whether it connects ends.
     pub fn has_ends(&self) -> bool {
         self.pieces.iter().any(|piece| matches!(piece, Piece::End(_)))
     }
@@ -73,7 +73,7 @@ impl Declaration {
         self.pieces.iter().any(|piece| matches!(piece, Piece::Along))
     }
 
-    /// What its signal is measured in, where it may have one.
+    /// What its signal is measured in, if it can have one.
     pub fn signal(&self) -> Option<&'static super::SignalKind> {
         self.pieces.iter().find_map(|piece| match piece {
             Piece::Signal(kind) => Some(*kind),
@@ -93,7 +93,7 @@ impl Declaration {
         matches!(self.shape, Shape::Element(_))
     }
 
-    /// What its expressions are made of.
+    /// The contents of its expressions.
     pub fn contents(&self) -> impl Iterator<Item = Content> + use<> {
         let inner = |piece: &'static Piece| match piece {
             Piece::OneOf(_, _, choices) => choices.iter().flat_map(|pieces| pieces.iter()).collect(),
@@ -115,7 +115,7 @@ impl Declaration {
     }
 }
 
-/// What the manual says of a declaration.
+/// The manual's page about a declaration.
 struct Page {
     forms: &'static str,
     summary: &'static str,
@@ -186,7 +186,7 @@ pub const BASE_FIELDS: [Field; 3] = [
     Field::new("turns", Takes::Nothing, "turns", "The base turns as prescribed."),
 ];
 
-/// Declarations before the joints, in the order of spec.md#keywords.
+/// The declarations before the joints, in the order of spec.md#keywords.
 const FIRST: [Declaration; 6] = [
     declaration(
         Shape::Model,
@@ -298,7 +298,7 @@ const FIRST: [Declaration; 6] = [
     },
 ];
 
-/// Between joints and elements.
+/// The declarations between joints and elements.
 const MIDDLE: [Declaration; 1] = [Declaration {
     synonyms: &["gear", "rack"],
     ..declaration(
@@ -323,7 +323,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
     )
 }];
 
-/// After the elements.
+/// The declarations after the elements.
 const LAST: [Declaration; 10] = [
     Declaration {
         synonyms: &["support"],
@@ -540,7 +540,7 @@ const fn of_element(place: usize) -> Declaration {
 
 const COUNT: usize = FIRST.len() + joints::KINDS.len() + MIDDLE.len() + elements::KINDS.len() + LAST.len();
 
-/// Every declaration, in the order in which they are listed to people.
+/// Every declaration, in the order in which they are listed to users.
 pub static DECLARATIONS: [Declaration; COUNT] = table();
 
 const fn table() -> [Declaration; COUNT] {

@@ -1,9 +1,9 @@
-//! Functions of the language by the places where they stand: shapes, signals, measures, kinds of damping, and the functions
+//! Functions of the language, grouped by where they are used: shapes, signals, measures, kinds of damping, and functions
 //! of numbers. See spec.md#expressions, spec.md#bodies, spec.md#signals, spec.md#scene and spec.md#measures.
 
 use crate::base::{Dimension, Expected};
 
-/// A function: its words, and what it takes.
+/// A function: its words and its arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Function {
     pub name: &'static str,
@@ -17,7 +17,7 @@ pub struct Function {
     pub optional: usize,
 }
 
-/// What a function takes.
+/// The type of an argument of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Argument {
     /// A number of any dimension.
@@ -29,7 +29,7 @@ pub enum Argument {
     Amplitude,
     /// The integral of an input over time.
     Impulse,
-    /// A time; this one comes after the time before it.
+    /// A time; `LaterTime` must come after the time before it.
     Time,
     LaterTime,
     /// The name of a file in quotes.
@@ -43,7 +43,7 @@ pub enum Argument {
 }
 
 impl Function {
-    /// Whether so many arguments are what it takes.
+    /// Whether the function takes this number of arguments.
     pub fn takes(&self, count: usize) -> bool {
         count <= self.arguments.len() && count + self.optional >= self.arguments.len()
     }
@@ -74,7 +74,7 @@ pub const ANGLE_SIGNAL: SignalKind = SignalKind {
     impulse: Expected::new("an angle times a time", Dimension::TIME, "1 rad*s"),
 };
 
-/// A function with what it is to the stage that reads it.
+/// A function and its meaning for the stage that reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct Named<K> {
     pub kind: K,
@@ -286,7 +286,7 @@ pub const NUMBERS: &[Named<()>] = &[
     entry((), ["ln", "ln(x)", "ln(x)"], "The natural logarithm.", &[Argument::Any]),
 ];
 
-/// What a function is, and so where it stands.
+/// The kind of a function, which decides where it may be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
     Shape,

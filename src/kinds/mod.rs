@@ -1,8 +1,8 @@
-//! The one table of what a model is written in: every declaration with its words, fields and documentation, every function,
-//! every motion. See spec.md#text and spec.md.
+//! The single table of the language: every declaration with its words, fields and documentation, every function, every
+//! motion. See spec.md#text and spec.md.
 //!
-//! The parser, the check, the editor, the formatter and the word lists of editors read it, so that a new kind of element is
-//! a file in `elements` and its line there; a new joint a file in `joints`; a signal, measure or shape a row of
+//! The parser, the check, the editor, the formatter and the word lists of editors read it, so that a new kind of element
+//! is a file in `elements` and its line there; a new joint is a file in `joints`; a signal, measure or shape is a row of
 //! [`functions`]. ARCHITECTURE.md lists what else each of them needs.
 
 pub mod declarations;
@@ -17,7 +17,8 @@ pub use piece::{Content, Naming, Piece, Space};
 use crate::{elements, joints};
 use std::sync::LazyLock;
 
-/// The declaration that starts with this word. Asked for every line of a file: the first letter leaves few to compare.
+/// The declaration that starts with this word. Called for every line of a file, so it compares only keywords with the
+/// same first letter.
 pub fn declaration(word: &str) -> Option<&'static Declaration> {
     let first = word.as_bytes().first()?.wrapping_sub(b'a');
     let mut place = *BY_LETTER.first.get(usize::from(first))?;
@@ -30,11 +31,11 @@ pub fn declaration(word: &str) -> Option<&'static Declaration> {
     None
 }
 
-/// Declarations in chains by the first letter of their keyword; a chain ends beyond the table.
+/// Chains of declarations with the same first letter; a chain ends with an index beyond the table.
 struct ByLetter {
-    /// For each letter the place of a declaration.
+    /// For each letter, the index of the first declaration.
     first: [u8; 26],
-    /// For each declaration the place of the next one.
+    /// For each declaration, the index of the next one.
     next: [u8; DECLARATIONS.len()],
 }
 
@@ -52,12 +53,12 @@ const fn by_letter() -> ByLetter {
     chains
 }
 
-/// A field of this name, of whatever declaration: for texts in which a declaration may have lost its keyword.
+/// The field of this name, in any declaration: for texts in which a declaration may have lost its keyword.
 pub fn field(name: &str) -> Option<&'static crate::base::Field> {
     DECLARATIONS.iter().find_map(|declaration| declaration.field(name))
 }
 
-/// A kind of element: its place in [`elements::KINDS`].
+/// A kind of element: its index in [`elements::KINDS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementId(pub u8);
 
@@ -67,7 +68,7 @@ impl ElementId {
     }
 }
 
-/// A kind of joint: its place in [`joints::KINDS`].
+/// A kind of joint: its index in [`joints::KINDS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JointId(pub u8);
 
@@ -77,7 +78,7 @@ impl JointId {
     }
 }
 
-/// `body, spring or damper`: what motions and quantities may be asked of.
+/// `body, spring or damper`: the things whose motions and quantities a model may use.
 pub fn body_or_element() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let elements = elements::KINDS.iter().map(|kind| kind.keyword);
@@ -134,7 +135,7 @@ mod tests {
         }
     }
 
-    /// The kind of `elements::dummy` is known to the table alone.
+    /// The kind of `elements::dummy` is known to the table only.
     mod a_dummy {
         use crate::base::{FileId, SourceFile, Sources};
         use crate::editor::completion::{self, Item};
@@ -154,7 +155,7 @@ mod tests {
             (sources, file)
         }
 
-        /// What the parser and the check find, as people read it.
+        /// What the parser and the check report, as users read it.
         fn found(text: &str) -> Vec<String> {
             let (sources, file) = sources(text);
             let parsed = syntax::parse(&sources, file);

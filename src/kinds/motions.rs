@@ -1,4 +1,4 @@
-//! Motions: what may be asked of a part behind a dot. See spec.md#outputs.
+//! Motions: the quantities that may follow a part and a dot. See spec.md#outputs.
 
 use crate::base::{Dimension, Expected, Field};
 
@@ -13,12 +13,12 @@ pub struct Motion {
     pub meaning: &'static str,
 }
 
-/// Along what a motion is measured.
+/// The direction in which a motion is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     X,
     Y,
-    /// Not along anything: a rotation.
+    /// No direction: a rotation.
     Turn,
 }
 
@@ -62,7 +62,7 @@ pub const ELEMENT_MOTIONS: [(ElementMotion, &str, &str); 2] = [
     (ElementMotion::Stretch, "stretch", "The change of its stretch from rest, m or rad."),
 ];
 
-/// The motions that an `initial` may give, from rest.
+/// The initial motions that an `initial` may give, measured from rest.
 pub const INITIAL_FIELDS: [Field; 6] = [
     Field::number(
         "x",

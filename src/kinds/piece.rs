@@ -1,4 +1,4 @@
-//! What a declaration is made of after its keyword: pieces in the order in which they stand, with what messages call them.
+//! The pieces of a declaration after its keyword, in order, with the phrases that messages use for them.
 
 use super::SignalKind;
 use crate::base::Dimension;
@@ -12,7 +12,7 @@ pub enum Space {
     Parts,
 }
 
-/// What a name or word of a declaration does.
+/// The role of a name or word in a declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Naming {
     /// The model's own name.
@@ -21,49 +21,49 @@ pub enum Naming {
     New(Space),
     /// The index of a `repeat`.
     Index,
-    /// Refers to what another declaration declares.
+    /// Refers to a name that another declaration declares.
     Of(Space),
 }
 
-/// A piece of a declaration. Where blanks may stand between pieces, the grammar says so.
+/// A piece of a declaration. The grammar says where blanks may stand between pieces.
 #[derive(Clone, Copy, Debug)]
 pub enum Piece {
     /// A blank, before a name or a word.
     Blank,
     /// A blank or a bracket, before a value.
     Apart,
-    /// A word without indices, and whose name it is.
+    /// A word without indices, and a phrase for what it names.
     Word(Naming, &'static str),
-    /// A name, and whose.
+    /// A name, and a phrase for what it names.
     Name(Naming, &'static str),
-    /// A sign, and between or after what it stands.
+    /// A sign, and a phrase for its place.
     Sign(&'static str, &'static str),
-    /// A word of the language, and between or after what it stands.
+    /// A word of the language, and a phrase for its place.
     Marker(&'static str, &'static str),
-    /// One of several words, what they stand after, and what follows each of them.
+    /// One of several words, a phrase for their place, and the pieces that follow each of them.
     OneOf(&'static [&'static str], &'static str, &'static [&'static [Piece]]),
-    /// An expression: what it is, and what it is made of.
+    /// An expression: a phrase for it, and its contents.
     Value(&'static str, Content),
-    /// Expressions in brackets, what they stand before, and what each of them is.
+    /// Expressions in brackets, a phrase for the place of the brackets, and one for each expression.
     Arguments(&'static str, &'static str),
-    /// An end: `block@A`, and which.
+    /// An end, `block@A`, and a phrase for it.
     End(&'static str),
-    /// `-- block@A`, which may be missing.
+    /// `-- block@A`, optional.
     OtherEnd(&'static str),
-    /// `along (1, 0)`, which may be missing.
+    /// `along (1, 0)`, optional.
     Along,
-    /// `= harmonic(10 N, 1.5 Hz)`, which may be missing, and what the signal is measured in.
+    /// `= harmonic(10 N, 1.5 Hz)`, optional, and what the signal is measured in.
     Signal(&'static SignalKind),
     /// Fields in braces.
     Fields,
 }
 
-/// What an expression is made of.
+/// The contents of an expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Numbers of any dimension.
     Any,
-    /// A number of this dimension, or a pair of such.
+    /// A number of this dimension, or a pair of such numbers.
     Number(Dimension),
     /// Motions of parts.
     Motions,
