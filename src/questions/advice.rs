@@ -1,6 +1,6 @@
-//! What would make a requirement hold: a parameter, and a value of it at which the requirement was seen to hold. In: a requirement
-//! that fails. Out: the parameter that moves its measure most, with a value where one was found.
-//! See docs/method/measures.md.
+//! Advice on how to make a requirement hold: a parameter, and a value of it at which the requirement was found to hold.
+//! In: a requirement that fails. Out: the parameter that changes its measure most, with a value if one was found. See
+//! docs/method/measures.md.
 
 use super::answer::{Requirement, Value, few_digits, shown, told};
 use super::derivative::{slope, step};
@@ -12,26 +12,26 @@ use crate::base::{Ball, Number, Quantity, Rational};
 use crate::model::Setting;
 use crate::model::scene::{Parameter, Question, Require};
 
-/// Parameters that are tried, at most: a scene of thousands has them in repetitions.
+/// At most so many parameters are tried: if a scene has thousands, most are repetitions.
 const MOST_TRIED: usize = 200;
-/// Parameters for which a value is looked for.
+/// At most so many parameters are searched for a value.
 const MOST_ADVISED: usize = 4;
-/// Parameters that are tried where the requirement has no number that says which way to go.
+/// At most so many parameters are tried if the requirement has no number that gives a direction.
 const MOST_BLIND: usize = 12;
-/// More than so many times its value is no advice.
+/// A value more than so many times the present one is not worth advising.
 const MOST_RAISED: f64 = 1000.0;
-/// Factors of a parameter that are tried one after another, the smallest changes first.
+/// Factors on a parameter, tried in this order: the smallest changes first.
 const FACTORS: [f64; 8] = [2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 500.0, 0.002];
-/// Steps beyond the estimate: the first at which the requirement holds is reported.
+/// Steps to the estimate and beyond; the first at which the requirement holds is reported.
 const BEYOND: [f64; 6] = [1.0, 1.01, 1.05, 1.25, 2.0, 4.0];
-/// Halvings between a value that fails and one that does.
+/// Number of bisections between a value that fails and one that holds.
 const HALVINGS: usize = 12;
 
 /// A requirement that fails, with the model that it stands in.
 pub struct Advice<'a> {
     pub text: &'a Text<'a>,
     pub settings: &'a [Setting],
-    /// Those that are not solved for.
+    /// The parameters that are not solved for.
     pub parameters: &'a [Parameter],
     /// Number of the requirement.
     pub index: usize,
@@ -39,7 +39,7 @@ pub struct Advice<'a> {
 }
 
 impl Advice<'_> {
-    /// What would do; `None` where nothing was found that moves it.
+    /// The best advice; `None` if no parameter was found that changes the measure.
     pub fn mover(&self, requirement: &Requirement) -> Option<Mover> {
         match requirement.value {
             Value::Number(here) => self.by_slope(here),
@@ -47,7 +47,7 @@ impl Advice<'_> {
         }
     }
 
-    /// The parameters with the largest slopes first.
+    /// Tries the parameters with the largest slopes first.
     fn by_slope(&self, here: Ball) -> Option<Mover> {
         let varied = self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_TRIED);
         let mut slopes: Vec<(&Parameter, f64)> = varied
@@ -56,7 +56,7 @@ impl Advice<'_> {
                 (slope != 0.0 && slope.is_finite()).then_some((parameter, slope))
             })
             .collect();
-        // Stable: of equal ones the first that is declared.
+        // The sort is stable: among equal slopes the first declared comes first.
         slopes.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
         let (first, slope) = *slopes.first()?;
         let percent = |slope: f64| few_digits(three_digits(slope / here.to_f64()));
@@ -79,7 +79,8 @@ impl Advice<'_> {
         })
     }
 
-    /// Every parameter by the same factors, until the requirement holds; then back to where it begins to.
+    /// Multiplies every parameter by the same factors until the requirement holds, then bisects back to where it begins
+    /// to hold.
     fn blind(&self) -> Option<Mover> {
         let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_BLIND);
         let (parameter, factor) = FACTORS.iter().find_map(|&factor| {
@@ -115,7 +116,7 @@ impl Advice<'_> {
         }
     }
 
-    /// The first value, from the estimate on away from the present one, at which the requirement is certain to hold.
+    /// The first value, from the estimate onwards away from the present one, at which the requirement certainly holds.
     fn at_or_beyond(&self, parameter: &Parameter, wanted: f64) -> Option<Number> {
         let now = parameter.value.si.to_f64();
         let values = BEYOND.iter().filter_map(|times| decimal_from(parameter, now, now + (wanted - now) * times));
@@ -143,7 +144,8 @@ impl Advice<'_> {
         Some((question, measured))
     }
 
-    /// The derivative of the requirement's measure by a parameter, by differences: it chooses, and is reported to three digits.
+    /// The derivative of the requirement's measure with respect to a parameter, by differences: it selects parameters,
+    /// and is reported to three digits.
     fn slope(&self, parameter: &Parameter, here: Ball) -> Option<Ball> {
         let h = step(&parameter.value.si, &Number::ONE, here.relative_error());
         let at = |si: Number| match self.measured(parameter, &si)? {
@@ -154,8 +156,9 @@ impl Advice<'_> {
         slope(at(value - &h), Some(here), at(value + &h), &h).ok()
     }
 
-    /// About where the measure reaches its limit: along the power of the parameter that the slope says (stiffnesses and masses
-    /// act like powers), or along the tangent where signs forbid a power. `slope` is by the relative change of the parameter.
+    /// An estimate of where the measure reaches its limit: along the power law with the given slope (stiffnesses and
+    /// masses act like powers), or along the tangent if the signs rule out a power. `slope` is with respect to the
+    /// relative change of the parameter.
     fn reaching(&self, parameter: &Parameter, here: &Ball, slope: f64) -> Option<f64> {
         let (value, limit) = (parameter.value.si.to_f64(), self.require.question.value.to_f64());
         let (here, ratio) = (here.to_f64(), limit / here.to_f64());
@@ -175,7 +178,7 @@ fn three_digits(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 
-/// Three digits in the parameter's own unit, as it is reported.
+/// Three digits in the parameter's own unit, as reported.
 fn decimal(parameter: &Parameter, x: f64) -> Option<Number> {
     let factor = parameter.unit.factor.clone().unwrap_or(Number::ONE);
     let short = Rational::from_decimal(&format!("{:.2e}", x / factor.to_f64()))?;

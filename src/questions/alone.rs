@@ -1,5 +1,6 @@
-//! One unknown and its measure: every root in the range, and a proof that there is no other. In: a `solve` line, the text.
-//! Out: the value, with what is known of others; or what was seen. See docs/method/measures.md.
+//! One unknown and its measure: every root in the range, and a proof that there is no other. In: a `solve` line and the
+//! text. Out: the value, with what is known about others; or an error with what was evaluated. See
+//! docs/method/measures.md.
 
 use super::answer::Others;
 use super::cover::{Cover, Covered, Part, Rest};
@@ -8,12 +9,12 @@ use super::search::{Difference, Look, Root, Seen, exactly, narrow, search, sign}
 use super::together::{Unknowns, constant, shortest};
 use crate::base::{Ball, Dd, Number};
 
-/// How often what was missed is searched for.
+/// Rounds of searching for roots that were missed.
 const MOST_ROUNDS: usize = 6;
-/// Open parts so near to a root, relative to it, belong to its bound.
+/// Open parts this near to a root, relative to it, are included in its bound.
 const AT_A_ROOT: f64 = 1e-12;
 
-/// What a search came to.
+/// A search and its results so far.
 struct Search<'a, 'b> {
     unknowns: &'a Unknowns<'b>,
     equation: usize,
@@ -23,7 +24,7 @@ struct Search<'a, 'b> {
 }
 
 impl Unknowns<'_> {
-    /// One unknown, one equation.
+    /// Solves one equation for one unknown.
     pub fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
         let mut search = Search { unknowns: self, equation, unknown, seen: Seen::default(), rest: Rest::Unknown };
         search.run();
@@ -43,7 +44,7 @@ impl Search<'_, '_> {
         (&solve.low, &solve.high)
     }
 
-    /// Roots, then the proof that there are no others; what the proof comes upon is searched for.
+    /// Searches for roots, then tries to prove that there are no others; roots that the proof reveals are searched for.
     fn run(&mut self) {
         let (low, high) = (self.ends().0.clone(), self.ends().1.clone());
         let whole = Part { low: low.enclosure().mid, high: high.enclosure().mid };
@@ -72,7 +73,7 @@ impl Search<'_, '_> {
                 return;
             }
             if self.seen.roots.len() == before {
-                // A jump: it is no root, and nothing more is known of these parts.
+                // A jump: it is not a root, and nothing more is known about these parts.
                 let parts = match std::mem::replace(&mut self.rest, Rest::Unknown) {
                     Rest::Open(parts) => parts,
                     Rest::Empty(_) | Rest::Unknown => Vec::new(),
@@ -84,13 +85,14 @@ impl Search<'_, '_> {
         self.rest = Rest::Unknown;
     }
 
-    /// The measure lies on the same side at all looks.
+    /// Whether the measure lies on the same side at all evaluations.
     fn lies_on_one_side(&self) -> bool {
         let sides: Vec<_> = self.seen.looks.iter().map(|look| sign(&look.difference)).collect();
         sides.iter().all(|side| side.is_some_and(|side| side.is_ne()) && *side == sides[0])
     }
 
-    /// Numbers of few digits where the measure turns or touches: one at which it is exactly what is asked is a root.
+    /// Evaluates the measure at numbers of few digits where it turns or touches: if it is exactly the target there, that
+    /// is a root.
     fn settle_touches(&mut self) {
         let unit = self.unknowns.solves[self.unknown].parameter.unit.factor.clone();
         let touches = self.seen.turns.iter().chain(self.seen.roots.iter().filter(|root| root.proof.is_none()));
@@ -116,7 +118,7 @@ impl Search<'_, '_> {
         self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
     }
 
-    /// Settles what lies between the brackets of the roots; what is left beside a root goes into its bound.
+    /// Settles the gaps between the brackets of the roots; what stays open beside a root goes into its bound.
     fn cover(&mut self, whole: Part) -> Covered {
         let mut parts = Vec::new();
         let mut from = whole.low;
@@ -154,7 +156,7 @@ impl Search<'_, '_> {
         covered
     }
 
-    /// The value, or what is wrong.
+    /// The value, or the error.
     fn judged(self) -> Result<(Seen, Others), Box<AskedError>> {
         let Search { unknowns, equation, unknown, seen, rest } = self;
         let proven = matches!(rest, Rest::Empty(_));
@@ -216,7 +218,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// The looks of a search, for what is reported of them.
+/// The evaluations with the least and the largest difference, for messages.
 pub fn extremes(looks: &[Look]) -> Option<(&Look, &Look)> {
     let size = |look: &&Look| match &look.difference {
         Difference::Known(ball) => ball.to_f64(),

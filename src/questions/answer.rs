@@ -1,4 +1,4 @@
-//! What was found out about the lines `solve` and `require`: plain data for reports.
+//! Answers to the lines `solve` and `require`: plain data for reports.
 
 use super::cover::Proof;
 use crate::base::{Ball, Number, Span, Unproven};
@@ -13,39 +13,39 @@ pub struct Solved {
     pub parameter: String,
     /// Where the line names it.
     pub span: Span,
-    /// SI; the rest of the report is about the model with exactly this number.
+    /// In SI units; the rest of the report is about the model with exactly this number.
     pub value: Number,
-    /// How it is shown.
+    /// The unit in which it is shown.
     pub unit: Written,
-    /// Bound of |value - root|, SI; `None` where none is proven.
+    /// Bound of |value - root|, SI; `None` if none is proven.
     pub bound: Option<f64>,
     /// What is known of other values in the range.
     pub others: Others,
     /// The measure as written.
     pub measure: String,
-    /// What it should be, and how it is shown.
+    /// What the measure should be, and the unit in which that is shown.
     pub target: Number,
     pub target_unit: Written,
-    /// Both are frequencies that were written in rad/s.
+    /// Whether measure and target are frequencies written in rad/s.
     pub in_radians: bool,
-    /// The measure less what it should be, at this value.
+    /// The measure minus its target, at this value.
     pub residual: Ball,
-    /// Derivative of the measure by the parameter, SI; `None` where the measure has none.
+    /// Derivative of the measure with respect to the parameter, SI; `None` if the measure has none.
     pub slope: Option<Derivative>,
-    /// At so many values of the range the measure was looked at.
+    /// Number of values of the range at which the measure was evaluated.
     pub looked_at: usize,
-    /// How long the motion was followed, where the measure is one of time, s.
+    /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
 }
 
-/// Whether a range holds other values that would do.
+/// Whether the range contains other values that meet the condition.
 #[derive(Clone, Debug)]
 pub enum Others {
-    /// None: that is proven.
+    /// None, and that is proven.
     None(Proof),
-    /// None outside these parts, which were not settled; their ends in words.
+    /// None outside these parts, which were not settled; their ends as text.
     Unsettled(Vec<(String, String)>),
-    /// No other was seen among the values that were tried.
+    /// No other was found among the values that were tried.
     Unknown,
 }
 
@@ -53,29 +53,29 @@ pub enum Others {
 #[derive(Clone, Copy, Debug)]
 pub enum Derivative {
     Enclosed(Ball),
-    /// By differences: near to it where the measure is smooth.
+    /// By differences: close to it if the measure is smooth.
     Seen(Unproven),
 }
 
-/// A requirement and how it stands.
+/// A requirement and whether it holds.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Requirement {
     /// As written.
     pub text: String,
     pub span: Span,
-    /// `None` where the bound cannot decide, or where the measure has no value.
+    /// `None` if the bound cannot decide, or if the measure has no value.
     pub holds: Option<bool>,
     pub value: Value,
     /// `None` for `stable`.
     pub limit: Option<Number>,
-    /// How far from its limit, relative to it (absolute where the limit is 0): positive where it holds.
+    /// Distance from the limit, relative to it (absolute if the limit is 0): positive if the requirement holds.
     pub margin: Option<Ball>,
-    /// How value and limit are shown.
+    /// The unit in which value and limit are shown.
     pub unit: Written,
-    /// Value and limit are frequencies that were written in rad/s.
+    /// Whether value and limit are frequencies written in rad/s.
     pub in_radians: bool,
-    /// How long the motion was followed, where the measure is one of time, s.
+    /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
 }
 
@@ -91,11 +91,11 @@ pub struct Sensitivity {
     pub first: usize,
     /// Of the undamped frequencies, Hz; `None` for a mode that does not oscillate.
     pub frequencies: Vec<Option<Slope>>,
-    /// Of the damping ratios of the damped motions, as `damping(i)` counts them; none where nothing damps.
+    /// Of the damping ratios of the damped motions, as `damping(i)` counts them; empty if nothing damps.
     pub ratios: Vec<Option<Slope>>,
 }
 
-/// A derivative by a parameter.
+/// A derivative with respect to a parameter.
 #[derive(Clone, Debug)]
 pub enum Slope {
     Smooth {
@@ -104,7 +104,8 @@ pub enum Slope {
         /// (p/f) df/dp
         relative: Derivative,
     },
-    /// Equal ones that part on both sides; the derivatives of the parts in SI where they are known, without a bound.
+    /// Equal values that separate on both sides; the derivatives of the branches in SI where they are known, without a
+    /// bound.
     Splits(Vec<Unproven>),
     /// The system is too large to compute its poles twice more for each parameter.
     NotComputed,
@@ -112,7 +113,7 @@ pub enum Slope {
     Undefined,
 }
 
-/// What a measure came to.
+/// The value of a measure.
 #[derive(Clone, Debug)]
 pub enum Value {
     Number(Ball),
@@ -125,7 +126,7 @@ pub enum Value {
 #[derive(Clone, Debug)]
 pub struct Shown<'a> {
     pub number: Ball,
-    /// Exact where the number is.
+    /// The number itself if it is exact.
     pub exact: Option<Number>,
     /// Empty for a plain number.
     pub unit: &'a str,
@@ -142,7 +143,7 @@ impl Solved {
         Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * (1.0 + 1e-15))
     }
 
-    /// What the measure should be, as it was written.
+    /// The target of the measure, as it was written.
     pub fn shown_target(&self) -> Shown<'_> {
         shown(&self.target, &self.target_unit, self.in_radians)
     }
@@ -166,7 +167,7 @@ impl Derivative {
         }
     }
 
-    /// The nearest binary64 number, whether it has a bound or not.
+    /// The nearest binary64 number, with or without a bound.
     pub fn to_f64(&self) -> f64 {
         match self {
             Derivative::Enclosed(ball) => ball.to_f64(),
@@ -203,7 +204,7 @@ impl Requirement {
         self.limit.as_ref().map(|limit| shown(limit, &self.unit, self.in_radians))
     }
 
-    /// What the measure came to, in words.
+    /// The value of the measure as text.
     pub fn told(&self) -> Cow<'_, str> {
         match (&self.value, self.shown_value()) {
             (_, Some(shown)) => Cow::Owned(told(&shown)),
@@ -214,7 +215,7 @@ impl Requirement {
     }
 }
 
-/// A number (a frequency in Hz) in the unit that was written; a level where that was one of decibels.
+/// A number (a frequency in Hz) in the unit that was written; a level if that was decibels.
 pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> {
     let turned = if in_radians { si * &(&Number::pi() * &Number::from(2)) } else { si.clone() };
     let number = match &unit.factor {
@@ -225,7 +226,7 @@ pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> 
     Shown { number: number.to_ball(), exact, unit: &unit.text }
 }
 
-/// A number and its unit, for a sentence.
+/// A number and its unit, to be used in a sentence.
 pub fn told(shown: &Shown) -> String {
     let number = few_digits(shown.number.to_f64());
     match shown.unit {

@@ -1,9 +1,9 @@
-//! The proof that a range holds no other root. In: the roots that were found, each between two numbers on different sides, and
-//! what is known of the measure over parts of the range. Out: a proof, or the parts that could not be settled, and parts where
-//! roots were missed. See docs/method/measures.md.
+//! The proof that a range contains no other root. In: the roots that were found, each between two numbers on different
+//! sides, and what is known about the measure over parts of the range. Out: a proof, or the parts that could not be
+//! settled, and parts in which roots were missed. See docs/method/measures.md.
 //!
-//! A part is settled where an enclosure of the measure does not hold what is asked, or where the measure only rises or only
-//! falls and lies on one side at both ends. Other parts are halved, as long as the effort allows.
+//! A part is settled if an enclosure of the measure does not contain the target, or if the measure is monotone there and
+//! lies on the same side at both ends. Other parts are halved as long as the effort allows.
 
 use super::over::Over;
 use crate::base::{Ball, Dd};
@@ -16,46 +16,46 @@ pub struct Part {
     pub high: Dd,
 }
 
-/// What is known of the rest of a range besides the roots that were found.
+/// What is known about the rest of a range, apart from the roots that were found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rest {
     /// There is no other root in it.
     Empty(Proof),
-    /// These parts were not settled; elsewhere there is none.
+    /// These parts were not settled; elsewhere there is no other root.
     Open(Vec<Part>),
-    /// The measure is not enclosed over ranges: nothing is known beside the values that were tried.
+    /// The measure cannot be enclosed over ranges: nothing is known beyond the values that were tried.
     Unknown,
 }
 
-/// Made by [`cover`] alone, where all of a range was settled.
+/// Made only by [`cover`], if the whole range was settled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof(());
 
-/// Looks that say nothing at all, after which the measure counts as one that is not enclosed.
+/// Number of evaluations without any information, after which the measure counts as one that cannot be enclosed.
 const SILENT: usize = 48;
-/// Parts that are reported.
+/// At most so many parts are reported.
 const MOST_PARTS: usize = 8;
 
-/// What settling parts of a range needs.
+/// What is needed to settle parts of a range.
 pub struct Cover<'a> {
     /// The measure over a part.
     pub over: &'a dyn Fn(Ball) -> Over,
-    /// On which side the measure lies at a number, for certain; equal where that is not certain.
+    /// The side on which the measure certainly lies at a number; equal if that is not certain.
     pub side: &'a dyn Fn(Dd) -> Option<Ordering>,
-    /// Parts that are looked at, at most.
+    /// At most so many parts are evaluated.
     pub most: usize,
 }
 
-/// What became of the parts.
+/// The result of settling parts.
 pub struct Covered {
     pub rest: Rest,
-    /// Parts at whose ends the measure lies on different sides: they hold roots that were not known.
+    /// Parts with the measure on different sides at their ends: they contain roots that were not known.
     pub missed: Vec<Part>,
     pub looks: usize,
 }
 
 impl Rest {
-    /// A proof, where no part is left open.
+    /// A proof, if no part is left open.
     pub fn emptied(self) -> Rest {
         match self {
             Rest::Open(parts) if parts.is_empty() => Rest::Empty(Proof(())),
@@ -65,11 +65,11 @@ impl Rest {
 }
 
 impl Cover<'_> {
-    /// Settles these parts: what lies between the brackets of the known roots.
+    /// Settles these parts, which lie between the brackets of the known roots.
     pub fn settle(&self, parts: Vec<Part>) -> Covered {
         let (mut open, mut missed) = (Vec::new(), Vec::new());
         let (mut looks, mut silent, mut heard) = (0, 0, false);
-        // Breadth first, so that what is left is small everywhere.
+        // Breadth first, so that whatever is left is small everywhere.
         let mut waiting = std::collections::VecDeque::from(parts);
         while let Some(part) = waiting.pop_front() {
             if looks >= self.most || !heard && silent >= SILENT {
@@ -79,7 +79,7 @@ impl Cover<'_> {
             looks += 1;
             let over = (self.over)(part.ball());
             if over.is_silent() {
-                // Measures that are never enclosed need no second look.
+                // Measures that can never be enclosed need no second evaluation.
                 silent += if over.is_hopeless() { SILENT } else { 1 };
             } else {
                 heard = true;
@@ -112,7 +112,7 @@ impl Cover<'_> {
 }
 
 impl Part {
-    /// A ball that holds the part.
+    /// A ball that contains the part.
     pub fn ball(&self) -> Ball {
         let middle = (self.low + self.high).scale(0.5);
         let radius = (self.high - middle).hi.abs().max((middle - self.low).hi.abs());
@@ -124,7 +124,7 @@ impl Part {
         (self.low - from).abs().to_f64().max((self.high - from).abs().to_f64()) * (1.0 + 1e-15)
     }
 
-    /// `None` where nothing lies between the ends.
+    /// `None` if no number lies between the ends.
     fn halves(&self) -> Option<[Part; 2]> {
         let middle = (self.low + self.high).scale(0.5);
         let width = (self.high - self.low).to_f64();
@@ -134,7 +134,8 @@ impl Part {
     }
 }
 
-/// Ascending, neighbours as one; the narrowest gaps are closed where there are too many to tell.
+/// The parts in ascending order, adjacent ones merged; the narrowest gaps are closed if there are too many parts to
+/// report.
 fn joined(mut parts: Vec<Part>) -> Vec<Part> {
     parts.sort_by(|a, b| a.low.hi.total_cmp(&b.low.hi).then(a.low.lo.total_cmp(&b.low.lo)));
     let mut list: Vec<Part> = Vec::new();
@@ -157,7 +158,7 @@ fn joined(mut parts: Vec<Part>) -> Vec<Part> {
 mod tests {
     use super::*;
 
-    /// What becomes of a range, for a measure with its derivative.
+    /// The result of settling a range, for a measure with its derivative.
     fn settled(low: f64, high: f64, most: usize, f: impl Fn(Ball) -> (Ball, Ball)) -> Covered {
         let over = |x: Ball| {
             let (value, slope) = f(x);
@@ -171,7 +172,7 @@ mod tests {
         Cover { over: &over, side: &side, most }.settle(vec![Part { low: Dd::from(low), high: Dd::from(high) }])
     }
 
-    /// Whether one of the parts holds a number.
+    /// Whether one of the parts contains a number.
     fn hold(parts: &[Part], x: f64) -> bool {
         parts.iter().any(|part| part.low.to_f64() <= x && x <= part.high.to_f64())
     }
@@ -186,7 +187,7 @@ mod tests {
         assert!(matches!(covered.rest, Rest::Empty(_)) && covered.missed.is_empty());
     }
 
-    /// The measure is far from what is asked, as an enclosure over half of a part would have it; not at its end.
+    /// The measure differs from the target in an enclosure that covers half of a part, but not at its end.
     #[test]
     fn the_ends_of_a_part_belong_to_it() {
         let part = Part { low: Dd::from(1.0), high: Dd::from(3.0) };
@@ -194,7 +195,7 @@ mod tests {
         assert!(ball.mid.hi - ball.rad <= 1.0 && ball.mid.hi + ball.rad >= 3.0, "{ball:?}");
     }
 
-    /// Both roots of x^2 = 2, in whatever halves they are.
+    /// Both roots of x^2 = 2, whichever halves they are in.
     #[test]
     fn roots_that_were_not_known_are_missed() {
         let covered = settled(-3.1, 4.3, 1000, square_less(2.0));
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    /// (x - 1)^2 touches zero: there its part stays open, however many are looked at.
+    /// (x - 1)^2 touches zero: the part around it stays open, however many are evaluated.
     #[test]
     fn a_double_root_stays_open() {
         let touches = |x: Ball| ((x - Ball::ONE).square(), (x - Ball::ONE) * Ball::from(2.0));
@@ -218,7 +219,7 @@ mod tests {
         }
     }
 
-    /// A measure that rises, and on neither side for certain: nothing is excluded.
+    /// A monotone measure that is on neither side for certain: nothing is excluded.
     #[test]
     fn sides_that_are_not_certain_settle_nothing() {
         let blurred = |x: Ball| ((x - Ball::ONE).widen(10.0), Ball::ONE);

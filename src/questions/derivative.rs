@@ -1,7 +1,7 @@
-//! Derivatives of measures by parameters: central differences with exact steps. In: a function of a number. Out: the
-//! quotient [f(p + h) - f(p - h)] / 2h as a ball; by the mean value theorem it is the derivative itself at a value within h of
-//! p, and h is some 10^-10 of p. So the rest, the geometry and everything else that a parameter shifts is in it.
-//! See docs/method/measures.md.
+//! Derivatives of measures with respect to parameters: central differences with exact steps. In: a function of a number.
+//! Out: the quotient [f(p + h) - f(p - h)] / 2h as a ball; by the mean value theorem it is the derivative itself at a
+//! value within h of p, and h is some 10^-10 of p. So it includes the effect of the parameter on the rest, the geometry
+//! and everything else. See docs/method/measures.md.
 
 use super::search::exactly;
 use crate::base::{Ball, Dd, Number};
@@ -11,36 +11,37 @@ use crate::base::{Ball, Dd, Number};
 pub enum NoSlope {
     /// The function has no value on one side.
     Undefined,
-    /// It has another derivative on the other side, as frequencies do that are equal here.
+    /// It has a different derivative on the other side, like frequencies that are equal here.
     Kink,
 }
 
-/// Steps are at least this part of the parameter: 2^-33.
+/// The step is at least 2^`LEAST` times the parameter.
 const LEAST: i32 = -33;
-/// ... and at most this.
+/// The step is at most 2^`MOST` times the parameter.
 const MOST: i32 = -7;
 
-/// The step for a function that is known to a relative error: the cube root of that error, where the quotient's own error and
-/// its distance from the derivative at p are alike. A power of two times the parameter, or times `unit` where that is zero.
+/// The step for a function known to a relative error: the cube root of that error, which balances the quotient's own
+/// error and its distance from the derivative at p. A power of two times the parameter, or times `unit` if the parameter
+/// is zero.
 pub fn step(p: &Number, unit: &Number, relative_error: f64) -> Number {
     let size = if p.may_be_zero() { unit.to_f64().abs() } else { p.to_f64().abs() };
     let exponent = (LEAST..=MOST).find(|&k| 2f64.powi(3 * k) >= relative_error).unwrap_or(MOST);
-    // The nearest power of two below keeps the steps short fractions.
+    // Rounded down to a power of two, so that the steps are short fractions.
     let bits = ((size.max(f64::MIN_POSITIVE).to_bits() >> 52) & 0x7ff) as i32 - 1023;
     exactly(Dd::from(2f64.powi((bits + exponent).clamp(-1000, 1000))))
 }
 
-/// Slopes of several functions at once from their values at p - h, p and p + h.
+/// The slope of a function from its values at p - h, p and p + h.
 pub fn slope(before: Option<Ball>, here: Option<Ball>, after: Option<Ball>, h: &Number) -> Result<Ball, NoSlope> {
     let (Some(before), Some(here), Some(after)) = (before, here, after) else { return Err(NoSlope::Undefined) };
     if before == here && here == after {
-        // The same to the last bit of the enclosure: it does not enter.
+        // Equal to the last bit of the enclosure: the parameter does not enter.
         return Ok(Ball::ZERO);
     }
     let difference = after - before;
     let bend = ((after - here) - (here - before)).abs();
     let known = difference.rad.max(here.rad);
-    // A smooth function bends by about h times its slope's own change; a kink by the difference of two slopes.
+    // A smooth function bends by about h times the change of its slope; a kink bends by the difference of two slopes.
     if bend.mid.hi > 4.0 * known && bend.mid.hi > KINK * difference.mid.hi.abs() {
         return Err(NoSlope::Kink);
     }
@@ -48,7 +49,7 @@ pub fn slope(before: Option<Ball>, here: Option<Ball>, after: Option<Ball>, h: &
     if slope.is_finite() { Ok(slope) } else { Err(NoSlope::Undefined) }
 }
 
-/// Bends beyond this part of the difference are kinks, or slopes of nearly zero at a turning point.
+/// Bends larger than this share of the difference are kinks, or slopes of nearly zero at a turning point.
 const KINK: f64 = 0.05;
 
 #[cfg(test)]

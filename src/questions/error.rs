@@ -1,11 +1,11 @@
-//! What is wrong with what a model asks: facts, and the diagnostics that they turn into.
+//! Errors in what a model asks: facts, and the diagnostics for them.
 
 use crate::base::{Code, Diagnostic, Span};
 
 /// A parameter and a value of it, in words: `k`, `12 N/m`.
 pub type Told = String;
 
-/// What stops `solve`, and what a requirement that does not hold says.
+/// Errors of `solve`, and of requirements that do not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AskedError {
     NoRoot {
@@ -16,7 +16,7 @@ pub enum AskedError {
         range: (Told, Told),
         reach: Reach,
     },
-    /// `all`: it is proven that there are no others.
+    /// `all`: whether it is proven that there are no others.
     SeveralRoots {
         span: Span,
         measure: String,
@@ -99,31 +99,31 @@ pub enum AskedError {
     },
 }
 
-/// What a measure did over a range.
+/// The values that a measure took over a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// The least and the largest value, and where.
+    /// The least and the largest value, and the parameter at each.
     pub least: (Told, Told),
     pub largest: (Told, Told),
-    /// Where it jumps over what it should be.
+    /// Where it jumps over the target.
     pub jump: Option<Told>,
-    /// Somewhere in the range it had no value: why.
+    /// Why it has no value somewhere in the range.
     pub gap: Option<String>,
-    /// Whether it is proven that the measure is nowhere what it should be; else so many values were tried.
+    /// Whether it is proven that the measure never reaches the target; otherwise `looks` values were tried.
     pub proven: bool,
     pub looks: usize,
 }
 
-/// The parameter that moves a measure most.
+/// The parameter that changes a measure most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mover {
     pub name: String,
     pub declared: Span,
-    /// Change of the measure in percent for one percent of the parameter.
+    /// Change of the measure in percent for a change of the parameter by one percent.
     pub percent: Option<String>,
-    /// Of all parameters that were tried.
+    /// Whether it changes the measure most among all parameters that were tried.
     pub most: bool,
-    /// A value at which the requirement was seen to hold; `None` where none was found.
+    /// A value at which the requirement was found to hold; `None` if none was found.
     pub wanted: Option<Told>,
     pub value: Told,
 }

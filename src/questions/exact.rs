@@ -1,6 +1,7 @@
-//! Requirements at their very limit, decided on rational numbers: where the enclosure of a measure holds the limit, but the model
-//! is rational and the measure is a ratio of polynomials in its numbers. In: the system, a probe, the limit. Out: how the
-//! measure compares, for certain; nothing where it cannot be decided. See docs/method/measures.md.
+//! Requirements exactly at their limit, decided on rational numbers: for cases in which the enclosure of a measure
+//! contains the limit, but the model is rational and the measure is a ratio of polynomials in its numbers. In: the
+//! system, a probe, the limit. Out: how the measure certainly compares; nothing if that cannot be decided. See
+//! docs/method/measures.md.
 
 use super::probe::{Measured, Probe};
 use crate::base::Number;
@@ -8,10 +9,10 @@ use crate::model::scene::Question;
 use crate::system::{Form, LinearSystem, Output};
 use std::cmp::Ordering;
 
-/// Elimination in fractions of more coordinates gets long.
+/// With more coordinates, elimination in fractions takes too long.
 const MOST: usize = 12;
 
-/// How a measure compares with what the question names.
+/// How a measure compares with the value in the question.
 pub fn compare(measured: &Measured, probe: &Probe, question: &Question) -> Option<Ordering> {
     let system = &measured.lowered.system;
     if system.n() > MOST {
@@ -47,7 +48,7 @@ fn static_value(system: &LinearSystem, output: usize, loads: &[(usize, Number)])
     value.exact().map(|_| value.clone())
 }
 
-/// K - omega^2 M is singular, and the enclosure of this mode alone holds omega.
+/// Whether K - omega^2 M is singular, and the enclosure of this mode alone contains omega.
 fn is_frequency(measured: &Measured, mode: usize, omega: &Number) -> bool {
     let system = &measured.lowered.system;
     let (Some(modes), Some(_)) = (measured.modes, omega.exact()) else { return false };
@@ -60,7 +61,7 @@ fn is_frequency(measured: &Measured, mode: usize, omega: &Number) -> bool {
     alone && modes.is_complete() && is_singular(shifted)
 }
 
-/// zeta = c / (2 sqrt(k m)) against a limit: c^2 against 4 zeta^2 k m.
+/// Compares zeta = c / (2 sqrt(k m)) with a limit: c^2 against 4 zeta^2 k m.
 fn damping(system: &LinearSystem, limit: &Number) -> Option<Ordering> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| exact(form, 1).map(|entries| entries[0][0].clone()));
     let (m, c, k) = (m?, c?, k?);
@@ -71,13 +72,13 @@ fn damping(system: &LinearSystem, limit: &Number) -> Option<Ordering> {
     c.square().compare(&(&(&Number::from(4) * &limit.square()) * &(&k * &m)))
 }
 
-/// The entries of a form, where all of them are rational.
+/// The entries of a form, if all of them are rational.
 fn exact(form: &Form, n: usize) -> Option<Vec<Vec<Number>>> {
     let entries = form.entries(n);
     entries.iter().flatten().all(|entry| entry.exact().is_some()).then_some(entries)
 }
 
-/// Gaussian elimination; `None` where the matrix is singular.
+/// Gaussian elimination; `None` if the matrix is singular.
 fn solve(mut a: Vec<Vec<Number>>, mut b: Vec<Number>) -> Option<Vec<Number>> {
     let n = b.len();
     for step in 0..n {

@@ -1,12 +1,12 @@
-//! What a model asks: parameters that are solved for, requirements, and what moves them. In: the text, to be tried with
-//! parameters at other values. Out: the scene with what was solved, and an answer or a finding for each line.
-//! See docs/method/measures.md.
+//! What a model asks: parameters to be solved for, requirements, and which parameters affect them. In: the text, which is
+//! evaluated with parameters at other values. Out: the scene with the parameters that were solved for, and an answer or a
+//! finding for each line. See docs/method/measures.md.
 //!
 //! # Steps
-//! 1. [`trial`]: values of parameters to a scene, a system, and the measures asked
-//! 2. [`together`]: the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
+//! 1. [`trial`]: from values of the parameters to a scene, a system, and its measures
+//! 2. [`together`]: puts the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
 //! 3. [`require`]: whether measures keep their limits, and by how much
-//! 4. [`sensitivity`]: what moves frequencies and damping ratios
+//! 4. [`sensitivity`]: how frequencies and damping ratios depend on parameters
 
 mod advice;
 mod alone;

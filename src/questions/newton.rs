@@ -1,6 +1,6 @@
-//! Several unknowns at once: Newton's method from many places of their ranges. In: equations that depend on each other's
-//! unknowns. Out: the set of values that meets them all, proven to be the only one near by, or what was seen.
-//! See docs/method/measures.md.
+//! Several unknowns at once: Newton's method from many starting points in their ranges. In: equations that depend on each
+//! other's unknowns. Out: the set of values that meets them all, proven to be the only one in its neighbourhood, or an
+//! error with what was evaluated. See docs/method/measures.md.
 
 use super::answer::Others;
 use super::derivative::step;
@@ -10,7 +10,7 @@ use super::search::{Difference, Root, exactly};
 use super::together::{Pairing, Unknowns, between, known};
 use crate::base::{Ball, Dd, Jet, Number};
 
-/// Places along each range from which the method starts, for so many unknowns.
+/// Number of starting points along each range, for this number of unknowns.
 fn starts_of(unknowns: usize) -> i64 {
     match unknowns {
         2 => 7,
@@ -20,24 +20,24 @@ fn starts_of(unknowns: usize) -> i64 {
     }
 }
 
-/// Starts at most.
+/// Limit on the number of starting points.
 const MOST_STARTS: usize = 128;
 const MOST_STEPS: usize = 60;
-/// Below this determinant, rows and columns scaled to one, the measures move as one.
+/// Below this determinant, with rows and columns scaled to one, the measures change together.
 const SINGULAR: f64 = 1e-9;
 
-/// Where one start ended.
+/// Where Newton's method ended from one starting point.
 struct End {
     x: Vec<Dd>,
-    /// The sum of |difference|, each by its size over the ranges.
+    /// The sum of |difference|, each relative to the target of its equation.
     size: f64,
     differences: Vec<Ball>,
-    /// It came as near as the measures can say.
+    /// Whether it came as near as the measures can resolve.
     arrived: bool,
     singular: bool,
 }
 
-/// Settles the unknowns of a group.
+/// Finds the unknowns of a group.
 pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<AskedError>> {
     let problem = Problem::of(unknowns, group);
     let ends: Vec<End> = problem.starts().into_iter().filter_map(|start| problem.descend(start)).collect();
@@ -69,10 +69,10 @@ pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<As
     }
 }
 
-/// Enlargements of the box in which one set of values is to be proven.
+/// Number of times the box in which one set of values is to be proven is enlarged.
 const WIDENINGS: usize = 12;
 
-/// More sets of values than this are a curve of them.
+/// More sets of values than this lie on a curve.
 const MOST_TOLD: usize = 6;
 
 struct Problem<'a, 'b> {
@@ -94,7 +94,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         Problem { unknowns, group, equations, low, high, looks: std::cell::Cell::new(0) }
     }
 
-    /// Places in the middle of equal parts of the ranges, in all combinations.
+    /// The midpoints of equal parts of the ranges, in all combinations.
     fn starts(&self) -> Vec<Vec<Dd>> {
         let parts = starts_of(self.group.len());
         let mut starts: Vec<Vec<Dd>> = vec![Vec::new()];
@@ -139,12 +139,12 @@ impl<'a, 'b> Problem<'a, 'b> {
         Some((0..x.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
     }
 
-    /// The size of what an equation compares with.
+    /// The magnitude of the target of an equation.
     fn target(&self, equation: usize) -> f64 {
         self.unknowns.solves[self.equations[equation]].question.value.to_f64().abs().max(f64::MIN_POSITIVE)
     }
 
-    /// Newton steps, shortened until they bring the measures nearer, inside the ranges.
+    /// Newton steps inside the ranges, shortened until they bring the measures nearer.
     fn descend(&self, start: Vec<Dd>) -> Option<End> {
         let mut x = start;
         let mut here = self.differences(&x)?;
@@ -193,7 +193,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         a.iter().zip(b).enumerate().all(|(i, (a, b))| (*a - *b).abs().to_f64() <= 1e-9 * width(i))
     }
 
-    /// By its determinant once every row and column is scaled to one: what is left is how parallel they are.
+    /// Judged by the determinant once every row and column is scaled to one, so that it measures how parallel they are.
     fn is_singular(&self, jacobian: &[Vec<f64>]) -> bool {
         let mut scaled: Vec<Vec<f64>> = jacobian.to_vec();
         for (i, column) in (0..scaled.len()).map(|i| (i, (self.high[i] - self.low[i]).to_f64())) {
@@ -209,8 +209,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         determinant(scaled).abs() < SINGULAR
     }
 
-    /// Distances from an end within which there is one set of values and no other, by Krawczyk's operator: with Y near the
-    /// inverse of the derivatives J, |Y F| + |1 - Y J(box)| r < r. `None` where that could not be shown.
+    /// Distances from an end within which there is exactly one set of values, by Krawczyk's operator: with Y near the
+    /// inverse of the derivatives J, |Y F| + |1 - Y J(box)| r < r. `None` if that could not be shown.
     fn proven(&self, end: &End) -> Option<Vec<f64>> {
         let n = end.x.len();
         let middle = self.jacobian(&end.x, &end.differences)?;
@@ -241,14 +241,14 @@ impl<'a, 'b> Problem<'a, 'b> {
         None
     }
 
-    /// The derivatives of all measures over a box about these values. Rows: equations.
+    /// The derivatives of all measures over a box around these values. Rows: equations.
     fn slopes(&self, x: &[Dd], radius: &[f64]) -> Option<Vec<Vec<Ball>>> {
         (0..self.equations.len()).map(|e| self.slopes_of(self.equations[e], x, radius)).collect()
     }
 
     fn slopes_of(&self, equation: usize, x: &[Dd], radius: &[f64]) -> Option<Vec<Ball>> {
         let n = x.len();
-        // One unknown with its derivative, the others anywhere in the box.
+        // One unknown carries its derivative, the others lie anywhere in the box.
         let values = |own: Option<usize>| {
             let mut values = self.unknowns.values.clone();
             for (i, &(_, unknown)) in self.group.iter().enumerate() {
@@ -265,7 +265,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         let moved = |centre: &Centre| -> Option<Vec<Moved>> {
             (0..n).map(|i| self.unknowns.asked(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
         };
-        // What the measure is made of stays in its enclosure while it cannot move out of it (it is simple all the way).
+        // The eigenvalue or pole that the measure depends on stays in this enclosure as long as it cannot move out of it,
+        // and it is simple all the way.
         let first = moved(&centre)?;
         let wide = centre.widened(&first, radius, 4.0);
         if !wide.holds(&centre, &moved(&wide)?, radius) {

@@ -1,6 +1,6 @@
-//! A question over a whole range of a parameter: whether the measure can be what is asked anywhere in it, and whether it only
-//! rises or only falls. In: the model with a parameter that is a range; out: enclosures, or nothing where none was found.
-//! See docs/method/measures.md.
+//! A question over a whole range of a parameter: whether the measure can reach the target anywhere in it, and whether it
+//! is monotone. In: the model with a parameter that is a range. Out: enclosures, or nothing if none was found. See
+//! docs/method/measures.md.
 
 use super::probe::Probe;
 use crate::analysis::numeric::complex::Complex;
@@ -9,37 +9,37 @@ use crate::base::{Ball, Jet, Number};
 use crate::model::scene::Question;
 use crate::system::Signal;
 
-/// What is known of a measure over a range of a parameter.
+/// What is known about a measure over a range of a parameter.
 #[derive(Clone, Debug)]
 pub struct Over {
-    /// A number that is zero wherever the measure is what is asked, and its derivative.
+    /// A number that is zero wherever the measure is at its target, and its derivative.
     test: Option<Jet>,
-    /// All eigenvalues move one way, at least not the other.
+    /// Set if all eigenvalues move in one direction, or at least not in the other.
     course: Option<Course>,
-    /// It cannot be what is asked, whatever the test says.
+    /// The measure cannot reach the target, whatever the test says.
     apart: bool,
-    /// Nor will anything be found out over a smaller range.
+    /// Smaller ranges will not give any information either.
     hopeless: bool,
 }
 
 impl Over {
-    /// The measure is what is asked nowhere in the range.
+    /// Whether the measure reaches the target nowhere in the range.
     pub fn excludes(&self) -> bool {
         self.apart || self.test.as_ref().is_some_and(|test| test.value.is_finite() && !test.value.contains_zero())
     }
 
-    /// The measure less what is asked changes its sign at most once in the range, and is zero at most there.
+    /// Whether the measure minus its target changes sign at most once in the range, and is zero at most there.
     pub fn is_monotone(&self) -> bool {
         let slope = self.test.as_ref().map(|test| test.slope);
         self.course.is_some() || slope.is_some_and(|slope| slope.is_finite() && !slope.contains_zero())
     }
 
-    /// The measure is not enclosed over any range.
+    /// Whether the measure cannot be enclosed over any range.
     pub fn is_hopeless(&self) -> bool {
         self.hopeless
     }
 
-    /// Of a measure that is known as a function.
+    /// For a measure that is known as a function.
     #[cfg(test)]
     pub fn sample(value: Ball, slope: Ball) -> Over {
         Over { test: Some(Jet { value, slope }), ..Over::silent() }
@@ -49,13 +49,13 @@ impl Over {
         Over { test: None, course: None, apart: false, hopeless: false }
     }
 
-    /// Nothing was found out.
+    /// Whether nothing was found out.
     pub fn is_silent(&self) -> bool {
         self.test.is_none() && self.course.is_none() && !self.apart
     }
 }
 
-/// What drives the family: sums of signals, and what lasts of them, for each input.
+/// The excitation of the family: for each input its signals, and their lasting part.
 pub struct Drive<'a> {
     pub signals: &'a [Vec<Signal>],
     pub loads: &'a [(usize, Number)],
@@ -63,7 +63,7 @@ pub struct Drive<'a> {
 
 /// A question asked of a family of systems.
 pub struct Asked<'a> {
-    /// `None` where the system has too many coordinates for dense equations.
+    /// `None` if the system has too many coordinates for dense equations.
     pub family: Option<&'a Family<'a>>,
     pub course: Option<Course>,
     pub drive: &'a Drive<'a>,
@@ -71,18 +71,18 @@ pub struct Asked<'a> {
     pub question: &'a Question,
 }
 
-/// An eigenvalue or a pole that a measure is made of, enclosed over the family.
+/// An eigenvalue or a pole that a measure depends on, enclosed over the family.
 #[derive(Clone, Copy, Debug)]
 pub enum Centre {
     /// omega^2
     Eigenvalue(Ball),
     /// Real and imaginary part.
     Pole(Ball, Ball),
-    /// The measure needs none.
+    /// The measure depends on none.
     None,
 }
 
-/// The derivative of what a centre says, over the family.
+/// The derivative of the eigenvalue or pole in a centre, over the family.
 #[derive(Clone, Copy, Debug)]
 pub enum Moved {
     Eigenvalue(Ball),
@@ -91,7 +91,7 @@ pub enum Moved {
 }
 
 impl Centre {
-    /// Larger by what these derivatives allow over a box of these radii, and some more.
+    /// Widened by `times` what these derivatives allow over a box of these radii.
     pub fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
         let by = reach(moved, radius);
         match *self {
@@ -101,7 +101,7 @@ impl Centre {
         }
     }
 
-    /// What lies in `start` at the middle of the box stays in this enclosure, with these derivatives over it.
+    /// Whether what lies in `start` at the middle of the box stays in this enclosure, given these derivatives over it.
     pub fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
         let by = reach(moved, radius);
         let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * (1.0 + 1e-12) < wide.rad || by == 0.0;
@@ -116,7 +116,7 @@ impl Centre {
     }
 }
 
-/// How far real and imaginary part may move over a box.
+/// How far the real and the imaginary part may move over a box.
 fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
     moved.iter().zip(radius).fold((0.0, 0.0), |(re, im), (moved, radius)| match moved {
         Moved::Eigenvalue(slope) => (re + slope.magnitude() * radius, im),
@@ -126,7 +126,7 @@ fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
 }
 
 impl Asked<'_> {
-    /// What is known of the measure over the range that the family stands for.
+    /// What is known about the measure over the range that the family stands for.
     pub fn over(&self) -> Over {
         let test = |test: Option<Jet>| Over { test, course: None, apart: false, hopeless: self.family.is_none() };
         let told = |number: Option<Number>| self.family.and_then(|family| Some(family.told(&number?)));
@@ -146,7 +146,7 @@ impl Asked<'_> {
             Probe::Damping(1) => test(told(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
             Probe::Gain(..) | Probe::Amplitude(_) => {
                 let direct = || Some(&self.phasor()?.squared() - &target.square());
-                // Beside a resonance: the force that makes the motion what is asked, less the force that there is.
+                // Near a resonance: the force that would bring the motion to the target, minus the actual force.
                 let inverse = || {
                     let (z, force) = self.inverse()?;
                     let wanted = force.checked_div(target)?;
@@ -174,7 +174,7 @@ impl Asked<'_> {
         }
     }
 
-    /// The complex number that the measure is made of.
+    /// The complex number whose magnitude or phase is the measure.
     fn phasor(&self) -> Option<Phasor> {
         let family = self.family?;
         match self.probe {
@@ -189,7 +189,7 @@ impl Asked<'_> {
         }
     }
 
-    /// One over the complex number that the measure is made of, times a force: where a single force makes it.
+    /// The reciprocal of that complex number, times a force, if a single force causes the motion.
     fn inverse(&self) -> Option<(Phasor, Number)> {
         let family = self.family?;
         match self.probe {
@@ -216,7 +216,7 @@ impl Asked<'_> {
         }
     }
 
-    /// How an eigenvalue or a pole that lies in the centre moves, if it is simple.
+    /// How an eigenvalue or a pole in the centre moves, if it is simple.
     pub fn moved(&self, centre: &Centre) -> Option<Moved> {
         match *centre {
             Centre::Eigenvalue(square) => {
@@ -231,7 +231,8 @@ impl Asked<'_> {
         }
     }
 
-    /// The derivative of the measure, over the family; in the centre lies what it is made of.
+    /// The derivative of the measure, over the family; the centre contains the eigenvalue or pole that the measure
+    /// depends on.
     pub fn slope(&self, centre: &Centre) -> Option<Ball> {
         let slope = match (self.probe, *centre, self.moved(centre)?) {
             (Probe::Frequency(_), Centre::Eigenvalue(square), Moved::Eigenvalue(slope)) => {
@@ -259,12 +260,12 @@ impl Asked<'_> {
     }
 }
 
-/// Of a frequency in Hz, from omega^2 and its derivative.
+/// The derivative of a frequency in Hz, from omega^2 and its derivative.
 pub fn frequency_slope(square: Ball, slope: Ball) -> Ball {
     slope / (square.sqrt() * Ball::PI * Ball::from(4.0))
 }
 
-/// Of a damping ratio -re / |s|, from a pole and its derivative.
+/// The derivative of a damping ratio -re / |s|, from a pole and its derivative.
 pub fn ratio_slope((re, im): (Ball, Ball), (re_slope, im_slope): (Ball, Ball)) -> Ball {
     // d(-re / |s|) = (-re' im^2 + re im im') / |s|^3
     let size = (re.square() + im.square()).sqrt();
@@ -278,7 +279,7 @@ fn lasting(family: &Family, loads: &[(usize, Number)], output: usize) -> Option<
     })
 }
 
-/// The motion under harmonic signals of one frequency.
+/// The motion under harmonic signals that all have the same frequency.
 fn swing(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Phasor> {
     let mut known: Option<&Number> = None;
     let mut sum = Phasor::ZERO;

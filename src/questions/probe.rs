@@ -1,5 +1,5 @@
-//! Measures of a scene as measures of its linear system. In: questions; out: an output for each combination of motions that a
-//! question names, and probes that say what to measure; then, of a system, the numbers.
+//! Measures of a scene as measures of its linear system. In: questions. Out: an output for each combination of motions
+//! that a question names, and probes that say what to measure; then, for a system, the numbers.
 
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
@@ -21,28 +21,28 @@ pub enum Probe {
     Peak(usize),
     Rms(usize),
     Stable,
-    /// omega^2 of a mode: where a frequency is to be zero, it passes zero there.
+    /// omega^2 of a mode, for a target frequency of zero: it changes sign there.
     Square(usize),
-    /// ((s1 - s2) / 2)^2 of the two poles of a motion: where damping is to be critical, it passes zero there.
+    /// ((s1 - s2) / 2)^2 of the two poles of a motion, for critical damping as the target: it changes sign there.
     Critical(usize),
 }
 
-/// One probe for each question, and the outputs that they read.
+/// One probe for each question, and the outputs that the probes read.
 pub struct Plan {
     pub probes: Vec<Probe>,
-    /// Outputs beyond those that the scene declares, numbered after these.
+    /// Outputs in addition to those that the scene declares, numbered after them.
     pub readouts: Vec<Readout>,
 }
 
-/// What answers the questions.
+/// The probes that answer the questions.
 pub fn prepare(scene: &Scene, questions: &[Question]) -> Plan {
     let mut outputs = Outputs::new(scene);
     let probes = questions.iter().map(|question| outputs.probe(question)).collect();
     Plan { probes, readouts: outputs.added }
 }
 
-/// What finds where the questions are answered by their values: measures that end where they are asked to be, as a frequency
-/// does at zero and a damping ratio at one, are replaced by what passes zero there.
+/// The probes that find the parameter values at which the measures reach their targets. A measure that ends at its
+/// target, as a frequency does at zero and a damping ratio at one, is replaced by a quantity that changes sign there.
 pub fn prepare_crossings(scene: &Scene, questions: &[Question]) -> Plan {
     let mut outputs = Outputs::new(scene);
     let crossing = |question: &Question| match &question.measure {
@@ -55,7 +55,7 @@ pub fn prepare_crossings(scene: &Scene, questions: &[Question]) -> Plan {
     Plan { probes, readouts: outputs.added }
 }
 
-/// Outputs that are added to those of a scene.
+/// Outputs added to those of a scene.
 struct Outputs {
     declared: usize,
     added: Vec<Readout>,
@@ -81,7 +81,7 @@ impl Outputs {
         }
     }
 
-    /// The number of the new output.
+    /// Adds an output and returns its number.
     fn add(&mut self, question: &Question, terms: &[MotionTerm]) -> usize {
         self.added.push(Readout { terms: terms.to_vec(), span: question.span });
         self.declared + self.added.len() - 1
@@ -114,14 +114,14 @@ impl Probe {
     }
 }
 
-/// The motion grows, or nothing moves.
+/// No simulation time: the motion grows, or nothing moves.
 const NO_TIME: Measurement = Measurement::None("nothing says how long the motion is followed: say it with `--until`");
 
-/// What the probes are applied to.
+/// The scene and the results that the probes are applied to.
 pub struct Measured<'a> {
     pub scene: &'a Scene,
     pub lowered: &'a Lowered,
-    /// Where the probes need them.
+    /// Set if the probes need them.
     pub modes: Option<&'a Modes>,
     pub poles: Option<&'a Poles>,
     pub context: &'a Context,
@@ -184,7 +184,8 @@ impl Measured<'_> {
         }
     }
 
-    /// What lasts of each input's signal: constants, which made the rest, and what stays on.
+    /// The lasting part of each input's signals: constants, which are part of the rest, and what the other signals settle
+    /// at.
     pub fn loads(&self) -> Loads {
         let constants = self.scene.inputs.iter().map(|input| {
             input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
@@ -198,7 +199,7 @@ impl Measured<'_> {
     }
 }
 
-/// 1 where the rest is stable, 0 where it is not, and in between where that is not certain.
+/// 1 if the rest is stable, 0 if it is not, and anything in between if that is not certain.
 fn verdict(stability: Stability) -> Measurement {
     Measurement::Value(match stability {
         Stability::Stable => Ball::ONE,

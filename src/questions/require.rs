@@ -1,6 +1,6 @@
-//! The lines `require`: what each measure came to, whether it keeps its limit for certain, and which parameter moves it most.
-//! In: measured numbers. Out: how each requirement stands, and a finding for each that does not hold.
-//! See docs/method/measures.md.
+//! The lines `require`: the value of each measure, whether it certainly keeps its limit, and which parameter changes it
+//! most. In: measured numbers. Out: for each requirement whether it holds, and a finding for each that does not. See
+//! docs/method/measures.md.
 
 use super::advice::Advice;
 use super::answer::{Requirement, Value, few_digits, shown, told};
@@ -22,7 +22,7 @@ pub fn requirements(
     let requires = &scene.scene().requires;
     let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
     let measured = text.measure_scene(scene, &questions, known).unwrap_or_else(|why| {
-        // One reason for all of them.
+        // All of them fail for the same reason.
         questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
     });
     let list: Vec<Requirement> = requires
@@ -30,7 +30,7 @@ pub fn requirements(
         .zip(measured)
         .map(|(require, measured)| requirement(text, scene, known, require, measured))
         .collect();
-    // What is solved for is not there to be changed.
+    // Parameters that are solved for cannot be changed.
     let solved =
         |parameter: &Parameter| scene.scene().solves.iter().any(|solve| solve.parameter.name == parameter.name);
     let fails = list.iter().any(|requirement| requirement.holds == Some(false));
@@ -83,7 +83,7 @@ fn requirement(
     }
 }
 
-/// Whether a measured number keeps its limit, where that is certain.
+/// Whether a measured number keeps its limit, if that is certain.
 pub fn stands(measured: &Measurement, comparison: Option<Comparison>, limit: &Number) -> Option<bool> {
     match (measured, comparison) {
         (Measurement::Value(value), None) => value.is_exact().then(|| *value == Ball::ONE),
@@ -94,7 +94,7 @@ pub fn stands(measured: &Measurement, comparison: Option<Comparison>, limit: &Nu
     }
 }
 
-/// Whether the comparison is certain, one way or the other.
+/// Whether the comparison holds, if that is certain.
 fn holds(value: &Ball, comparison: Comparison, limit: &Number) -> Option<bool> {
     let value = if value.is_zero() { Number::ZERO } else { Number::Ball(*value) };
     value.compare(limit).map(|order| keeps(order, comparison))
@@ -109,7 +109,8 @@ fn keeps(order: Ordering, comparison: Comparison) -> bool {
     }
 }
 
-/// (value - limit) / |limit|, or its opposite: positive on the side that is required; the difference itself for a limit of 0.
+/// (value - limit) / |limit|, or its negative, so that it is positive on the required side; the difference itself for a
+/// limit of 0.
 fn margin(value: &Ball, comparison: Comparison, limit: &Number) -> Ball {
     let difference = *value - limit.to_ball();
     let relative = if limit.may_be_zero() { difference } else { difference / limit.to_ball().abs() };
@@ -140,7 +141,7 @@ fn finding(requirement: &Requirement, mover: impl FnOnce() -> Option<Mover>) -> 
     }
 }
 
-/// The distance from a limit of 0, or from anything where it is infinite.
+/// The amount by which a requirement is missed if no percentage is given: the distance from a limit of 0, or a phrase.
 fn missed_by(requirement: &Requirement) -> String {
     match (&requirement.value, &requirement.margin) {
         (Value::Number(_), Some(margin)) => {

@@ -1,21 +1,21 @@
-//! The search of one unknown: where in a range a measure becomes what it should be. In: a function that measures, and the
-//! range. Out: every root that was seen, each between two numbers at which the enclosures of the measure lie on different
-//! sides; and what the measure did elsewhere. See docs/method/measures.md.
+//! The search for one unknown: where in a range a measure reaches its target. In: a function that evaluates the measure,
+//! and the range. Out: every root that was found, each between two numbers at which the enclosures of the measure lie on
+//! different sides; and how the measure behaved elsewhere. See docs/method/measures.md.
 
 use crate::base::{Ball, Dd, Number, Rational};
 use std::cmp::Ordering;
 
-/// The measure less what it should be, at one value.
+/// The measure minus its target, at one value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
     Known(Ball),
     /// Beyond all bounds: a resonance without damping.
     Infinite,
-    /// Why there is none.
+    /// Why the measure has no value.
     None(String),
 }
 
-/// One look.
+/// One evaluation of the measure.
 #[derive(Clone, Debug)]
 pub struct Look {
     pub at: Number,
@@ -23,23 +23,23 @@ pub struct Look {
     pub difference: Difference,
 }
 
-/// A root between two looks.
+/// A root between two evaluations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     pub near: Dd,
-    /// Bound of the distance.
+    /// Bound of the distance to the root.
     pub within: f64,
-    /// `None` where the measure comes as near to what it should be as can be resolved, but on no other side is it beyond it.
+    /// `None` if the measure comes as near to its target as can be resolved, but was not found on the other side.
     pub proof: Option<Crossing>,
 }
 
-/// The measure was enclosed on different sides at `near` - `within` and `near` + `within`, or is exactly what is asked at `near`,
-/// or a contraction encloses the root.
+/// Proof of a root: the measure was enclosed on different sides at `near` - `within` and `near` + `within`, or is exactly
+/// at its target at `near`, or a contraction encloses the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing(());
 
 impl Crossing {
-    /// The measure is exactly what it should be there.
+    /// The measure is exactly at its target there.
     pub(super) fn met() -> Crossing {
         Crossing(())
     }
@@ -51,36 +51,36 @@ impl Root {
         Root { near, within, proof: Some(Crossing(())) }
     }
 
-    /// A root that was seen, without a proof.
+    /// A root that was found without a proof.
     pub fn seen(near: Dd, within: f64) -> Root {
         Root { near, within, proof: None }
     }
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     pub roots: Vec<Root>,
-    /// Where the measure turns, as near as it was followed: it may just touch there what it should be.
+    /// Where the measure turns, as far as that was followed: it may just touch its target there.
     pub turns: Vec<Root>,
-    /// The first looks, ascending.
+    /// The first evaluations, ascending.
     pub looks: Vec<Look>,
-    /// Where the measure jumps over what it should be.
+    /// Where the measure jumps over its target.
     pub jumps: Vec<f64>,
-    /// Looks in all.
+    /// Number of evaluations in total.
     pub count: usize,
 }
 
-/// Parts of the range that are looked at first; as many again in geometric progression where it covers decades.
+/// Number of parts of the range that are evaluated first; as many again in geometric progression if it spans decades.
 const PARTS: usize = 64;
-/// From this ratio of the range's ends on, the small values count as much as the large ones.
+/// From this ratio of the range's ends on, small values count as much as large ones.
 const DECADES: f64 = 20.0;
-/// Looks that a turning point is worth.
+/// Limit on the evaluations to follow a turning point.
 const TURNING: usize = 60;
-/// Looks between which a sign changes, at most.
+/// Limit on the evaluations to narrow a change of sign.
 const NARROWING: usize = 240;
 
-/// Closes in between two numbers at which the measure lies on different sides, where it is known to pass once.
+/// Narrows two numbers with the measure on different sides, for a measure known to cross its target once.
 pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
     let mut search = Search { measure, count: 0 };
     let looks = vec![search.look(low.clone()), search.look(high.clone())];
@@ -93,7 +93,7 @@ pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
     seen
 }
 
-/// Looks at a range and closes in on every root.
+/// Evaluates the measure over a range and narrows every root.
 pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
     let mut search = Search { measure, count: 0 };
     let looks: Vec<Look> = grid(low, high).into_iter().map(|at| search.look(at)).collect();
@@ -118,7 +118,7 @@ struct Search<'a> {
 }
 
 impl Seen {
-    /// A root that was seen from two sides counts once.
+    /// Adds a root; one that was found from two sides counts once.
     pub fn add(&mut self, root: Option<Root>) {
         let Some(root) = root else { return };
         let same = |known: &Root| {
@@ -142,7 +142,7 @@ impl Search<'_> {
         self.look(exactly(x))
     }
 
-    /// Closes in where two looks lie on different sides.
+    /// Narrows the root between two evaluations on different sides.
     fn between(&mut self, a: &Look, b: &Look, seen: &mut Seen) {
         let (Some(left), Some(right)) = (sign(&a.difference), sign(&b.difference)) else { return };
         if left == right || left == Ordering::Equal || right == Ordering::Equal {
@@ -154,9 +154,9 @@ impl Search<'_> {
             let Some(x) = middle(&a, &b, step) else { break };
             let c = self.look_at(x);
             match sign(&c.difference) {
-                // Beside a pole an enclosure is so wide that it holds zero too.
+                // Near a pole an enclosure is so wide that it contains zero too.
                 Some(Ordering::Equal) if uncertainty(&c) > first => return seen.jumps.push(c.x),
-                // Too near to be distinguished from it, as near as the measure can say.
+                // The measure cannot be distinguished from its target: this is as near as it can resolve.
                 Some(Ordering::Equal) => {
                     a = c.clone();
                     b = c;
@@ -164,7 +164,7 @@ impl Search<'_> {
                 }
                 Some(side) if side == left => a = c,
                 Some(_) => b = c,
-                // A gap in the measure: what is in it is not known.
+                // A gap in the measure: nothing is known about what is in it.
                 None => return,
             }
         }
@@ -177,7 +177,7 @@ impl Search<'_> {
         seen.add(self.certified(&near));
     }
 
-    /// Two numbers around this one on different sides, as near to it as the enclosures allow.
+    /// The narrowest pair of numbers around this one, on different sides, that the enclosures allow.
     fn certified(&mut self, near: &Look) -> Option<Root> {
         let x = near.at.to_ball().mid;
         let mut within = (x.hi.abs() * 2f64.powi(-100)).max(f64::MIN_POSITIVE * 2f64.powi(60));
@@ -195,11 +195,11 @@ impl Search<'_> {
             }
             within *= 16.0;
         }
-        // The measure touches what it should be, or is not distinguished from it over a whole range.
+        // The measure touches its target, or cannot be distinguished from it over a whole range.
         Some(Root::seen(x, within))
     }
 
-    /// Follows |difference| down to where it turns, and looks whether it reaches the other side there.
+    /// Follows |difference| down to where it turns, and checks whether it reaches the other side there.
     fn turn(&mut self, looks: [&Look; 3], seen: &mut Seen) {
         let [a, b, c] = looks;
         let signs = looks.map(|look| sign(&look.difference));
@@ -239,7 +239,7 @@ impl Search<'_> {
     }
 }
 
-/// Which side a difference lies on, for certain; equal where its ball holds zero.
+/// The side on which a difference certainly lies; equal if its ball contains zero.
 pub fn sign(difference: &Difference) -> Option<Ordering> {
     match difference {
         Difference::Infinite => Some(Ordering::Greater),
@@ -274,8 +274,8 @@ fn jump_size(a: &Look, b: &Look) -> f64 {
     (value(b) - value(a)).abs()
 }
 
-/// The next look between two: by the secant, by the middle every third time, and nearer to the far end where one end does not
-/// move. `None` where nothing lies between.
+/// Where to evaluate next between two points: by the secant, every third time in the middle, and nearer to the far end if
+/// one end does not move. `None` if no number lies between them.
 fn middle(a: &Look, b: &Look, step: usize) -> Option<Dd> {
     let (left, right) = (a.at.to_ball().mid, b.at.to_ball().mid);
     let width = right - left;
@@ -286,7 +286,7 @@ fn middle(a: &Look, b: &Look, step: usize) -> Option<Dd> {
     let secant = || match (&a.difference, &b.difference) {
         (Difference::Known(a), Difference::Known(b)) => {
             let part = a.mid / (a.mid - b.mid);
-            // A step beyond the secant's point brings the other end near too.
+            // A step slightly beyond the secant's point brings the other end near too.
             let beyond = if step.is_multiple_of(3) { 1e-3 } else { 0.0 };
             let toward =
                 if part.to_f64() > 0.5 { part - (Dd::ONE - part).scale(1.0) * beyond } else { part * (1.0 + beyond) };
@@ -301,7 +301,7 @@ fn middle(a: &Look, b: &Look, step: usize) -> Option<Dd> {
     [rounded(x, width.to_f64()), x].into_iter().find(|x| *x > left && *x < right)
 }
 
-/// Few digits while the bracket is wide: exact arithmetic is then fast.
+/// Rounds to few digits while the bracket is wide, because exact arithmetic is then fast.
 fn rounded(x: Dd, width: f64) -> Dd {
     let relative = width / x.hi.abs();
     if relative > 1e-4 {
@@ -319,7 +319,7 @@ pub fn exactly(x: Dd) -> Number {
     parts.map_or(Number::Ball(Ball::exact(x)), |(hi, lo)| Number::from(&hi + &lo))
 }
 
-/// The values looked at first, ascending.
+/// The values that are evaluated first, ascending.
 fn grid(low: &Number, high: &Number) -> Vec<Number> {
     let (a, b) = (low.to_f64(), high.to_f64());
     let mut inside: Vec<f64> = (1..PARTS).map(|i| a + (b - a) * (i as f64 / PARTS as f64)).collect();
@@ -381,12 +381,13 @@ mod tests {
         assert!(found(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
     }
 
-    /// A measure that touches what is asked from one side is no crossing, and one that crosses is between the two numbers told.
+    /// A measure that touches its target from one side does not cross it; a crossing lies between the two numbers
+    /// reported.
     #[test]
     fn a_crossing_changes_sides() {
         let touches = found(0, 3, |x| (x - Ball::from(1.5)) * (x - Ball::from(1.5)));
         assert!(touches.roots.iter().all(|root| root.proof.is_none()), "{:?}", touches.roots);
-        // The root of x^3 = 2, no double-double.
+        // The root of x^3 = 2 is not a double-double.
         let seen = found(0, 3, |x| x * x * x - Ball::from(2.0));
         let [root] = seen.roots[..] else { panic!("{:?}", seen.roots) };
         let cubic = |x: Dd| (x * x * x - Dd::from(2.0)).to_f64();

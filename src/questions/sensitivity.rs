@@ -1,8 +1,9 @@
-//! What moves the frequencies and damping ratios: their derivatives by each parameter. In: the text, and the modes and poles
-//! that the report shows. Out: for each parameter a slope for each of them. See docs/method/measures.md.
+//! Sensitivities: the derivatives of frequencies and damping ratios with respect to each parameter. In: the text, and the
+//! modes and poles that the report shows. Out: for each parameter a slope for each of them. See docs/method/measures.md.
 //!
-//! The derivatives of simple eigenvalues and poles are enclosed: their vectors from equations bordered to be regular, once; then
-//! the derivative of the matrices for each parameter. Where that is not found, they are seen by differences.
+//! The derivatives of simple eigenvalues and poles are enclosed: first their vectors, once, from equations bordered to be
+//! regular; then the derivative of the matrices for each parameter. If no enclosure is found, differences give a value
+//! without a bound.
 
 use super::answer::{Derivative, Sensitivity, Slope};
 use super::derivative::{NoSlope, slope, step};
@@ -18,12 +19,12 @@ use crate::model::Setting;
 use crate::model::scene::Parameter;
 use crate::system::LinearSystem;
 
-/// The poles of larger systems are not computed twice more for each parameter.
+/// For larger systems the poles are not computed twice more for each parameter.
 const MOST_BY_DIFFERENCES: usize = 60;
-/// Slopes of equal frequencies that differ by less, relative, are one.
+/// Slopes of equal frequencies with a relative difference below this count as one.
 const ALIKE: f64 = 1e-9;
 
-/// The derivatives by every parameter, in order of declaration.
+/// The derivatives with respect to every parameter, in order of declaration.
 pub fn sensitivities(
     text: &Text,
     settings: &[Setting],
@@ -40,13 +41,13 @@ pub fn sensitivities(
     all.map(|of| of.sensitivity()).collect()
 }
 
-/// The numbers that are reported of a system: none where a mode does not oscillate.
+/// The reported numbers of a system: `None` for a mode that does not oscillate.
 struct Spectrum {
     /// Number of the first mode.
     first: usize,
     /// Hz
     frequencies: Vec<Option<Ball>>,
-    /// omega^2, and which modes are certified only together.
+    /// omega^2, and the cluster of modes that are certified only together.
     squares: Vec<(Ball, Option<u32>)>,
     /// A pole of each damped motion.
     motions: Vec<Pole>,
@@ -67,14 +68,14 @@ impl Spectrum {
         }
     }
 
-    /// The largest relative error of what is known well enough to be reported.
+    /// The largest relative error among the numbers that are known well enough to be reported.
     fn relative_error(&self) -> f64 {
         let ratios = self.motions.iter().filter_map(|pole| pole.damping_ratio);
         let balls = self.frequencies.iter().flatten().copied().chain(ratios);
         balls.map(|ball| ball.relative_error()).filter(|error| *error < 1e-6).fold(0.0, f64::max)
     }
 
-    /// The damping ratio of the pole that is nearest to one of before: order may change where two are equally far from zero.
+    /// The damping ratio of the pole nearest to a previous one: the order may change if two are equally far from zero.
     fn ratio_near(&self, pole: &Pole) -> Option<Ball> {
         let distance = |other: &Pole| {
             let (re, im) = (other.re.mid - pole.re.mid, other.im.mid - pole.im.mid);
@@ -87,7 +88,7 @@ impl Spectrum {
 
 /// Enclosed vectors of modes and motions.
 struct Vectors {
-    /// With the enclosure of omega^2 for which they hold; modes of a cluster share theirs.
+    /// With the enclosure of omega^2 for which they are valid; the modes of a cluster share theirs.
     modes: Vec<Option<(Ball, Matrix<Ball>)>>,
     motions: Vec<Option<Vec<Complex<Ball>>>>,
 }
@@ -115,14 +116,14 @@ impl Vectors {
     }
 }
 
-/// A ball that holds all of these.
+/// A ball that contains all of these.
 fn hull(balls: &[Ball]) -> Ball {
     let first = balls[0];
     let reach = |ball: &Ball| (*ball - Ball::exact(first.mid)).magnitude();
     Ball::exact(first.mid).widen(balls[1..].iter().map(reach).fold(first.rad, f64::max))
 }
 
-/// The slopes by one parameter.
+/// The slopes with respect to one parameter.
 struct Of<'a> {
     text: &'a Text<'a>,
     settings: &'a [Setting],
@@ -133,7 +134,7 @@ struct Of<'a> {
     n: usize,
 }
 
-/// What the system is on both sides of the parameter's value.
+/// The system on both sides of the parameter's value.
 struct Sides {
     h: Number,
     before: Option<Spectrum>,
@@ -151,7 +152,7 @@ impl Of<'_> {
         });
         frequencies.resize(self.here.squares.len(), None);
         ratios.resize(self.here.motions.len(), None);
-        // What has no number has no slope either; the rest is seen by differences.
+        // Without a number there is no slope either; the remaining ones are computed by differences.
         let told = |found: &[Option<Slope>], known: &mut dyn Iterator<Item = bool>| {
             found.iter().zip(known).any(|(slope, known)| slope.is_none() && known)
         };

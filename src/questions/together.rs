@@ -1,5 +1,5 @@
-//! The lines `solve`: every unknown found, alone where it can be found alone and together where not. In: the text and its
-//! scene. Out: a value for each unknown, or what is wrong. See docs/method/measures.md.
+//! The lines `solve`: finds every unknown, on its own if possible, otherwise together with others. In: the text and its
+//! scene. Out: a value for each unknown, or an error. See docs/method/measures.md.
 
 use super::alone::extremes;
 use super::answer::{Derivative, Others, Shown, Solved, shown, told};
@@ -19,7 +19,7 @@ use crate::model::{CheckedScene, Setting};
 #[derive(Clone, Debug)]
 pub struct Settled {
     pub scene: CheckedScene,
-    /// The values, for whoever tries other values of other parameters.
+    /// The values as settings, for trials with other values of other parameters.
     pub settings: Vec<Setting>,
     pub solved: Vec<Solved>,
     /// Parts of ranges that were not settled.
@@ -49,7 +49,7 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
     }
 }
 
-/// A parameter may be looked for once.
+/// Errors for parameters that are solved for more than once.
 fn twice(solves: &[Solve]) -> Vec<AskedError> {
     let again = solves.iter().enumerate().filter_map(|(i, solve)| {
         let first = solves[..i].iter().find(|first| first.parameter.name == solve.parameter.name)?;
@@ -58,19 +58,19 @@ fn twice(solves: &[Solve]) -> Vec<AskedError> {
     again.collect()
 }
 
-/// The unknowns with the values that they have so far.
+/// The unknowns and their present values.
 pub struct Unknowns<'a> {
     text: Text<'a>,
     pub solves: &'a [Solve],
     /// SI.
     pub values: Vec<Number>,
-    /// Bounds of the distance from the roots, SI; `None` where none is proven.
+    /// Bounds of the distances from the roots, SI; `None` if none is proven.
     pub within: Vec<Option<f64>>,
-    /// What is known of other values in the ranges.
+    /// What is known about other values in the ranges.
     pub others: Vec<Others>,
-    /// Values of each that were looked at.
+    /// Number of values at which each was evaluated.
     pub looks: Vec<usize>,
-    /// Which equation was solved for each unknown.
+    /// The equation that was solved for each unknown.
     equation: Vec<usize>,
     /// Bodies of the scene.
     parts: usize,
@@ -110,7 +110,7 @@ impl<'a> Unknowns<'a> {
         self.settings_at(&self.values)
     }
 
-    /// The measures of some equations less what they should be, at values of all unknowns.
+    /// The measures of some equations minus their targets, at the given values of all unknowns.
     pub fn differences(&self, equations: &[usize], values: &[Number]) -> Vec<Difference> {
         let questions = |scene: &CheckedScene| -> Vec<Question> {
             equations.iter().map(|&i| scene.scene().solves[i].question.clone()).collect()
@@ -131,26 +131,26 @@ impl<'a> Unknowns<'a> {
         self.differences(&[equation], &values).pop().unwrap_or(Difference::None(String::new()))
     }
 
-    /// What is known of an equation's measure while one unknown lies in a range.
+    /// What is known about an equation's measure while one unknown lies in a range.
     pub fn over(&self, equation: usize, unknown: usize, range: Ball) -> Over {
         let mut values = self.values.clone();
         values[unknown] = Jet::of_parameter(range);
         self.asked(equation, &values, |asked| asked.over()).unwrap_or_else(Over::silent)
     }
 
-    /// Asks something of an equation's measure where some of the values are ranges.
+    /// Applies `tell` to an equation's measure while some of the values are ranges.
     pub fn asked<T>(&self, equation: usize, values: &[Number], tell: impl FnOnce(&Asked) -> T) -> Option<T> {
         let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
         self.text.over(&self.settings_at(values), choose, tell)
     }
 
-    /// The eigenvalue or the pole that an equation's measure is made of.
+    /// The eigenvalue or the pole that an equation's measure depends on.
     pub fn centre(&self, equation: usize, values: &[Number]) -> Option<Centre> {
         let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
         self.text.centre(&self.settings_at(values), choose)
     }
 
-    /// The measure is exactly what it should be at a value.
+    /// Whether the measure is exactly at its target at a value.
     pub fn meets(&self, equation: usize, unknown: usize, value: &Number) -> bool {
         let mut values = self.values.clone();
         values[unknown] = value.clone();
@@ -159,12 +159,12 @@ impl<'a> Unknowns<'a> {
         self.text.compared(&scene, &solve.question, Known::default()) == Some(std::cmp::Ordering::Equal)
     }
 
-    /// Looks over parts of a range that a scene of this size is worth.
+    /// Limit on the evaluations over parts of a range, for a scene of this size.
     pub fn effort(&self) -> usize {
         (60_000 / (self.parts + 7).pow(2)).clamp(60, 1200)
     }
 
-    /// Equations and unknowns in the order in which they can be solved; what depends on each other is one group.
+    /// Equations and unknowns in the order in which they can be solved; those that depend on each other form a group.
     fn groups(&self) -> Result<Vec<Vec<Pairing>>, Vec<AskedError>> {
         let count = self.solves.len();
         if count == 1 {
@@ -175,7 +175,7 @@ impl<'a> Unknowns<'a> {
         Ok(ordered(&depends, &paired))
     }
 
-    /// Which equation depends on which unknown: its measure is looked at with the unknown at several places.
+    /// Which equation depends on which unknown, found by evaluating its measure with the unknown at several places.
     fn dependence(&self) -> Vec<Vec<bool>> {
         let count = self.solves.len();
         let all: Vec<usize> = (0..count).collect();
@@ -198,7 +198,7 @@ impl<'a> Unknowns<'a> {
         depends
     }
 
-    /// Some equation depends on no unknown, or several on too few.
+    /// The error if some equation depends on no unknown, or several depend on too few.
     fn unsettled(&self, depends: &[Vec<bool>]) -> AskedError {
         let idle = depends.iter().position(|row| !row.contains(&true));
         match idle {
@@ -227,7 +227,7 @@ impl<'a> Unknowns<'a> {
         unknowns.iter().map(|&i| self.solves[i].parameter.name.clone()).collect()
     }
 
-    /// Settles an unknown: on the shortest number in its own unit that the bound allows.
+    /// Sets an unknown to the shortest number in its own unit that the bound allows.
     pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, looks: usize, others: Others) {
         let solve = &self.solves[unknown];
         let value = shortest(root, solve.parameter.unit.factor.as_ref());
@@ -249,7 +249,7 @@ impl<'a> Unknowns<'a> {
         }
     }
 
-    /// What is to be said where parts of an unknown's range were not settled.
+    /// The error if parts of an unknown's range were not settled.
     fn unsettled_part(&self, unknown: usize) -> Option<AskedError> {
         let Others::Unsettled(parts) = &self.others[unknown] else { return None };
         let solve = &self.solves[unknown];
@@ -257,7 +257,7 @@ impl<'a> Unknowns<'a> {
         Some(AskedError::Unsettled { span: solve.span, name, value, parts: parts.clone() })
     }
 
-    /// The model says no to the values that were found.
+    /// The error if the model is refused with the values that were found.
     fn refused(&self, why: String) -> AskedError {
         let Solve { parameter, span, question, low, high } = &self.solves[0];
         let range = (self.told(0, low), self.told(0, high));
@@ -265,7 +265,7 @@ impl<'a> Unknowns<'a> {
         AskedError::NoValue { span: *span, measure, name, range, why }
     }
 
-    /// What was seen of a measure that is nowhere what it should be, as far as is known.
+    /// The error for a measure that never reaches its target, as far as is known.
     pub fn no_root(&self, equation: usize, unknown: usize, seen: &Seen, proven: bool) -> AskedError {
         let solve = &self.solves[unknown];
         let question = &self.solves[equation].question;
@@ -294,26 +294,26 @@ impl<'a> Unknowns<'a> {
         AskedError::NoRoot { span: solve.span, measure, target: self.target(equation), name, range, reach }
     }
 
-    /// A value of an unknown, in its own unit.
+    /// A value of an unknown as text, in its own unit.
     pub fn told(&self, unknown: usize, value: &Number) -> Told {
         told(&shown(value, &self.solves[unknown].parameter.unit, false))
     }
 
-    /// As it is written.
+    /// The measure as it is written.
     pub fn measure(&self, question: &Question) -> String {
         self.text.sources.slice(question.span).to_string()
     }
 
-    /// What a measure should be.
+    /// The target of a measure as text.
     pub fn target(&self, equation: usize) -> Told {
         told(&self.in_unit(equation, &self.solves[equation].question.value))
     }
 
-    /// What a measure is where it differs by so much.
+    /// The value of a measure that differs from its target by this much, as text.
     pub fn reached(&self, equation: usize, difference: &Difference) -> Told {
         let question = &self.solves[equation].question;
         match difference {
-            // What passes zero instead of the measure.
+            // The difference is of a quantity that changes sign in place of the measure.
             Difference::Known(ball)
                 if question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. }) =>
             {
@@ -339,7 +339,7 @@ impl<'a> Unknowns<'a> {
         shown(value, &question.unit, question.radians.is_some())
     }
 
-    /// What is reported of an unknown, all of them being settled.
+    /// The report on an unknown, once all of them are found.
     fn report(&self, unknown: usize) -> Solved {
         let equation = self.equation[unknown];
         let (solve, question) = (&self.solves[unknown], &self.solves[equation].question);
@@ -366,7 +366,7 @@ impl<'a> Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
-    /// The measure less what it should be, at the values that were found: a frequency that was to be zero by its square.
+    /// The measure minus its target, at the values that were found; for a target frequency of zero, by its square.
     fn residual(&self, equation: usize, value: &Number) -> Option<Ball> {
         let unknown = self.equation.iter().position(|&known| known == equation)?;
         let question = &self.solves[equation].question;
@@ -386,13 +386,14 @@ impl Unknowns<'_> {
         }
     }
 
-    /// The derivative of the measure by its unknown: enclosed where the numbers of the system are, by differences elsewhere.
+    /// The derivative of the measure with respect to its unknown: enclosed if the numbers of the system are, otherwise by
+    /// differences.
     fn slope(&self, equation: usize, unknown: usize, value: &Number, residual: Option<Ball>) -> Option<Derivative> {
         let question = &self.solves[equation].question;
         if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. })
             || question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. })
         {
-            // The square root of what passes zero there has no derivative.
+            // The measure is the square root of what changes sign there, which has no derivative.
             return None;
         }
         let mut values = self.values.clone();
@@ -417,14 +418,14 @@ pub fn known(difference: Difference) -> Option<Ball> {
     }
 }
 
-/// The difference of a quantity that passes zero where the measure ends (see [`super::probe::prepare_crossings`]).
+/// The difference of a quantity that changes sign where the measure ends (see [`super::probe::prepare_crossings`]).
 fn crossing(question: &Question, measured: Measurement) -> Difference {
     let ends = matches!(question.measure, Measure::DampingRatio { .. }) && question.value.is_one();
     let asked = if ends { &Question { value: Number::ZERO, ..question.clone() } } else { question };
     difference(asked, measured)
 }
 
-/// The measure less what it should be; an angle by the shorter way round.
+/// The measure minus its target; for an angle, the shorter way round.
 pub fn difference(question: &Question, measured: Measurement) -> Difference {
     let value = match measured {
         Measurement::Value(value) => value,
@@ -463,7 +464,7 @@ pub fn shortest(root: &Root, factor: Option<&Number>) -> Number {
 
 const MOST_DIGITS: i32 = 33;
 
-/// A double-double rounded to so many significant digits.
+/// A double-double rounded to this number of significant digits.
 fn decimal(x: Dd, digits: i32) -> Option<Number> {
     let text = format!("{:e}", x.hi);
     let exponent: i32 = text.split_once('e')?.1.parse().ok()?;
@@ -474,11 +475,11 @@ fn decimal(x: Dd, digits: i32) -> Option<Number> {
     Rational::from_decimal(&format!("{whole}e{}", -shift)).map(Number::from)
 }
 
-/// An unknown for each equation such that each equation depends on its own; `None` where there is no such choice.
+/// An unknown for each equation such that each equation depends on its own; `None` if there is no such choice.
 fn pairing(depends: &[Vec<bool>]) -> Option<Vec<usize>> {
     let count = depends.len();
     let mut owner: Vec<Option<usize>> = vec![None; count];
-    // The unknown that stands in the equation's own line first.
+    // The unknown in the equation's own line is tried first.
     for equation in 0..count {
         let mut tried = vec![false; count];
         if !claim(depends, equation, &mut owner, &mut tried) {
@@ -494,7 +495,8 @@ fn pairing(depends: &[Vec<bool>]) -> Option<Vec<usize>> {
     Some(unknown_of)
 }
 
-/// Gives an equation an unknown, moving others where that must be (Kuhn's augmenting paths; as deep as there are lines).
+/// Gives an equation an unknown, reassigning others if necessary (Kuhn's augmenting paths; recurses at most once per
+/// line).
 fn claim(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tried: &mut [bool]) -> bool {
     let own_first = std::iter::once(equation).chain((0..depends.len()).filter(|&unknown| unknown != equation));
     for unknown in own_first.collect::<Vec<_>>() {
@@ -514,7 +516,7 @@ fn claim(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tr
     false
 }
 
-/// Groups of equations that depend on each other's unknowns, each after those that it depends on.
+/// Groups of equations that depend on each other's unknowns; each group comes after those that it depends on.
 fn ordered(depends: &[Vec<bool>], unknown_of: &[usize]) -> Vec<Vec<Pairing>> {
     let count = depends.len();
     // reaches[i][j]: equation i needs the unknown of equation j, directly or not (Warshall).

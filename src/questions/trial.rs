@@ -1,5 +1,5 @@
-//! A trial: the model with some parameters at other values, taken through check, lowering and the measures asked. In: a text
-//! and values; out: the measures, or why there are none.
+//! A trial: the model with some parameters at other values, checked, lowered and measured. In: a text and values. Out:
+//! the measures, or why there are none.
 
 use super::exact;
 use super::over::{Asked, Centre, Drive};
@@ -24,27 +24,27 @@ pub struct Text<'a> {
     pub sources: &'a Sources,
     pub tree: &'a Tree,
     pub overrides: &'a Overrides,
-    /// How long the motion in time is followed, where that is known, s.
+    /// Simulated time, s, if it is known.
     pub until: Option<&'a Number>,
 }
 
-/// What measures of signals need besides the system.
+/// What measures of signals need in addition to the system.
 #[derive(Clone, Debug, Default)]
 pub struct Context {
     pub drives: Vec<Vec<Signal>>,
-    /// How long the motion is followed, s; `None` where nothing says how long.
+    /// Simulated time, s; `None` if nothing specifies it.
     pub until: Option<Number>,
 }
 
-/// What is known of a scene already, and is not computed again.
+/// What is already known about a scene and need not be computed again.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
     pub system: Option<&'a WrittenOut>,
-    /// All of them.
+    /// All modes and poles.
     pub spectrum: Option<(&'a Modes, &'a Poles)>,
 }
 
-/// Parts larger than this give their lowest modes alone.
+/// Of larger systems, only the lowest modes are computed if poles are not needed.
 const FEW: usize = 60;
 
 impl Text<'_> {
@@ -54,7 +54,7 @@ impl Text<'_> {
         checked.scene.ok_or_else(|| first_error(&checked.diagnostics))
     }
 
-    /// Every parameter, with these values where they are given.
+    /// Every parameter, at these values where given.
     pub fn parameters(&self, values: &[Setting]) -> Vec<Parameter> {
         model::parameters(self.sources, self.tree, self.overrides, values)
     }
@@ -82,7 +82,7 @@ impl Text<'_> {
         })
     }
 
-    /// The eigenvalue or the pole that the measure of a question is made of.
+    /// The eigenvalue or the pole that the measure of a question depends on.
     pub fn centre(&self, values: &[Setting], choose: impl Fn(&CheckedScene) -> Option<Question>) -> Option<Centre> {
         let scene = self.scene(values).ok()?;
         let question = choose(&scene)?;
@@ -103,7 +103,7 @@ impl Text<'_> {
         found.ok()?
     }
 
-    /// What is known of the measure of a question where some of the values are ranges ([`crate::base::Jet`]).
+    /// What is known about the measure of a question while some of the values are ranges ([`crate::base::Jet`]).
     pub fn over<T>(
         &self,
         values: &[Setting],
@@ -116,9 +116,9 @@ impl Text<'_> {
             let Plan { mut probes, readouts } = prepare_crossings(scene.scene(), std::slice::from_ref(&question));
             let probe = probes.pop()?;
             let scene = match (&scene.scene().damping, &probe) {
-                // No damping is in these.
+                // Damping does not affect these.
                 (_, Probe::Frequency(_) | Probe::Square(_)) => scene.without_damping(),
-                // The shapes that make this damping are not enclosed over ranges.
+                // The mode shapes that define this damping cannot be enclosed over ranges.
                 (Some(Damping::Modal { .. }), _) => return None,
                 _ => scene,
             };
@@ -150,7 +150,7 @@ impl Text<'_> {
         self.applied(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
-    /// How the measure of a question compares with its value, decided exactly; `None` where that cannot be done.
+    /// How the measure of a question compares with its value, decided exactly; `None` if that is not possible.
     pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Known) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
         self.applied(scene, questions, known, &prepare, |measured, probes| {
@@ -159,7 +159,7 @@ impl Text<'_> {
         .ok()?
     }
 
-    /// Gives the system of a scene an output for each question, computes what their probes need, and applies something to it.
+    /// Gives the system of a scene an output for each question, computes what the probes need, and calls `apply` with it.
     fn applied<T>(
         &self,
         scene: &CheckedScene,
@@ -207,13 +207,14 @@ impl Text<'_> {
         modes_as(&system, request).map_err(|error| error.to_diagnostic().message)
     }
 
-    /// Tells something of the systems without and with damping where some of the values are ranges; of neither where there is none.
+    /// Calls `tell` with the systems without and with damping, for values of which some are ranges; with `None` for a
+    /// system that cannot be enclosed.
     pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
         let lowered = |damped: bool| {
             jet::watched(|| {
                 let scene = self.scene(values).ok()?;
                 if damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
-                    // The shapes that make this damping are not enclosed with their derivatives.
+                    // The mode shapes that define this damping cannot be enclosed with their derivatives.
                     return None;
                 }
                 let scene = if damped { scene } else { scene.without_damping() };
@@ -227,7 +228,7 @@ impl Text<'_> {
         tell(a.as_ref(), b.as_ref());
     }
 
-    /// How long the motion is followed for a measure of it.
+    /// The simulated time for a measure, if it needs one.
     pub fn followed(&self, measure: &Measure) -> Option<Number> {
         matches!(measure, Measure::Peak { .. } | Measure::Rms { .. }).then(|| self.until.cloned()).flatten()
     }
@@ -250,7 +251,7 @@ impl Text<'_> {
         peak::usual_time(&poles, &drives)
     }
 
-    /// The signals, where a probe needs them.
+    /// The signals, if a probe needs them.
     pub fn context(&self, scene: &CheckedScene, probes: &[Probe]) -> Result<Context, String> {
         if !probes.iter().any(Probe::of_signals) {
             return Ok(Context::default());
@@ -261,7 +262,7 @@ impl Text<'_> {
     }
 }
 
-/// The modes and poles that the probes need; `known` are all modes.
+/// The modes and poles that the probes need; `known` holds all modes if they are known.
 fn computed(
     system: &LinearSystem,
     known: Option<Modes>,
@@ -288,7 +289,7 @@ fn computed(
     Ok((Some(modes), poles))
 }
 
-/// What stopped a trial.
+/// The message of the first error of a trial.
 fn first_error(said: &Diagnostics) -> String {
     said.iter().find(|finding| finding.is_error()).map_or_else(String::new, |error| error.message.clone())
 }
