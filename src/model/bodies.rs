@@ -1,5 +1,5 @@
-//! Bodies and bases: mass, place, inertia, freedom clause. In: the fields of a body; out: a [`Body`] whose inertia is about
-//! its centre. See spec.md and docs/method/kinematics.md.
+//! Bodies and bases: mass, place, inertia, freedom clause. In: the fields of a body. Out: a [`Body`] whose inertia is
+//! about its centre. See spec.md and docs/method/kinematics.md.
 
 use super::Check;
 use super::error::{PartError, ValueError};
@@ -30,16 +30,16 @@ const BASE_TURNS: usize = place(&BASE_FIELDS, "turns");
 
 const LENGTH: Expected = Expected::new("a length", Dimension::LENGTH, "0.3 m");
 
-/// What a shape says of the body.
+/// The properties of a body that follow from its shape.
 struct Shaped {
     shape: Shape,
-    /// Where the shape has its centre; `None` where `at` says it.
+    /// The centre of the shape; `None` if `at` gives it.
     centre: Option<Arc<Vec3>>,
     /// Inertia about the centre per mass, m^2.
     gyration: Number,
 }
 
-/// The freedom clauses that most bodies have and the axes, made once.
+/// The axes and the most common freedom clauses, made once and shared.
 #[derive(Clone, Debug)]
 pub struct Directions {
     x_axis: Arc<Vec3>,
@@ -66,7 +66,7 @@ impl Default for Directions {
 }
 
 impl Directions {
-    /// A direction, shared where it is an axis.
+    /// A direction; an axis is shared.
     pub fn shared(&self, direction: &Vec3) -> Arc<Vec3> {
         if *direction == Vec3::X {
             self.x_axis.clone()
@@ -96,7 +96,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Fills in what the fields say; every mistake among them is told.
+    /// Fills in the values of the fields, and reports every mistake among them.
     fn body(&mut self, body: &mut Body, given: &Given<'a>, environment: Environment) -> Evaluated<()> {
         let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected(false));
         let at = self.field_position(given.get(AT), environment);
@@ -142,7 +142,7 @@ impl<'a> Check<'a> {
         self.position(expr, environment).map(Some)
     }
 
-    /// `inertia = I about P`: the number, where it is written, and P.
+    /// `inertia = I about P`: the number, if it is given, and P.
     fn inertia(&mut self, field: Option<&Field>, environment: Environment) -> Evaluated<Option<GivenInertia>> {
         let Some(field) = field else { return Ok(None) };
         let (expr, about) = match field.value {
@@ -159,7 +159,8 @@ impl<'a> Check<'a> {
         Ok(Some(GivenInertia { number, about, span }))
     }
 
-    /// I - m d^2, d the distance of the centre from the point that the inertia is given about (Steiner's theorem).
+    /// I - m d^2, where d is the distance from the centre to the point that the inertia is given about (Steiner's
+    /// theorem).
     fn inertia_about_centre(
         &mut self,
         body: &Body,
@@ -182,7 +183,7 @@ impl<'a> Check<'a> {
         Ok(own)
     }
 
-    /// `shape = rod(A, B)`, `disk(r)`, `ring(r)`, `box(w, h)`; with what it may not stand beside.
+    /// `shape = rod(A, B)`, `disk(r)`, `ring(r)`, `box(w, h)`; rejects fields that must not accompany it.
     fn shape(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Option<Shaped>> {
         let Some(field) = given.get(SHAPE) else { return Ok(None) };
         if let Some(inertia) = given.get(INERTIA) {
@@ -227,7 +228,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A slender rod between two points: m L^2 / 12 about its middle.
+    /// A slender rod between two points: inertia m L^2 / 12 about its middle.
     fn rod(&mut self, a: ExprId, b: ExprId, environment: Environment) -> Evaluated<Shaped> {
         let first = self.position(a, environment);
         let second = self.position(b, environment)?;
@@ -243,7 +244,7 @@ impl<'a> Check<'a> {
         Ok(Shaped { shape: Shape::Rod { ends: [(*first).clone(), (*second).clone()] }, centre, gyration })
     }
 
-    /// A disk (m r^2 / 2) or ring (m r^2) about its axis.
+    /// A disk (inertia m r^2 / 2) or ring (m r^2) about its axis.
     fn round(
         &mut self,
         radius: ExprId,
@@ -256,7 +257,7 @@ impl<'a> Check<'a> {
         Ok(Shaped { shape: shape(radius), centre: None, gyration })
     }
 
-    /// A rectangle: m (w^2 + h^2) / 12 about its middle.
+    /// A rectangle: inertia m (w^2 + h^2) / 12 about its middle.
     fn rectangle(&mut self, width: ExprId, height: ExprId, environment: Environment) -> Evaluated<Shaped> {
         let width = self.size(width, environment);
         let height = self.size(height, environment)?;

@@ -1,8 +1,8 @@
-//! The first walk over the tree: every name is declared, every `repeat` unrolled. In: the tree; out: both name spaces
-//! and, for each kind of declaration, its instances in order. See spec.md#names.
+//! The first walk over the tree: declares every name and unrolls every `repeat`. In: the tree. Out: both name spaces and,
+//! for each kind of declaration, its instances in order. See spec.md#names.
 //!
-//! Top-level parameters come first, so that bounds of a `repeat` may use them wherever they stand. The instances are
-//! counted before any is made: what is too much is refused without work.
+//! Top-level parameters come first, so that the bounds of a `repeat` may use them wherever they are declared. The
+//! instances are counted before any is made, so that an excessive number is refused without work.
 
 use super::Check;
 use super::error::NameError;
@@ -12,23 +12,24 @@ use super::value::Function;
 use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 
-/// Declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output each.
+/// Most declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output
+/// each.
 pub const MAX_INSTANCES: u64 = 4_000_000;
-/// Bodies among them: each has coordinates, and takes some 400 bytes before any of these.
+/// Most bodies among them: each has coordinates, and takes some 400 bytes even without these.
 pub const MAX_BODIES: u64 = 1_000_000;
-/// Joints, couplings, inputs, outputs and questions among them: a force with its signal takes a kilobyte.
+/// Most joints, couplings, inputs, outputs and questions among them: a force with its signal takes a kilobyte.
 pub const MAX_OTHERS: u64 = 1_000_000;
 
-/// What `repeat`s unroll to.
+/// The number of declarations that `repeat`s unroll to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
     instances: u64,
     bodies: u64,
-    /// Neither bodies nor the springs, dampers and values of which there are most.
+    /// Declarations other than bodies and the most common kinds: springs, dampers and values.
     others: u64,
 }
 
-/// The name that a declaration declares, and what that then stands for.
+/// The name that a declaration declares, and a function from the index of the instance to what the name stands for.
 type Declares = Option<(Ident, fn(u32) -> Part)>;
 
 /// The instances of each kind, in order.
@@ -48,7 +49,7 @@ pub struct Instances<'a> {
     pub initials: Vec<Instance<'a>>,
     pub solves: Vec<Instance<'a>>,
     pub requires: Vec<Instance<'a>>,
-    /// What a scene has once: model, gravity, damping, rest.
+    /// Declarations that a scene has at most once: model, gravity, damping, rest.
     pub settings: Vec<Instance<'a>>,
 }
 
@@ -72,7 +73,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Unrolls a top-level `repeat` if what it unrolls to is not too much.
+    /// Unrolls a top-level `repeat` unless that makes too many declarations.
     fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut Count) {
         let before = *count;
         match self.count(repeat, Environment::TOP, count) {
@@ -84,7 +85,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Adds what a `repeat` unrolls to; refuses where that is too much.
+    /// Adds the declarations that a `repeat` unrolls to; an error if there are too many.
     fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut Count) -> Evaluated<()> {
         let (first, last) = self.bounds(repeat, environment)?;
         let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
@@ -158,7 +159,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Where an index's word is declared already.
+    /// The place where an index's word is declared already.
     fn taken_index(&self, symbol: Symbol, environment: Environment) -> Option<Option<Span>> {
         if self.environments.value(environment, symbol).is_some() {
             return Some(None);
@@ -171,7 +172,7 @@ impl<'a> Check<'a> {
         let first = self.bound(repeat.first, environment);
         let last = self.bound(repeat.last, environment)?;
         let first = first?;
-        // Both are below 2^63 in size: their difference fits twice that.
+        // Both are smaller than 2^63 in magnitude, so their difference fits in 128 bits.
         let repetitions = i128::from(last) - i128::from(first) + 1;
         if repetitions > i128::from(MAX_INSTANCES) {
             return self.too_many(repeat, MAX_INSTANCES, "declarations", environment);
@@ -214,7 +215,7 @@ impl<'a> Check<'a> {
         self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false });
     }
 
-    /// Refuses names that mean something wherever a number stands.
+    /// Reports names that have a fixed meaning wherever a number may stand; returns whether the name is free.
     fn not_reserved(&mut self, span: Span, environment: Environment) -> bool {
         let word = self.sources.slice(span);
         let reserved = word == "pi" || Function::named(word).is_some();
@@ -224,7 +225,7 @@ impl<'a> Check<'a> {
         !reserved
     }
 
-    /// The name that is declared; its word is known from then on even where its indices have no value.
+    /// The declared name. Its word counts as known from now on, even if its indices have no value.
     fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
         let name = self.name(ident, environment);
         if let Err(Stop::Reported) = name {
@@ -302,7 +303,7 @@ impl<'a> Check<'a> {
         self.declared_ident(decl).map_or(decl.span, |ident| ident.span)
     }
 
-    /// What a part is, with its article.
+    /// The kind of a part, with its article.
     pub fn noun_of(&self, part: Part) -> &'static str {
         match part {
             Part::Body(_) => "a body",
@@ -332,7 +333,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Remembers the words of declarations that are not made, so that no message calls them unknown.
+    /// Remembers the words of declarations that are not unrolled, so that no message calls them unknown.
     fn forget(&mut self, body: &'a [Decl]) {
         for decl in body {
             if let Some(ident) = self.declared_ident(decl) {

@@ -1,5 +1,5 @@
-//! Couplings and initial states: linear relations of motions, and motions at t = 0. In: `couple` and `initial`; out: sums
-//! of motions that are zero, and values for single motions. See spec.md.
+//! Couplings and initial states. In: `couple` and `initial`. Out: linear combinations of motions that are zero, and
+//! values of single motions at t = 0. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError};
@@ -53,7 +53,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A coupling relates displacements and angles, of at least one body.
+    /// Checks that a coupling relates only displacements and angles, and those of at least one body.
     fn couples_displacements(&mut self, terms: &[MotionTerm], span: Span, environment: Environment) -> Evaluated<()> {
         let is_displacement = |term: &MotionTerm| {
             matches!(term.motion, Motion::Point { derivative: 0, .. } | Motion::Turn { derivative: 0, .. })

@@ -1,5 +1,5 @@
-//! Elements: law and geometry. In: two ends and the fields; out: an [`Element`] that says whether it acts along
-//! the line of its points, along a direction, or on the rotation. See spec.md.
+//! Elements: law and geometry. In: two ends and the fields. Out: an [`Element`] that acts along the line between its
+//! points, along a direction, or on the rotation. See spec.md.
 
 use super::Check;
 use super::ends::are_apart;
@@ -16,16 +16,16 @@ use crate::elements::{Kind, Negative};
 use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
 
-/// Between what, by what law, and on which motion.
+/// The ends of an element, its law and its geometry.
 type Acting = ([Attachment; 2], Law, Geometry);
 
-/// The coefficient of an element with what its unit says.
+/// The coefficient of an element, and what its unit implies.
 #[derive(Clone, Debug)]
 pub struct Coefficient {
     value: Number,
-    /// Whether its unit says that the element acts on the rotation.
+    /// Whether it acts on the rotation, according to its unit.
     torsional: bool,
-    /// The field's word, and its value.
+    /// The span of the field's word; `at` is that of its value.
     key: Span,
     at: Span,
 }
@@ -65,7 +65,8 @@ impl<'a> Check<'a> {
                 pair,
             ))
         });
-        // Where the unit of the coefficient is the slip, lengths are right: that no part turns is said alone.
+        // If the unit of the coefficient is the mistake, the other fields are given as lengths: report only that no part
+        // turns.
         if let (Some(_), Err(stop)) = (torsional, &geometry) {
             return Err(*stop);
         }
@@ -80,7 +81,7 @@ impl<'a> Check<'a> {
         Ok((pair, Law { kind, coefficient: value, rest }, geometry))
     }
 
-    /// Says what a coefficient below zero means, or that there is none.
+    /// Reports a negative coefficient: as a note, or as an error if the kind refuses it.
     fn negative_coefficient(
         &mut self,
         kind: &'static Kind,
@@ -99,7 +100,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The ends, which are two different parts.
+    /// The ends, which must be two different parts.
     fn element_ends(&mut self, ends: EndId, environment: Environment) -> Evaluated<[Attachment; 2]> {
         let pair = self.attachments(ends, environment)?;
         if pair[0].part == pair[1].part {
@@ -110,7 +111,7 @@ impl<'a> Check<'a> {
         Ok(pair)
     }
 
-    /// Its dimension says whether the element is torsional.
+    /// The coefficient, whose dimension decides whether the element is torsional.
     fn coefficient(
         &mut self,
         kind: &'static Kind,
@@ -142,7 +143,7 @@ impl<'a> Check<'a> {
         )
     }
 
-    /// What a spring's fields say of its tension as drawn; other elements have no such fields.
+    /// The tension of a spring as drawn, according to its fields; other elements have no such fields.
     fn spring_rest(&mut self, given: &Given<'a>, torsional: bool, environment: Environment) -> Evaluated<SpringRest> {
         let (free, preload) = (given.named("free_length"), given.named("preload"));
         if let (Some((free, _)), Some((preload, _))) = (free, preload) {
@@ -192,7 +193,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The line between two points, or the one along which both parts move.
+    /// The line between two points, or the line along which both parts move.
     pub fn line_or_direction(&mut self, pair: &[Attachment; 2], environment: Environment) -> Evaluated<Geometry> {
         let places = (&pair[0].at, &pair[1].at);
         if let (Some(a), Some(b)) = places
@@ -217,7 +218,7 @@ impl<'a> Check<'a> {
         self.fail(environment, error)
     }
 
-    /// One and the same line along which both parts move; a part that stays fits any.
+    /// The line along which both parts move, if it is the same; a fixed part fits any line.
     fn common_line(&self, pair: &[Attachment; 2]) -> Option<Arc<Vec3>> {
         match (self.line(pair[0].part), self.line(pair[1].part)) {
             (Line::Along(a), Line::Along(b)) => are_parallel(&a, &b).then_some(a),
@@ -226,7 +227,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A free length needs a drawn length to be compared with.
+    /// Checks that a spring with a free length has a drawn length to compare it with.
     fn drawn_length_is_known(
         &mut self,
         rest: &SpringRest,

@@ -1,4 +1,4 @@
-//! Ends of elements, joints and inputs: `block`, `block@A`, `ground@(0, 1 m)`. In: an end as written; out: the part and
+//! Ends of elements, joints and inputs: `block`, `block@A`, `ground@(0, 1 m)`. In: an end as written. Out: the part and
 //! its drawn position. See spec.md.
 
 use super::Check;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 impl<'a> Check<'a> {
     pub fn attachment(&mut self, end: &End, environment: Environment) -> Evaluated<Attachment> {
-        // Both are looked at, so that both mistakes are reported.
+        // Both are evaluated, so that both mistakes are reported.
         let part = self.part(end.part, environment);
         let at = end.at.map(|at| self.position(at, environment)).transpose()?;
         let part = part?;
@@ -28,7 +28,7 @@ impl<'a> Check<'a> {
         Ok([a?, b])
     }
 
-    /// Where a part is drawn, if it is drawn somewhere.
+    /// The place where a part is drawn, if it has one.
     pub fn own_position(&self, part: Part) -> Option<Arc<Vec3>> {
         match part {
             Part::Ground => None,
@@ -53,7 +53,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whatever part has this name; `wanted` says what the place takes.
+    /// The part of any kind that has this name; `wanted` names what the place requires, for messages.
     pub fn named_part(
         &mut self,
         ident: Ident,
@@ -78,17 +78,17 @@ impl<'a> Check<'a> {
         self.fail_unless_broken(environment, ident.span, error)
     }
 
-    /// Whether a body could not be checked: what depends on it is not said.
+    /// Whether a body could not be checked: errors that follow from that are not reported.
     pub fn is_broken(&self, part: Part) -> bool {
         matches!(part, Part::Body(id) if self.broken_bodies.contains(&id))
     }
 
-    /// Stops silently where one of the parts is broken.
+    /// Stops silently if one of the parts is broken.
     pub fn sound(&self, ends: &[Attachment]) -> Evaluated<()> {
         if ends.iter().any(|end| self.is_broken(end.part)) { Err(Stop::Reported) } else { Ok(()) }
     }
 
-    /// The name of a part as the model has it.
+    /// The name of a part as the model writes it.
     pub fn part_name(&self, part: Part) -> String {
         match part {
             Part::Ground => "ground".into(),
@@ -98,7 +98,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// Certainly two different points.
+/// Whether two points certainly differ.
 pub fn are_apart(a: &Vec3, b: &Vec3) -> bool {
     !a.sub(b).may_be_zero()
 }

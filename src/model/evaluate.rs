@@ -1,9 +1,9 @@
-//! Expressions to values: literals exact, names looked up, parameters settled on demand in whatever order they are
+//! Evaluates expressions: literals exactly, names by lookup, and parameters on demand, in whatever order they are
 //! declared. See spec.md#units and spec.md#names.
 //!
-//! The walk recurses over an expression (the parser limits its depth) and over the definitions that it refers to. Where
-//! both together would get deep, the walk stops with [`Stop::Deep`], the definitions it was in the middle of wait on a
-//! list, and the innermost is settled first, from a fresh start: a chain of a million parameters needs no deep stack.
+//! The walk recurses over an expression (the parser limits its depth) and over the definitions that it refers to. If both
+//! together would get too deep, the walk stops with [`Stop::Deep`], the definitions it is in the middle of wait on a
+//! list, and the innermost is evaluated first, from a fresh start: a chain of a million parameters needs no deep stack.
 
 use super::Check;
 use super::error::{NameError, ValueError};
@@ -18,13 +18,13 @@ pub type Evaluated<T> = Result<T, Stop>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// What is wrong has been said.
+    /// An error that has been reported.
     Reported,
-    /// Definitions that it depends on have to be settled first.
+    /// Definitions that the value depends on have to be evaluated first.
     Deep,
 }
 
-/// Levels of expressions and definitions beyond which a walk begins no further definition. One more expression may come
+/// Levels of expressions and definitions beyond which a walk starts no further definition. One more expression may come
 /// on top (256 levels, see syntax::limits); a level takes less than 2 KiB of stack in an unoptimised build.
 const MAX_DEPTH: usize = 256;
 
@@ -32,9 +32,9 @@ const MAX_DEPTH: usize = 256;
 #[derive(Debug, Default)]
 pub struct Walk {
     depth: usize,
-    /// Definitions that are being settled, each needed by the one before it.
+    /// Definitions that are being evaluated, each needed by the one before it.
     in_progress: Vec<DefinitionId>,
-    /// Whether an index of a `repeat` has been looked at.
+    /// Whether an index of a `repeat` has been used.
     pub varies: bool,
 }
 
@@ -50,7 +50,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Settles every parameter, used or not, in order of declaration.
+    /// Evaluates every parameter, used or not, in order of declaration.
     pub fn settle_definitions(&mut self) {
         for index in 0..self.definitions.len() {
             let id = DefinitionId(index as u32);
@@ -61,11 +61,11 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Settles the definitions in progress, the innermost first.
+    /// Evaluates the definitions in progress, the innermost first.
     fn settle_waiting(&mut self) {
         while let Some(&id) = self.walk.in_progress.last() {
             self.walk.depth = 0;
-            // Those that it met and that have to come first are now behind it on the list.
+            // Definitions that have to be evaluated first are now behind this one on the list.
             let _ = self.settle(id);
         }
     }
@@ -75,7 +75,7 @@ impl<'a> Check<'a> {
         self.walk.in_progress.push(id);
     }
 
-    /// Evaluates the definition at the end of the list, and takes it off unless others have to come first.
+    /// Evaluates the definition at the end of the list, and removes it unless others have to come first.
     fn settle(&mut self, id: DefinitionId) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
         let (expr, environment, kind) = (definition.expr, definition.environment, definition.kind);
@@ -91,7 +91,7 @@ impl<'a> Check<'a> {
         result
     }
 
-    /// The value that a definition gives its name.
+    /// The value that a definition gives to its name.
     fn defined(&mut self, id: DefinitionId, kind: DefinitionKind, value: Value) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
         let (expr, environment) = (definition.expr, definition.environment);
@@ -134,7 +134,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// `10 N/m`; with `negated`, `-12 dB`, whose minus belongs to the level.
+    /// `10 N/m`, or `-12 dB` with `negated`, whose minus sign belongs to the level.
     fn literal(&mut self, span: Span, number_len: u16, negated: bool, environment: Environment) -> Evaluated<Value> {
         let text = self.sources.slice(span);
         let (digits, rest) = text.split_at(usize::from(number_len).min(text.len()));
@@ -163,7 +163,7 @@ impl<'a> Check<'a> {
         Ok(Quantity { si, dimension, angle }.into())
     }
 
-    /// The unit, read once for each text.
+    /// The unit with this text, parsed only once.
     fn unit(&mut self, text: &'a str, span: Span, environment: Environment) -> Evaluated<Unit> {
         if let Some(unit) = self.units.get(text) {
             return Ok(unit.clone());
@@ -207,7 +207,7 @@ impl<'a> Check<'a> {
             Binary::Arrow => return self.fail(environment, ValueError::ArrowAsValue { span }),
             _ => return self.fail(environment, ValueError::ComparisonAsValue { span }),
         };
-        // Both sides are looked at, so that both sides' mistakes are reported.
+        // Both sides are evaluated, so that mistakes on both sides are reported.
         let a = self.walk(left, environment);
         if a == Err(Stop::Deep) {
             return a;
@@ -269,7 +269,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The span of a name's word: what stands before its indices.
+    /// The span of a name's word, without its indices.
     pub fn word_of(&self, span: Span) -> Span {
         let text = self.sources.slice(span);
         let len = text.find(['[', ' ', '\t', '\n', '\r']).unwrap_or(text.len());
@@ -301,7 +301,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The symbol of a word that has been seen in the model; within a `repeat` remembered by its place.
+    /// The symbol of a word that occurs in the model; within a `repeat` it is cached by its position.
     fn known_symbol(&mut self, word: Span, environment: Environment) -> Option<Symbol> {
         if environment.is_top() {
             return self.words.get(self.sources.slice(word));
@@ -314,7 +314,7 @@ impl<'a> Check<'a> {
         Some(symbol)
     }
 
-    /// The value of a definition, settled now if it is not yet.
+    /// The value of a definition, evaluated now if necessary.
     fn value_of(&mut self, id: DefinitionId, span: Span, environment: Environment) -> Evaluated<Value> {
         let definition = &mut self.definitions[id.0 as usize];
         definition.used = true;
@@ -331,7 +331,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The definitions between the first mention of `id` and this one, which is in the last of them.
+    /// The error for a definition that refers to itself: the definitions from `id` on, of which the last one mentions
+    /// `id` at `span`.
     fn cycle(&self, id: DefinitionId, span: Span) -> NameError {
         let start = self.walk.in_progress.iter().rposition(|&member| member == id).unwrap_or(0);
         let members = self.walk.in_progress[start..].iter().map(|member| {
@@ -372,8 +373,8 @@ impl<'a> Check<'a> {
         self.as_whole(&value, expr, environment)
     }
 
-    /// `i`, `i-1`, `2*i+1`: sums and products of indices and whole numbers, without the machinery of quantities; `None`
-    /// for everything else. A chain of a million springs has three million such.
+    /// `i`, `i-1`, `2*i+1`: sums and products of indices and whole numbers, evaluated without quantities because a chain
+    /// of a million springs has three million of them; `None` for everything else.
     fn plain_index(&mut self, expr: ExprId, environment: Environment) -> Option<i64> {
         let node = *self.tree.expr(expr);
         match node.kind {
@@ -398,7 +399,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The name that an identifier stands for, its word entered among the words.
+    /// The name that an identifier stands for; its word is added to the table of words.
     pub fn name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
         let symbol = match self.known_symbol(ident.span, environment) {
             Some(symbol) => symbol,
@@ -413,7 +414,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A whole number that fits an index.
+    /// A whole number in the range of an index.
     pub fn as_whole(&mut self, value: &Value, expr: ExprId, environment: Environment) -> Evaluated<i32> {
         let whole = self.as_integer(value, expr, environment)?;
         self.as_index(whole, expr, environment)
@@ -435,7 +436,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Where an identifier stands, its indices included.
+    /// The span of an identifier, including its indices.
     pub fn ident_span(&self, ident: Ident) -> Span {
         let Some(&last) = self.tree.list(ident.indices).last() else { return ident.span };
         let end = self.tree.expr(last).span.end();

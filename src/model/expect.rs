@@ -1,6 +1,6 @@
-//! What a place of the model wants of its value: a mass, a position, a frequency. In: an expression; out: its SI number,
-//! with the dimension checked and the range of binary64 kept, or a message that names what is wanted and what is found.
-//! See spec.md#units.
+//! Typed values: a mass, a position, a frequency. In: an expression. Out: its SI number, with its dimension checked and
+//! its size within the range of binary64, or a message that names what was expected and what was found. See
+//! spec.md#units.
 
 use super::Check;
 use super::elements::Coefficient;
@@ -13,7 +13,7 @@ use crate::base::{Angle, Dimension, Number, Quantity, Span, Vec3};
 use crate::syntax::tree::{ExprId, ExprKind};
 use std::sync::Arc;
 
-/// What has been found once and holds in every repetition.
+/// Values that were computed once and hold in every repetition.
 #[derive(Debug, Default)]
 pub struct Memory {
     numbers: Table<ExprId, Evaluated<Number>>,
@@ -25,7 +25,7 @@ const POSITION: Expected = Expected::new("a position", Dimension::LENGTH, "(0, 1
 const FREQUENCY: Expected = Expected::new("a frequency", Dimension::FREQUENCY, "30 Hz");
 
 impl<'a> Check<'a> {
-    /// A number of the dimension that is wanted.
+    /// A number of the expected dimension.
     pub fn number(&mut self, expr: ExprId, environment: Environment, expected: &Expected) -> Evaluated<Number> {
         self.remembered(
             expr,
@@ -38,7 +38,7 @@ impl<'a> Check<'a> {
         )
     }
 
-    /// A frequency in Hz: cycles as they are, radians divided by 2 pi, and neither refused.
+    /// A frequency in Hz: cycles as they are, radians divided by 2 pi; it is an error if the unit says neither.
     pub fn frequency(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {
         let value = self.evaluate(expr, environment)?;
         let number = self.as_number(&value, expr, environment, &FREQUENCY)?;
@@ -72,7 +72,7 @@ impl<'a> Check<'a> {
         )
     }
 
-    /// A direction: `x`, `y`, or a vector that is not zero. Its length says nothing.
+    /// A direction: `x`, `y`, or a vector that is not zero. Its length does not matter.
     pub fn direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         self.remembered(
             expr,
@@ -110,7 +110,7 @@ impl<'a> Check<'a> {
         Ok(si)
     }
 
-    /// What has been found before for this expression, where no index enters it; or what `make` finds now.
+    /// The cached value of this expression if no index of a `repeat` enters it; otherwise the result of `make`.
     pub fn remembered<T: Clone>(
         &mut self,
         expr: ExprId,
@@ -151,7 +151,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Warns where a frequency in cycles went into something that is no frequency.
+    /// Warns if a frequency in cycles went into something that is not a frequency.
     fn cycles_for_radians(&mut self, scalar: &Scalar, expr: ExprId, environment: Environment, expected: &Expected) {
         let is_rate = [Dimension::NONE, Dimension::FREQUENCY].contains(&expected.dimension);
         if is_rate || scalar.cycles <= 0.0 {
@@ -178,7 +178,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Says that another dimension is wanted than was found.
+    /// Reports that the value has another dimension than expected.
     pub fn mismatch(&mut self, found: Dimension, expr: ExprId, environment: Environment, expected: &Expected) -> Stop {
         let node = *self.tree.expr(expr);
         let (span, expected) = (node.span, *expected);
@@ -193,7 +193,7 @@ impl<'a> Check<'a> {
         Stop::Reported
     }
 
-    /// Where the name that an expression consists of is declared.
+    /// The name that an expression consists of, and where it is declared.
     pub fn declaration_of(&mut self, expr: ExprId, environment: Environment) -> Option<(String, Span)> {
         let node = *self.tree.expr(expr);
         let ExprKind::Name { indices } = node.kind else { return None };
@@ -218,7 +218,7 @@ impl<'a> Check<'a> {
         Ok(Vector { si: vector.si, dimension: Some(Dimension::LENGTH) })
     }
 
-    /// Zero or not to be distinguished from it, or of a size that binary64 has in full precision.
+    /// Checks that a number may be zero, or has a magnitude that binary64 represents in full precision.
     pub fn check_range(&mut self, number: &Number, expr: ExprId, environment: Environment) -> Evaluated<()> {
         let size = number.to_f64().abs();
         if number.is_finite() && (size >= f64::MIN_POSITIVE || number.may_be_zero()) {
@@ -229,7 +229,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// `9.81 g`: a mass where an acceleration is wanted.
+/// `9.81 g`: a mass instead of an acceleration.
 fn is_gram_for_gravity(found: Dimension, expected: Expected) -> bool {
     found == Dimension::MASS && expected.dimension == Dimension::ACCELERATION
 }

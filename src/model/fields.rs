@@ -1,5 +1,5 @@
-//! What stands in braces: each field at most once, none unknown. In: the fields of a declaration; out: the one of a given
-//! name, or all of them by place in the table of kinds. See spec.md.
+//! Fields in braces: each at most once, none unknown. In: the fields of a declaration. Out: the field of a given name, or
+//! all of them by their place in the table of kinds. See spec.md.
 
 use super::Check;
 use super::error::NameError;
@@ -10,7 +10,7 @@ use super::suggestion::nearest;
 use crate::base::{self, Number, Span};
 use crate::syntax::tree::{ExprId, Field, FieldValue, Fields};
 
-/// More fields than any declaration has.
+/// At least as many fields as any declaration has.
 const MOST: usize = 8;
 
 /// The fields of one declaration, in the order of the table.
@@ -18,7 +18,7 @@ const MOST: usize = 8;
 pub struct Given<'a> {
     table: &'static [base::Field],
     fields: [Option<&'a Field>; MOST],
-    /// Whether a field could not be read: then nobody says that one is missing.
+    /// Whether a field could not be read: then a missing field is not reported.
     pub broken: bool,
 }
 
@@ -28,7 +28,7 @@ impl<'a> Given<'a> {
         self.fields[place]
     }
 
-    /// The field of this name, with what the table says of it; `None` where it is not given, or not in the table.
+    /// The field of this name, with its entry in the table; `None` if it is not given, or not in the table.
     pub fn named(&self, name: &str) -> Option<(&'a Field, &'static base::Field)> {
         let place = self.table.iter().position(|field| field.name == name)?;
         Some((self.fields[place]?, &self.table[place]))
@@ -36,7 +36,7 @@ impl<'a> Given<'a> {
 }
 
 impl<'a> Check<'a> {
-    /// Sorts the fields by the table; says which are unknown or given twice.
+    /// Sorts the fields by the table; reports unknown fields and fields that are given twice.
     pub fn fields(&mut self, fields: Fields, table: &'static [base::Field], environment: Environment) -> Given<'a> {
         let tree = self.tree;
         let mut given = Given { table, fields: [None; MOST], broken: false };

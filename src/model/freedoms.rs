@@ -1,8 +1,8 @@
-//! What can turn, and along which line what moves: from freedom clauses and joints, before any coordinate is chosen.
-//! In: bodies, bases, joints; out: answers for each part. See docs/method/kinematics.md.
+//! Which parts can turn, and the line along which a part moves: from freedom clauses and joints, before any coordinate is
+//! chosen. In: bodies, bases, joints. Out: answers for each part. See docs/method/kinematics.md.
 //!
-//! Slides and welds let no part turn against the other, so the parts tied by them turn together or not at all. A part's
-//! line follows from the part it is welded to, or from the slide that holds it.
+//! Slides and welds prevent relative rotation, so the parts they connect turn together or not at all. A part's line
+//! follows from the part it is welded to, or from the slide that holds it.
 
 use super::Check;
 use super::bodies::Directions;
@@ -17,18 +17,18 @@ pub enum Line {
     Fixed,
     /// It moves along this direction only.
     Along(Arc<Vec3>),
-    /// It has more freedoms, or none that are a straight line.
+    /// It has more degrees of freedom, or none along a straight line.
     Other,
 }
 
-/// What joints make of the bodies that have no freedom clause; empty without joints.
+/// The degrees of freedom that joints give to bodies without a freedom clause; empty without joints.
 #[derive(Debug, Default)]
 pub struct Freedoms {
-    /// For each body: joints that it has.
+    /// For each body, the number of its joints.
     joints_of: Vec<u32>,
-    /// For each body: whether it can turn.
+    /// For each body, whether it can turn.
     turns: Vec<bool>,
-    /// For each body: its line.
+    /// For each body, its line.
     lines: Vec<Line>,
 }
 
@@ -64,7 +64,7 @@ fn can_turn(scene: &Scene, freedoms: &Freedoms, part: Part) -> bool {
     }
 }
 
-/// The line of a part that stands on the ground by its own clause.
+/// The line of a part that is attached to the ground by its own freedom clause.
 fn own_line(scene: &Scene, directions: &Directions, part: Part) -> Line {
     let translations = match part {
         Part::Ground => return Line::Fixed,
@@ -109,7 +109,7 @@ impl Freedoms {
     }
 }
 
-/// The place of a part among bodies, then the ground, then bases.
+/// The index of a part in a list of the bodies, the ground, and the bases.
 fn node(scene: &Scene, part: Part) -> usize {
     match part {
         Part::Body(id) => id.index(),
@@ -118,7 +118,7 @@ fn node(scene: &Scene, part: Part) -> usize {
     }
 }
 
-/// Which bodies turn: groups tied by slides and welds turn unless one of the group cannot.
+/// Which bodies turn: a group connected by slides and welds turns unless one of its parts cannot.
 fn turning(scene: &Scene) -> Vec<bool> {
     let mut groups = Groups::new(scene.bodies.len() + 1 + scene.bases.len());
     for joint in scene.joints.iter().filter(|joint| !joint.kind.turns) {
@@ -141,7 +141,7 @@ fn turning(scene: &Scene) -> Vec<bool> {
     (0..scene.bodies.len()).map(|index| !held[groups.find(index)]).collect()
 }
 
-/// Sets that are joined (union by halving paths).
+/// Disjoint sets that can be joined (union-find with path halving).
 struct Groups {
     parents: Vec<u32>,
 }
@@ -165,7 +165,7 @@ impl Groups {
     }
 }
 
-/// The lines of the bodies without a freedom clause, passed on from part to part along slides and welds.
+/// The lines of the bodies without a freedom clause, propagated from part to part along slides and welds.
 fn lines(scene: &Scene, directions: &Directions, freedoms: &Freedoms) -> Vec<Line> {
     let neighbours = Neighbours::of(scene);
     let mut lines: Vec<Option<Line>> = vec![None; scene.bodies.len() + 1 + scene.bases.len()];
@@ -205,12 +205,12 @@ fn passed_on(line: &Line, joint: &Joint) -> Line {
     }
 }
 
-/// Not certainly of different directions.
+/// Whether two directions are not certainly different.
 pub fn are_parallel(a: &Vec3, b: &Vec3) -> bool {
     std::ptr::eq(a, b) || a.cross(b).may_be_zero()
 }
 
-/// For each node its joints.
+/// The joints of each node.
 struct Neighbours {
     starts: Vec<u32>,
     joints: Vec<u32>,

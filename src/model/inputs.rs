@@ -1,4 +1,4 @@
-//! Forces, torques and bases as inputs. In: ends, direction and signal; out: an [`Input`]. See spec.md.
+//! Forces, torques and bases as inputs. In: ends, direction and signal. Out: an [`Input`]. See spec.md.
 
 use super::Check;
 use super::error::PartError;
@@ -52,13 +52,13 @@ impl<'a> Check<'a> {
         self.push_input(ident, kind, signal, environment)
     }
 
-    /// `force F: a -- b` pulls along the line of its points; along the common line of the parts where there is no other.
+    /// `force F: a -- b` acts along the line between its points or, if there is none, along the common line of the parts.
     fn undirected_force(&mut self, ends: Vec<Attachment>, environment: Environment) -> Evaluated<InputKind> {
         match <[Attachment; 2]>::try_from(ends) {
             Ok(pair) => Ok(match self.line_or_direction(&pair, environment)? {
                 Geometry::Along(line) => {
                     let [a, b] = pair;
-                    // Apart where positive: the second end goes forwards, the first one back.
+                    // A positive force drives the ends apart: the second end forwards, the first end back.
                     InputKind::Force { ends: vec![b, a], direction: (*line).clone() }
                 }
                 _ => InputKind::ForceBetween { ends: pair },
@@ -98,7 +98,7 @@ impl<'a> Check<'a> {
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)
     }
 
-    /// One end or two; at least one of them on a body, and not both on the same.
+    /// One or two ends; at least one must be on a body, and two ends must be on different parts.
     fn input_ends(
         &mut self,
         (from, to): (EndId, Option<EndId>),
@@ -136,7 +136,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// A base is an input for each of its motions.
+    /// Makes an input for each motion of a base.
     fn base_inputs(&mut self, base: BaseId, signal: Option<ExprId>, environment: Environment) -> Evaluated<()> {
         if self.broken_bases.contains(&base) {
             return Err(Stop::Reported);

@@ -1,4 +1,4 @@
-//! Joints: pivots, slides, welds. In: two ends; out: a [`Joint`] whose ends coincide as drawn. See spec.md.
+//! Joints: pivots, slides, welds. In: two ends. Out: a [`Joint`] whose ends coincide as drawn. See spec.md.
 
 use super::Check;
 use super::ends::are_apart;
@@ -56,7 +56,8 @@ impl<'a> Check<'a> {
         Ok(Joint { name, span, kind, ends: pair, at, along })
     }
 
-    /// Where a pivot is: at the point given, which both ends then have; or where both parts' own positions coincide.
+    /// The place of a pivot: the given point, which both ends then share, or the place where both parts' own positions
+    /// coincide.
     fn common_point(
         &mut self,
         ends: EndId,
@@ -97,7 +98,7 @@ impl<'a> Check<'a> {
         Ok(first)
     }
 
-    /// A weld holds two parts wherever they are; two points written for it have to be the same one.
+    /// A weld connects two parts wherever they are; if both ends name a point, it must be the same point.
     fn welded_points(&mut self, ends: EndId, pair: &[Attachment; 2], environment: Environment) -> Evaluated<()> {
         let tree = self.tree;
         let (a, b) = tree.pair(ends);
@@ -107,7 +108,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// Bodies without a freedom clause need a joint.
+    /// Reports bodies that have neither a freedom clause nor a joint.
     pub fn jointless_bodies(&mut self) {
         if self.broken_joints {
             return;
@@ -122,7 +123,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// A position for a message.
+/// A position for use in a message.
 fn shown(place: &Vec3) -> (f64, f64) {
     (place.x.to_f64(), place.y.to_f64())
 }

@@ -1,5 +1,5 @@
-//! `solve` and `require`: what is asked of the analysis. In: measures, comparisons and ranges; out: the same with every
-//! name resolved and every number in SI. See spec.md.
+//! `solve` and `require`: the questions to the analysis. In: measures, comparisons and ranges. Out: the same questions
+//! with every name resolved and every number in SI units. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError, ValueError};
@@ -18,7 +18,7 @@ use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
 
-/// From an output to a measure of it.
+/// Makes a measure of an output.
 type MakeMeasure = fn(Vec<MotionTerm>) -> Measure;
 
 /// A measure with the dimension of its value.
@@ -68,7 +68,7 @@ impl<'a> Check<'a> {
         let question = self.question(measured, at, value, environment)?;
         let mut found = self.parameter(id, &declared);
         if declared.bare_zero {
-            // Declared as a plain `0`: the range says what it is.
+            // Declared as a plain `0`: its dimension follows from the range.
             found.value = Quantity { si: Number::ZERO, ..like };
             found.unit = self.written(low, found.value.dimension);
         }
@@ -85,7 +85,7 @@ impl<'a> Check<'a> {
         numbers.collect()
     }
 
-    /// A parameter with the value in use.
+    /// A parameter with its current value.
     pub fn parameter(&self, id: DefinitionId, value: &Scalar) -> Parameter {
         let definition = &self.definitions[id.0 as usize];
         let mut unit = self.written(definition.expr, value.quantity.dimension);
@@ -100,7 +100,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The unit of the first number of this dimension in an expression; the usual one where there is none.
+    /// The unit of the first number of this dimension in an expression, or the usual unit if there is no such number.
     fn written(&self, expr: ExprId, dimension: Dimension) -> Written {
         self.unit_in(expr, dimension)
             .unwrap_or_else(|| Written { text: usual_unit(dimension), factor: Some(Number::ONE) })
@@ -126,7 +126,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A measure with what it is compared with.
+    /// A measure and the value that it is compared with.
     fn question(
         &mut self,
         measured: Measured,
@@ -155,7 +155,7 @@ impl<'a> Check<'a> {
         Ok(Question { measure: measured.measure, span: at, value: number, radians, unit })
     }
 
-    /// The parameter that `solve` looks for, with its declared value.
+    /// The parameter to be solved for, with its declared value.
     fn solved_parameter(&mut self, ident: Ident, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
         let name = self.name(ident, environment)?;
         let Some(id) = self.values.get(name) else {
@@ -175,7 +175,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A bound of a parameter's range: a number like the parameter's own.
+    /// A bound of a parameter's range, which must be of the same kind as the parameter.
     fn like_parameter(&mut self, expr: ExprId, declared: &Scalar, environment: Environment) -> Evaluated<Quantity> {
         let value = self.evaluate(expr, environment)?;
         let given = self.as_scalar(&value, expr, environment, &super::overrides::ANY_NUMBER)?;
@@ -237,7 +237,7 @@ impl<'a> Check<'a> {
         Ok((self.question(measured, at, value, environment)?, Some(comparison)))
     }
 
-    /// `1 Hz < frequency(1) < 5 Hz` as the two lines that say it.
+    /// `1 Hz < frequency(1) < 5 Hz` as two separate lines.
     fn chained(&self, left: ExprId, right: ExprId, whole: Span) -> Option<[String; 2]> {
         let compares = |expr: ExprId| match self.tree.expr(expr).kind {
             ExprKind::Binary { operator, left, right } if comparison(operator).is_some() => Some((left, right)),
@@ -255,7 +255,7 @@ impl<'a> Check<'a> {
         Some([text(first.start(), first.end()), text(second.0, second.1)])
     }
 
-    /// The first measure in an expression that should be a number, and its name.
+    /// The first measure in an expression that should be a number: its span and its name.
     fn measure_in(&self, expr: ExprId) -> Option<(Span, String)> {
         let node = self.tree.expr(expr);
         if self.is_measure(expr) {
@@ -358,7 +358,7 @@ impl<'a> Check<'a> {
         Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
     }
 
-    /// An output by its name, or the motions of an expression.
+    /// An output by its name, or the motions in an expression.
     fn measured_output(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
         let node = *self.tree.expr(expr);
         let ExprKind::Name { indices } = node.kind else { return self.combination(expr, environment) };
@@ -378,7 +378,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A force, a torque, or a motion of a base: `floor`, or `floor.y` where it has several.
+    /// A force, a torque, or a motion of a base: `floor`, or `floor.y` if it has several.
     fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
         let node = *self.tree.expr(expr);
         let (name, motion) = match node.kind {
@@ -404,7 +404,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The only input of this name, or that of the motion named.
+    /// The only input of this name, or the one for the given motion.
     fn input_of(&self, name: Name, motion: Option<&str>) -> Option<(InputId, Dimension)> {
         let inputs = self.scene.inputs.iter().enumerate().filter(|(_, input)| input.name == name);
         let named = inputs.filter(|(_, input)| motion.is_none_or(|motion| self.motion_of(&input.kind) == motion));
@@ -452,13 +452,13 @@ impl<'a> Check<'a> {
     }
 }
 
-/// `stable`, which is compared with nothing.
+/// `stable`, which is not compared with anything.
 fn stable(span: Span) -> Question {
     let unit = Written { text: String::new(), factor: Some(Number::ONE) };
     Question { measure: Measure::Stable, span, value: Number::ZERO, radians: None, unit }
 }
 
-/// Base units where a dimension has two usual ones.
+/// The usual unit of a dimension; none for 1/s, which has two.
 fn usual_unit(dimension: Dimension) -> String {
     if dimension == Dimension::FREQUENCY { String::new() } else { dimension.usual_unit() }
 }
@@ -482,7 +482,7 @@ fn flipped(comparison: Comparison) -> Comparison {
     }
 }
 
-/// What an input is measured in.
+/// The dimension of an input.
 fn dimension_of(kind: &InputKind) -> Dimension {
     match kind {
         InputKind::Force { .. } | InputKind::ForceBetween { .. } => Dimension::FORCE,
@@ -496,7 +496,7 @@ fn noun_of(dimension: Dimension) -> &'static str {
     dimension.noun().unwrap_or("another quantity")
 }
 
-/// A number to write, for a help.
+/// An example of a number with its unit, for a help.
 fn example_of(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::NONE => "0.25",

@@ -1,11 +1,11 @@
-//! Syntax tree to the scene that was meant: names, units, freedoms. See spec.md#units and docs/method/kinematics.md.
+//! From a syntax tree to the scene it describes: names, units, freedoms. See spec.md#units and docs/method/kinematics.md.
 //!
 //! # Steps
-//! 1. `overrides`, `collect`: values from outside; names and instances, `repeat` unrolled
+//! 1. `overrides`, `collect`: values from outside the model; names and instances, with `repeat` unrolled
 //! 2. `evaluate`: every parameter gets its value
 //! 3. `bodies`, `joints`, `freedoms`, `needs`: what moves, and how
-//! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on it, and what is asked
-//! 5. `needs` again: what is declared and never used
+//! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on the bodies, and the questions
+//! 5. `needs` again: declarations that are never used
 
 mod bodies;
 mod collect;
@@ -55,18 +55,18 @@ pub use value::{Scalar, Value, Vector};
 use written::Writer;
 pub use written::Written;
 
-/// What is said about a model from outside: values of its parameters, checked like the model itself, and how it is read.
+/// Settings from outside a model: values of its parameters, checked like the model itself, and how literals are read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overrides {
-    /// `--set NAME=VALUE`, one a line.
+    /// `--set NAME=VALUE`, one per line.
     pub arguments: Option<FileId>,
     /// A TOML file of settings.
     pub settings: Option<FileId>,
-    /// How all literals are read, those of the model too.
+    /// How all literals are read, including those of the model.
     pub literals: Literals,
 }
 
-/// A scene that has passed every check: lowering takes nothing else.
+/// A scene that has passed every check. Lowering accepts nothing else.
 #[derive(Clone, Debug)]
 pub struct CheckedScene {
     scene: Scene,
@@ -77,21 +77,21 @@ impl CheckedScene {
         &self.scene
     }
 
-    /// This scene without the damping that is declared for the whole of it. A scene without damping passes every check that
-    /// one with damping passes.
+    /// The scene without the damping declared for the whole of it. A scene without damping passes every check that one
+    /// with damping passes.
     pub fn without_damping(&self) -> CheckedScene {
         CheckedScene { scene: Scene { damping: None, ..self.scene.clone() } }
     }
 }
 
-/// What the check makes of a tree: a scene, unless there are errors.
+/// The result of checking a tree: a scene, unless there are errors.
 #[derive(Clone, Debug)]
 pub struct Checked {
     pub scene: Option<CheckedScene>,
     pub diagnostics: Diagnostics,
 }
 
-/// The scene that a tree means.
+/// Checks a tree and builds its scene.
 pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
     check_with(sources, tree, overrides, &[])
 }
@@ -99,12 +99,12 @@ pub fn check(sources: &Sources, tree: &Tree, overrides: &Overrides) -> Checked {
 /// A parameter by its name, `k` or `m[3]`, and a value like its declared one.
 pub type Setting = (String, Quantity);
 
-/// The same with some parameters at other values, whatever the model or the overrides say.
+/// Like [`check`], with some parameters at other values that override the model and the overrides.
 pub fn check_with(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Checked {
     checking(sources, tree, overrides, values).finish()
 }
 
-/// The same, and the expressions that the numbers of the scene were written as.
+/// Like [`check_with`], and returns the expressions behind the numbers of the scene as well.
 pub fn check_written(
     sources: &Sources,
     tree: &Tree,
@@ -140,7 +140,7 @@ fn checking<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, val
     check
 }
 
-/// Every `param` that is a number, with the value in use, in order of declaration.
+/// Every `param` that is a number, with its current value, in order of declaration.
 pub fn parameters(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Vec<Parameter> {
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
@@ -154,13 +154,13 @@ pub fn parameters(sources: &Sources, tree: &Tree, overrides: &Overrides, values:
 #[derive(Clone, Debug)]
 pub struct Defined {
     pub name: String,
-    /// Of the word that it declares.
+    /// The span of the word that it declares.
     pub span: Span,
-    /// `None` where something is wrong with it.
+    /// `None` if there is an error in it.
     pub value: Option<Value>,
 }
 
-/// The values of the parameters of a tree, whatever else is wrong with it, in order of declaration: for editors.
+/// The values of the parameters of a tree, in order of declaration, even if the tree has errors: for editors.
 pub fn values(sources: &Sources, tree: &Tree, overrides: &Overrides, settings: &[Setting]) -> Vec<Defined> {
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
@@ -178,7 +178,7 @@ pub fn values(sources: &Sources, tree: &Tree, overrides: &Overrides, settings: &
     defined.collect()
 }
 
-/// A word that means something wherever a number stands: no parameter is called so.
+/// Whether a word has a fixed meaning wherever a number may stand, so that no parameter can have this name.
 pub fn is_reserved(word: &str) -> bool {
     word == "pi" || value::Function::named(word).is_some()
 }
@@ -194,20 +194,20 @@ struct Check<'a> {
     tree: &'a Tree,
     literals: Literals,
     words: Words,
-    /// Symbols of words by their place.
+    /// Symbols of words, by their position.
     symbols: Table<u32, Symbol>,
     units: HashMap<&'a str, Unit>,
     diagnostics: Diagnostics,
-    /// What has been said, so that the repetitions of a `repeat` say it once.
+    /// Findings that have been reported, so that the repetitions of a `repeat` report them once.
     said: HashSet<(Code, Span)>,
-    /// How many errors, and how many other findings.
+    /// Counts of errors and of other findings.
     told: [Told; 2],
     overrides: Given,
-    /// Whether this is a value from outside, which knows no name of the model.
+    /// Whether this checks a value from outside, which knows no names of the model.
     outside: bool,
     /// Words of declarations that could not be read or unrolled: no message calls them unknown.
     broken_words: HashSet<&'a str>,
-    /// Searches for a similar word that have been made.
+    /// Number of searches for a similar word so far.
     searches: u32,
     environments: Environments,
     definitions: Vec<Definition>,
@@ -218,15 +218,15 @@ struct Check<'a> {
     memory: Memory,
     directions: Directions,
     freedoms: Freedoms,
-    /// Where an inertia is given about a point of a body without a mass.
+    /// The points about which inertias are given, for bodies without a mass.
     inertia_points: HashMap<BodyId, Arc<Vec3>>,
-    /// What could not be checked: what depends on it is not said.
+    /// Parts that could not be checked: errors that follow from that are not reported.
     broken_bodies: HashSet<BodyId>,
     broken_bases: HashSet<BaseId>,
     broken_joints: bool,
     broken_elements: bool,
     broken_inputs: bool,
-    /// Tables that have been read, each once; `None` where something is wrong with one.
+    /// Tables that have been read, each once; `None` for one with an error.
     tables: HashMap<FileId, Option<Arc<TableRows>>>,
     scene: Scene,
 }
@@ -267,7 +267,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Says what is wrong, once for each place.
+    /// Reports an error, once for each place.
     fn report(&mut self, environment: Environment, error: impl Into<Error>) {
         let mut diagnostic = error.into().diagnostic();
         let place = diagnostic.primary.span;
@@ -285,7 +285,7 @@ impl<'a> Check<'a> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Says what is wrong and stops here.
+    /// Reports an error and stops here.
     fn fail<T>(&mut self, environment: Environment, error: impl Into<Error>) -> Evaluated<T> {
         self.report(environment, error);
         Err(Stop::Reported)
@@ -305,12 +305,12 @@ impl<'a> Check<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     count: usize,
-    /// The last place in the texts that was found.
+    /// The last place in the texts among all findings.
     last: Option<Span>,
 }
 
 impl Told {
-    /// Counts one; whether it is reported.
+    /// Counts a finding; returns whether it is to be reported.
     fn counts(&mut self, place: Span) -> bool {
         self.count += 1;
         let order = |span: Span| (span.file(), span.start());
@@ -320,7 +320,7 @@ impl Told {
         self.count <= limits::ERRORS
     }
 
-    /// What says how many were not told, behind all that were.
+    /// The finding that gives the number of unreported ones, placed after all others.
     fn more(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
         let count = self.count.checked_sub(limits::ERRORS).filter(|count| *count > 0)?;
         self.last.map(|last| tell(last, count))

@@ -1,5 +1,5 @@
-//! Motions and their linear combinations: outputs, couplings, initial states. In: an expression such as
-//! `rod.angle` or `table.y - floor.y`; out: coefficients and motions, checked in dimension. See spec.md.
+//! Motions and their linear combinations: outputs, couplings, initial states. In: an expression such as `rod.angle` or
+//! `table.y - floor.y`. Out: coefficients and motions, with dimensions checked. See spec.md.
 
 use super::Check;
 use super::error::{NameError, QuestionError, ValueError};
@@ -23,7 +23,7 @@ pub struct Combination {
     pub angle: Angle,
 }
 
-/// What an expression with motions is made of.
+/// The value of an expression that may contain motions.
 pub enum Piece {
     Scalar(Scalar),
     Motions(Combination),
@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whether a motion is mentioned in an expression.
+    /// Whether an expression contains a motion.
     pub fn has_motion(&self, expr: ExprId) -> bool {
         let tree = self.tree;
         match tree.expr(expr).kind {
@@ -167,7 +167,7 @@ impl<'a> Check<'a> {
         Ok(a)
     }
 
-    /// A combination times a number: dimension and angle as for any product.
+    /// A combination times a number, with dimension and angle as in any product.
     fn product(
         &mut self,
         combination: Combination,
@@ -238,7 +238,7 @@ impl<'a> Check<'a> {
         Ok(Piece::Motions(Combination { terms, dimension, angle }))
     }
 
-    /// A motion of a body or base by its word.
+    /// A motion of a body or base, given by its word.
     pub fn part_motion(
         &mut self,
         part: Part,
@@ -280,7 +280,7 @@ impl<'a> Check<'a> {
         if broken || self.broken_joints { Err(Stop::Reported) } else { Ok(()) }
     }
 
-    /// Whether a part can move so at all: along a direction, or turn where there is none.
+    /// Whether a part can move in this way: along a direction, or turn if none is given.
     fn has_freedom(&self, part: Part, at: Option<&Vec3>, direction: Option<&Vec3>) -> bool {
         let turns = self.can_turn(part);
         let Some(direction) = direction else { return turns };
@@ -303,7 +303,7 @@ impl<'a> Check<'a> {
         translations.iter().any(|translation| !translation.direction.dot(direction).is_zero())
     }
 
-    /// Whether the motion that joints leave a part may have a component along a direction.
+    /// Whether the motion that joints allow a part may have a component along a direction.
     fn line_reaches(&self, part: Part, direction: &Vec3) -> bool {
         match self.line(part) {
             Line::Fixed => false,

@@ -1,8 +1,8 @@
-//! What freedoms need of a body, and what no freedom uses: mass, inertia, place. In: bodies with their freedoms; out:
-//! errors for what is missing, warnings for what is idle. See docs/method/kinematics.md.
+//! Properties that a body's freedoms require, and properties that have no effect: mass, inertia, place. In: bodies with
+//! their freedoms. Out: errors for what is missing, warnings for what is idle. See docs/method/kinematics.md.
 //!
-//! Whether a freedom moves any inertia at all depends on everything that it carries, and is decided when the scene is
-//! lowered; here it is asked that nothing is left out by oversight.
+//! Whether a degree of freedom moves any inertia at all depends on everything that it carries, and is decided when the
+//! scene is lowered. The checks here only guard against oversights.
 
 use super::Check;
 use super::error::{PartError, QuestionError};
@@ -70,8 +70,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The only joint is a pivot on the ground, at the very point that the inertia is given about, and no gravity pulls:
-    /// then the mass plays no part.
+    /// Whether the body's only joint is a pivot on the ground, at the very point that the inertia is given about, and
+    /// there is no gravity: then the mass has no effect.
     fn turns_about_its_inertia(&self, id: BodyId) -> bool {
         let body = &self.scene.bodies[id.index()];
         let about = self.inertia_points.get(&id).or(body.centre.as_ref());
@@ -103,11 +103,11 @@ impl<'a> Check<'a> {
         field.is_some_and(|field| matches!(field.value, crate::syntax::tree::FieldValue::About(..)))
     }
 
-    /// Warns of an inertia, or a shape that says nothing else, of a body that never turns.
+    /// Warns about the inertia of a body that never turns, and about a shape that serves no other purpose.
     fn idle_inertia(&mut self, id: BodyId, environment: Environment) {
         self.idle(id, "inertia", "moves nothing: the body does not turn", environment);
         let Some(shape) = self.field_of(id, "shape") else { return };
-        // A rod says where its centre is as well.
+        // A rod also gives the place of the centre.
         let crate::syntax::tree::FieldValue::Expr(expr) = shape.value else { return };
         if !self.sources.slice(self.tree.expr(expr).span).starts_with("rod") {
             self.idle(id, "shape", "says nothing: the body does not turn", environment);
@@ -121,10 +121,10 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What is declared and never used; a model without a body.
+    /// Warns about declarations that are never used, and reports a model without a body.
     pub fn unused(&mut self) {
         if !self.tree.broken.is_empty() || self.diagnostics.has_errors() {
-            // Whatever is broken may have been the use.
+            // The broken part may have contained the use.
             return;
         }
         self.walk.varies = false;
@@ -137,8 +137,8 @@ impl<'a> Check<'a> {
         self.damping_beside_a_base();
     }
 
-    /// Says against what the damping of the whole system acts where a base moves what it holds: the coordinates are motions
-    /// against the ground.
+    /// Warns that the damping of the whole system acts against the ground, if a base moves the bodies it is attached to:
+    /// the coordinates are motions relative to the ground.
     fn damping_beside_a_base(&mut self) {
         let span = match &self.scene.damping {
             Some(Damping::Modal { ratio, span }) if !ratio.is_zero() => *span,
@@ -159,7 +159,7 @@ impl<'a> Check<'a> {
         self.report(Environment::TOP, PartError::DampingBesideBase { span, base: place, name });
     }
 
-    /// Notes where gravity does nothing: no mass that can fall, swing or stretch what holds it.
+    /// Notes that gravity has no effect: no mass can fall, swing or stretch what holds it.
     fn idle_gravity(&mut self) {
         let Some(span) = self.scene.gravity_span else { return };
         let field = self.scene.gravity.clone();
@@ -186,7 +186,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Warns of parameters and points that nothing refers to, once for each declaration.
+    /// Warns about parameters and points that nothing refers to, once for each declaration.
     fn unused_definitions(&mut self) {
         let used: std::collections::HashSet<Span> =
             self.definitions.iter().filter(|definition| definition.used).map(|definition| definition.span).collect();

@@ -1,5 +1,5 @@
-//! Values from outside: `--set NAME=VALUE` and a TOML file of settings. In: their texts; out: for each parameter named, a
-//! quantity like the declared one. See spec.md#names.
+//! Values from outside the model: `--set NAME=VALUE` and a TOML file of settings. In: their texts. Out: for each
+//! parameter named, a quantity of the same kind as the declared one. See spec.md#names.
 
 use super::Check;
 use super::Overrides;
@@ -12,7 +12,7 @@ use super::value::{Scalar, Value};
 use crate::base::{Angle, Dimension, FileId, Name, Number, Quantity, Sources, Span};
 use crate::syntax;
 
-/// For places that take a number of any dimension.
+/// The expectation at places that take a number of any dimension.
 pub const ANY_NUMBER: Expected = Expected::new("a number", Dimension::NONE, "10 N/m");
 
 /// At most this many parameters are listed.
@@ -26,14 +26,14 @@ pub struct Override {
     pub span: Span,
 }
 
-/// The values given, by the parameter's name: they hold before any parameter is declared, since the bounds of a `repeat`
+/// The given values by parameter name. They are known before any parameter is declared, since the bounds of a `repeat`
 /// may depend on them.
 #[derive(Debug, Default)]
 pub struct Given {
     values: Table<Name, Override>,
-    /// What an analysis tries: wins over everything.
+    /// Trial values of an analysis, which override everything else.
     trials: Table<Name, Scalar>,
-    /// Every name in order of mention, and where.
+    /// Every name in order of mention, with its place.
     names: Vec<(Name, Span)>,
 }
 
@@ -44,23 +44,23 @@ struct Setting {
     value: Written,
 }
 
-/// The value as the settings give it.
+/// The value in a setting.
 enum Written {
     /// The text of an expression, as on the command line.
     Text(Span),
-    /// Something that is no number.
+    /// Something other than a number.
     Other(Span),
 }
 
 impl Given {
-    /// Where a value is given for a parameter.
+    /// The place where a value is given for a parameter.
     pub fn named_at(&self, name: Name) -> Option<Span> {
         self.names.iter().find(|(known, _)| *known == name).map(|(_, span)| *span)
     }
 }
 
 impl<'a> Check<'a> {
-    /// Reads both; what the arguments say wins.
+    /// Reads settings and arguments; the arguments take precedence.
     pub fn overrides(&mut self, overrides: &Overrides) {
         if let Some(file) = overrides.settings {
             let settings = self.toml(file);
@@ -72,7 +72,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Takes what an analysis tries.
+    /// Sets the trial values of an analysis.
     pub fn set(&mut self, values: &[super::Setting]) {
         for (name, quantity) in values {
             let scalar = Scalar::new(quantity.clone());
@@ -84,7 +84,7 @@ impl<'a> Check<'a> {
 
     fn take_settings(&mut self, settings: Vec<Setting>) {
         for setting in settings {
-            // What is wrong with one has been said; the others still count.
+            // An error in one has been reported; the others still count.
             let _ = self.take(setting);
         }
     }
@@ -105,7 +105,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// Says which of the names given are none of parameters; all are declared by now.
+    /// Reports given names that are not parameters; by now all parameters are declared.
     pub fn overridden_names(&mut self) {
         for index in 0..self.overrides.names.len() {
             let (name, span) = self.overrides.names[index];
@@ -122,7 +122,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A word and whole numbers in brackets.
+    /// Parses a word and whole numbers in brackets.
     fn read_name(&mut self, text: &str) -> Option<Name> {
         let (word, indices) = text.split_once('[').map_or((text, None), |(word, rest)| (word, Some(rest)));
         let is_word = !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
@@ -147,7 +147,7 @@ impl<'a> Check<'a> {
         self.report(Environment::TOP, NameError::UnknownParameter { span, word, suggestion, known });
     }
 
-    /// A value written outside of the model: it knows no name of it.
+    /// Evaluates a value from outside the model, which knows no names of it.
     fn value_from_outside(&mut self, span: Span) -> Evaluated<Scalar> {
         let sources: &'a Sources = self.sources;
         let Some((tree, expr)) = syntax::parse_value(sources, span) else {
@@ -157,7 +157,7 @@ impl<'a> Check<'a> {
         outside.outside = true;
         let value = outside.evaluate(expr, Environment::TOP);
         if let Ok(Value::Scalar(scalar)) = &value {
-            // What is out of range is reported below.
+            // A value out of range is reported below.
             let _ = outside.check_range(&scalar.quantity.si, expr, Environment::TOP);
         }
         self.diagnostics.extend(std::mem::take(&mut outside.diagnostics));
@@ -169,7 +169,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The value that a parameter has, given its declared one.
+    /// The value of a parameter, given its declared value.
     pub fn overridden(&mut self, id: DefinitionId, declared: Scalar) -> Evaluated<Scalar> {
         let name = self.definitions[id.0 as usize].name;
         if let Some(tried) = self.overrides.trials.get(&name) {
@@ -243,14 +243,14 @@ fn given(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>)
         DeValue::Integer(_) | DeValue::Float(_) => Written::Text(whole),
         DeValue::String(content) => {
             let inside = unquoted(text, file, value.span());
-            // A text with escapes is not what stands in the file: no number needs any.
+            // A string with escapes differs from the text in the file; no number needs escapes.
             if text.get(inside.range()) == Some(content) { Written::Text(inside) } else { Written::Other(whole) }
         }
         _ => Written::Other(whole),
     }
 }
 
-/// The range without the quotes around it.
+/// The range without its quotes.
 fn unquoted(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
     let inner = text.get(range.clone()).unwrap_or("");
     let quote = inner.starts_with(['"', '\'']);
@@ -260,22 +260,22 @@ fn unquoted(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
     Span::new(file, range.start, range.end)
 }
 
-/// The span of a text that starts at `start`, without the blanks around it.
+/// The span of a text that starts at `start`, without surrounding blanks.
 fn trimmed(file: FileId, start: usize, text: &str) -> Span {
     let from = start + (text.len() - text.trim_start().len());
     Span::new(file, from, from + text.trim().len())
 }
 
-/// How a given value differs from the kind of the declared one.
+/// How a given value differs in kind from the declared one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unlike {
     Dimension(Dimension),
-    /// In plain 1/s where cycles or radians are declared: both can be meant.
+    /// In plain 1/s where cycles or radians are declared: it could mean either.
     Reading,
 }
 
 impl Unlike {
-    /// `given` is written at `span`.
+    /// The error for a value written at `span`.
     pub fn error(self, span: Span, declared: &Scalar) -> ValueError {
         match self {
             Unlike::Reading => ValueError::ReadingLike { span, declared: declared.quantity.angle },
@@ -286,7 +286,7 @@ impl Unlike {
     }
 }
 
-/// The given value as one of the declared kind: the same dimension; a frequency in cycles or radians as declared.
+/// The given value as one of the declared kind: the same dimension, and a frequency in cycles or radians as declared.
 pub fn like(declared: &Scalar, given: &Scalar) -> Result<Scalar, Unlike> {
     let (Some(wanted), Some(found)) = (declared.dimension(), given.dimension()) else {
         return Ok(zero_like(declared, given));

@@ -1,8 +1,9 @@
-//! The scene that was meant: plain data, SI, every name resolved to an index, every item with the place that made it.
+//! The checked scene: plain data in SI units, every name resolved to an index, every item with the place that declares
+//! it.
 //!
-//! All positions are scene coordinates in the one drawn configuration. Vectors hold items in order of declaration
-//! (a `repeat` unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a
-//! million bodies has many more ends than places.
+//! All positions are scene coordinates in the drawing. Vectors hold items in order of declaration (with `repeat`
+//! unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a million bodies has
+//! many more ends than places.
 
 use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
 use crate::{elements, joints};
@@ -41,9 +42,9 @@ pub struct Scene {
     pub name: String,
     /// The words that every [`Name`] below is made of.
     pub words: Words,
-    /// Acceleration of free fall, m/s^2; zero where none is declared.
+    /// Acceleration of free fall, m/s^2; zero if none is declared.
     pub gravity: Vec3,
-    /// Where gravity is declared.
+    /// The place where gravity is declared.
     pub gravity_span: Option<Span>,
     pub bodies: Vec<Body>,
     pub bases: Vec<Base>,
@@ -65,13 +66,13 @@ pub struct Body {
     pub name: Name,
     /// The declaration's name: where messages about the body point.
     pub span: Span,
-    /// kg; `None` where not given (an error if a freedom needs it).
+    /// kg; `None` if not given (an error if a degree of freedom needs it).
     pub mass: Option<Number>,
-    /// Moment of inertia about the centre, kg m^2; `None` where neither given nor following from a shape.
+    /// Moment of inertia about the centre, kg m^2; `None` if it is neither given nor follows from a shape.
     pub inertia: Option<Number>,
     /// Centre of mass as drawn, m; `None` for a body without a position.
     pub centre: Option<Arc<Vec3>>,
-    /// The form that it is drawn with; mass properties are worked out above.
+    /// The shape for figures; the mass properties that follow from it are in the fields above.
     pub shape: Option<Arc<Shape>>,
     pub freedom: Freedom,
 }
@@ -96,14 +97,14 @@ pub enum Shape {
     },
 }
 
-/// What the freedom clause of a body says.
+/// The freedom clause of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Freedom {
-    /// No clause: the joints give the body its freedoms.
+    /// No clause: the joints determine the body's degrees of freedom.
     FromJoints,
-    /// On the ground with these motions.
+    /// Attached to the ground, with these motions.
     OnGround {
-        /// Directions of translation, unit vectors where rational: `x`, `y`, `x y`, or one oblique one (not normalised).
+        /// Directions of translation: `x`, `y`, `x y`, or a single oblique one (not normalised).
         translations: Arc<[Translation]>,
         turns: bool,
     },
@@ -112,7 +113,8 @@ pub enum Freedom {
 /// A motion along a fixed direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Translation {
-    /// The direction as written; normalised only where the coordinate is measured (length 1 for x and y).
+    /// The direction as written; the coordinate is a length along it, so it is normalised where that matters (length 1
+    /// for x and y).
     pub direction: Vec3,
     /// `x`, `y`, or `along` for an oblique direction.
     pub motion: &'static str,
@@ -123,13 +125,13 @@ pub struct Translation {
 pub struct Base {
     pub name: Name,
     pub span: Span,
-    /// Drawn position, m; the turning point of a turning base.
+    /// Drawn position, m; the centre of rotation of a base that turns.
     pub at: Option<Arc<Vec3>>,
     pub translations: Arc<[Translation]>,
     pub turns: bool,
 }
 
-/// What an end is attached to.
+/// The part that an end is attached to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     Ground,
@@ -141,7 +143,7 @@ pub enum Part {
 #[derive(Clone, Debug)]
 pub struct Attachment {
     pub part: Part,
-    /// Drawn position, m: the point after `@`, else the part's own; `None` where it has no position.
+    /// Drawn position, m: the point after `@`, otherwise the part's own; `None` if it has no position.
     pub at: Option<Arc<Vec3>>,
     /// The end as written.
     pub span: Span,
@@ -161,18 +163,18 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// What it leaves free where it carries a part.
+    /// The degrees of freedom it leaves if it carries a part.
     pub fn freedoms(&self) -> joints::Relative {
         self.kind.freedoms(self.along.as_ref())
     }
 
-    /// What it holds where it closes a loop.
+    /// The motions it prevents if it closes a loop.
     pub fn held(&self) -> joints::Held {
         self.kind.held(self.along.as_ref())
     }
 }
 
-/// A linear relation of motions: sum of coefficient times motion = 0. It holds as drawn and always.
+/// A linear relation between motions: sum of coefficient times motion = 0. It holds as drawn and at all times.
 #[derive(Clone, Debug)]
 pub struct Couple {
     pub name: Name,
@@ -180,19 +182,20 @@ pub struct Couple {
     pub terms: Vec<MotionTerm>,
 }
 
-/// coefficient times a motion of a body or base.
+/// A coefficient times a motion of a body or base.
 #[derive(Clone, Debug)]
 pub struct MotionTerm {
     pub coefficient: Number,
     pub motion: Motion,
 }
 
-/// A scalar that the motion of the scene determines.
+/// A scalar determined by the motion of the scene.
 #[derive(Clone, Debug)]
 pub enum Motion {
-    /// Displacement, velocity or acceleration (derivative 0, 1, 2) from rest of a point of a part along a fixed direction.
+    /// Displacement, velocity or acceleration (derivative 0, 1, 2), measured from rest, of a point of a part along a
+    /// fixed direction.
     Point { part: Part, at: Option<Vec3>, direction: Vec3, derivative: u8 },
-    /// Rotation, angular velocity or angular acceleration from rest.
+    /// Rotation, angular velocity or angular acceleration, measured from rest.
     Turn { part: Part, derivative: u8 },
     /// Change of an element's tension or force from rest, N or N m.
     Force { element: ElementId },
@@ -210,72 +213,72 @@ pub struct Element {
     pub geometry: Geometry,
 }
 
-/// The constitutive law: force = coefficient times the derivative of the stretch that its kind names, beside the tension
-/// that an elastic element has as drawn.
+/// The constitutive law: force = coefficient times the derivative of the stretch given by its kind, plus, for an elastic
+/// element, the tension it has as drawn.
 #[derive(Clone, Debug)]
 pub struct Law {
     pub kind: &'static elements::Kind,
-    /// In the SI units of its kind, along a line or on the rotation.
+    /// In the SI units of its kind, translational or torsional.
     pub coefficient: Number,
-    /// [`SpringRest::AsDrawn`] where the kind is not elastic.
+    /// [`SpringRest::AsDrawn`] if the kind is not elastic.
     pub rest: SpringRest,
 }
 
 impl Law {
-    /// Stiffness and rest of an element that holds its ends where they are.
+    /// Stiffness and rest of an elastic element.
     pub fn spring(&self) -> Option<(&Number, &SpringRest)> {
         self.kind.is_elastic().then_some((&self.coefficient, &self.rest))
     }
 }
 
-/// When a spring pulls as drawn.
+/// The tension of a spring as drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringRest {
     /// Unstretched as drawn.
     AsDrawn,
-    /// Its length (or angle) without tension: m or rad.
+    /// Free length (or angle): m or rad.
     FreeLength(Number),
     /// Its tension as drawn, N or N m; pull is positive.
     Preload(Number),
 }
 
-/// What the stretch of an element is.
+/// The definition of an element's stretch.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// The distance of the two points, large displacements included.
     Line,
-    /// The relative displacement along a fixed direction (normalised by whoever uses it), second end minus first.
+    /// The relative displacement along a fixed direction (not normalised), second end minus first.
     Along(Arc<Vec3>),
     /// The relative rotation, second end minus first.
     Torsion,
 }
 
-/// Something that drives the scene from outside. Bases are inputs too: one for each of their motions.
+/// An external excitation of the scene. Bases are inputs too: one for each of their motions.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// Base name for a base's motion.
     pub name: Name,
     pub span: Span,
     pub kind: InputKind,
-    /// A sum of signals; empty where none is declared.
+    /// A sum of signals; empty if none is declared.
     pub signal: Vec<Signal>,
-    /// Where the signal is written.
+    /// The place where the signal is written.
     pub signal_span: Option<Span>,
 }
 
 #[derive(Clone, Debug)]
 pub enum InputKind {
-    /// A force along a fixed direction on `ends[0]`, and its opposite on `ends[1]` where there are two.
+    /// A force along a fixed direction on `ends[0]`, and its opposite on `ends[1]` if there are two.
     Force { ends: Vec<Attachment>, direction: Vec3 },
-    /// A force along the line between two points: pulls `ends[0]` and `ends[1]` apart where positive.
+    /// A force along the line between two points; if positive, it drives `ends[0]` and `ends[1]` apart.
     ForceBetween { ends: [Attachment; 2] },
-    /// A torque on `ends[0]`, and its opposite on `ends[1]` where there are two.
+    /// A torque on `ends[0]`, and its opposite on `ends[1]` if there are two.
     Torque { ends: Vec<Attachment> },
-    /// Motion number `translation` of a base; its rotation for `None`.
+    /// Motion number `translation` of a base, or its rotation if that is `None`.
     Base { base: BaseId, translation: Option<usize> },
 }
 
-/// A signal of time; SI, angles in radians, frequencies in Hz.
+/// A function of time; SI units, angles in radians, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
     Constant {
@@ -285,7 +288,7 @@ pub enum Signal {
         value: Number,
         at: Number,
     },
-    /// Time integral of the input.
+    /// `value` is the integral over time.
     Impulse {
         value: Number,
         at: Number,
@@ -316,7 +319,7 @@ pub enum Signal {
     Table {
         file: String,
         span: Span,
-        /// `None` where the file was not given to the check.
+        /// `None` if the file was not given to the check.
         rows: Option<Arc<TableRows>>,
     },
 }
@@ -339,7 +342,7 @@ pub struct Output {
     pub is_angle: bool,
 }
 
-/// Deviations from rest at t = 0. Absent ones are zero.
+/// Deviations from rest at t = 0; those not given are zero.
 #[derive(Clone, Debug)]
 pub struct Initial {
     pub body: BodyId,
@@ -350,13 +353,13 @@ pub struct Initial {
 
 #[derive(Clone, Debug)]
 pub enum Damping {
-    /// One damping ratio for every oscillation.
+    /// The same damping ratio for every mode.
     Modal { ratio: Number, span: Span },
     /// C = alpha M + beta K, 1/s and s.
     Rayleigh { alpha: Number, beta: Number, span: Span },
 }
 
-/// A `param` with the value in use: what `solve` and sensitivities vary.
+/// A `param` with its current value, which `solve` and sensitivities vary.
 #[derive(Clone, Debug)]
 pub struct Parameter {
     /// With its indices, as in a model: `k`, `m[3]`.
@@ -372,19 +375,19 @@ pub struct Parameter {
 pub struct Written {
     /// `N*m/rad`, `%`, `dB`; empty for a plain number.
     pub text: String,
-    /// The SI value of one of it; `None` for `dB`, which is no multiple.
+    /// The SI value of one such unit; `None` for `dB`, which is not a multiple of anything.
     pub factor: Option<Number>,
 }
 
-/// A measure, what it is compared with, and how both were written.
+/// A measure, the value it is compared with, and how both were written.
 #[derive(Clone, Debug)]
 pub struct Question {
     pub measure: Measure,
-    /// Of the measure as written.
+    /// The span of the measure as written.
     pub span: Span,
     /// In SI, a frequency in Hz, an angle in radians.
     pub value: Number,
-    /// The same as an angular frequency, rad/s, where it was written as one: what may be exact.
+    /// The value as an angular frequency, rad/s, if it was written as one: it may be exact in rad/s but not in Hz.
     pub radians: Option<Number>,
     pub unit: Written,
 }
@@ -400,13 +403,13 @@ pub struct Solve {
     pub question: Question,
 }
 
-/// `require left < right`; `require stable` is a measure alone.
+/// `require left < right`; `require stable` has a measure only.
 #[derive(Clone, Debug)]
 pub struct Require {
     /// The whole comparison.
     pub span: Span,
     pub question: Question,
-    /// How the measure has to compare; `None` for `stable`.
+    /// The comparison that must hold; `None` for `stable`.
     pub comparison: Option<Comparison>,
 }
 
@@ -418,7 +421,7 @@ pub enum Comparison {
     GreaterEqual,
 }
 
-/// A number that an analysis gives. Frequencies in Hz.
+/// A number that an analysis computes. Frequencies in Hz.
 #[derive(Clone, Debug)]
 pub enum Measure {
     Frequency { mode: u32 },

@@ -1,8 +1,8 @@
-//! Names: what is declared where, with a `repeat` unrolled. In: the tree; out: for each kind of declaration its instances
+//! Names: what is declared where, with `repeat` unrolled. In: the tree. Out: for each kind of declaration its instances
 //! in order, and the two name spaces (spec.md#names): values (parameters, points, indices) and parts.
 //!
-//! A scene of a million bodies is a `repeat` of a few lines: an instance is a reference to its declaration and the
-//! environment that gives the indices their values, sixteen bytes.
+//! A scene of a million bodies is a `repeat` of a few lines, so an instance is a reference to its declaration and the
+//! environment with the values of the indices: sixteen bytes.
 
 use super::evaluate::Evaluated;
 use super::value::Value;
@@ -44,12 +44,12 @@ impl Environments {
         Environment(u32::try_from(self.bindings.len()).expect("the number of repetitions is limited far below"))
     }
 
-    /// How many there are, for [`Environments::release`].
+    /// The number of bindings, for [`Environments::release`].
     pub fn mark(&self) -> usize {
         self.bindings.len()
     }
 
-    /// Drops those made since the mark.
+    /// Drops the bindings made since the mark.
     pub fn release(&mut self, mark: usize) {
         self.bindings.truncate(mark);
     }
@@ -83,7 +83,7 @@ pub struct Instance<'a> {
     pub environment: Environment,
 }
 
-/// What a name of the first name space stands for.
+/// The kind of declaration behind a name of the first name space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DefinitionKind {
     Param,
@@ -91,7 +91,7 @@ pub enum DefinitionKind {
     Point,
 }
 
-/// Index into [`Scope::definitions`].
+/// Index into `Check::definitions`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DefinitionId(pub u32);
 
@@ -100,7 +100,7 @@ pub struct DefinitionId(pub u32);
 pub struct Definition {
     pub kind: DefinitionKind,
     pub name: Name,
-    /// Of the word that it declares.
+    /// The span of the word that it declares.
     pub span: Span,
     pub expr: ExprId,
     pub environment: Environment,
@@ -115,7 +115,7 @@ pub enum State {
     Settled(Evaluated<Value>),
 }
 
-/// What a name of the second name space stands for: index into the instances of its kind.
+/// The part behind a name of the second name space: an index into the instances of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Body(u32),
@@ -123,15 +123,15 @@ pub enum Part {
     Joint(u32),
     Couple(u32),
     Element(u32),
-    /// A force or torque: its place among [`Instances::inputs`].
+    /// A force or torque: its index in [`Instances::inputs`].
     Input(u32),
     Output(u32),
 }
 
-/// The indices that a word was declared with.
+/// The indices with which a word was declared.
 #[derive(Clone, Debug)]
 pub struct Family {
-    /// A declaration of it.
+    /// The place of a declaration of the word.
     pub span: Span,
     /// Least and greatest value of each index.
     pub ranges: Vec<(i32, i32)>,
@@ -139,8 +139,8 @@ pub struct Family {
 
 /// A name space.
 ///
-/// What a `repeat` declares comes in runs: `m[1]`, `m[2]`, ... A run is found by its name without the last index and is
-/// an array from there; what fits no run has an entry of its own.
+/// The names that a `repeat` declares come in runs: `m[1]`, `m[2]`, ... A run is found by the name without its last index
+/// and is an array from there; a name that fits no run has an entry of its own.
 #[derive(Debug)]
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
@@ -169,7 +169,7 @@ impl<T: Copy> Space<T> {
         in_run.or_else(|| self.others.get(&name).copied())
     }
 
-    /// Declares a name; gives back what has it already.
+    /// Declares a name; if it is taken, returns what has it.
     pub fn declare(&mut self, name: Name, span: Span, what: T) -> Result<(), T> {
         if let Some(first) = self.get(name) {
             return Err(first);
@@ -181,7 +181,7 @@ impl<T: Copy> Space<T> {
         Ok(())
     }
 
-    /// Appends to the run that the name goes on with or begins; false where it does neither.
+    /// Appends to the run that the name continues or begins; `false` if there is no such run.
     fn goes_on(&mut self, name: Name, what: T) -> bool {
         let Some((run, last)) = split_last(name) else { return false };
         let run = self.runs.entry(run).or_insert_with(|| Run { first: last, items: Vec::new() });
@@ -204,7 +204,7 @@ impl<T: Copy> Space<T> {
         }
     }
 
-    /// What is known of a word, with whatever indices it was declared.
+    /// The indices of a word, if it is declared with any indices at all or none.
     pub fn family(&self, symbol: Symbol) -> Option<&Family> {
         self.families.get(&symbol)
     }
@@ -220,7 +220,7 @@ impl<T: Copy> Run<T> {
         self.items.get(usize::try_from(place).ok()?).copied()
     }
 
-    /// The index that would go on with the run.
+    /// The index that would continue the run.
     fn next(&self) -> i64 {
         i64::from(self.first) + self.items.len() as i64
     }
@@ -232,11 +232,11 @@ fn split_last(name: Name) -> Option<(Name, i32)> {
     Some((Name::indexed(name.symbol, most)?, *last))
 }
 
-/// Multiply and rotate, as rustc's own tables do: names are a few small integers, and the tables are never walked.
+/// Multiply and rotate, as in rustc's own tables: names are a few small integers, and the tables are never iterated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NameHasher(u64);
 
-/// 2^64 divided by the golden ratio, odd.
+/// 2^64 divided by the golden ratio, rounded to an odd number.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl NameHasher {
@@ -271,12 +271,12 @@ impl Hasher for NameHasher {
         self.mix(n as u64);
     }
 
-    /// The multiplication leaves its best bits on top, the table looks at the lowest too.
+    /// The multiplication leaves the best bits on top, but the table uses the lowest bits too.
     #[inline]
     fn finish(&self) -> u64 {
         self.0 ^ (self.0 >> 32)
     }
 }
 
-/// A table that is looked up by small integers.
+/// A table with small integers as keys.
 pub type Table<K, V> = HashMap<K, V, BuildHasherDefault<NameHasher>>;

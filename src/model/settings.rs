@@ -1,4 +1,4 @@
-//! What a scene has once: its name, gravity, damping, and whether it rests as drawn. See spec.md.
+//! The settings that a scene has at most once: its name, gravity, damping, and whether it rests as drawn. See spec.md.
 
 use super::Check;
 use super::error::{NameError, PartError, ValueError};
@@ -15,7 +15,7 @@ const DAMPING_RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE
 const ALPHA: Expected = Expected::new("a rate", Dimension::FREQUENCY, "0.1 /s");
 const BETA: Expected = Expected::new("a time", Dimension::TIME, "1e-4 s");
 
-/// Where each setting was declared first.
+/// The place of the first declaration of each setting.
 #[derive(Debug, Default)]
 struct Declared {
     model: Option<Span>,
@@ -40,7 +40,7 @@ impl<'a> Check<'a> {
                 continue;
             }
             *place = Some(decl.span);
-            // What is wrong has been said; nothing else depends on a setting.
+            // An error has been reported; nothing else depends on a setting.
             let _ = self.setting(decl.kind, decl.span, environment);
         }
     }
@@ -81,7 +81,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// A number points down; a vector points where it points.
+    /// A number points along -y; a vector gives the direction itself.
     fn gravity(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Vec3> {
         let value = self.evaluate(expr, environment)?;
         let Value::Vector(Vector { si, dimension }) = value else {
@@ -117,7 +117,7 @@ impl<'a> Check<'a> {
         Ok(Damping::Rayleigh { alpha, beta, span })
     }
 
-    /// Says what was read where it is hardly what was meant: `2` for 2 %, or a sign.
+    /// Reports how a ratio was read if that is hardly what was meant: `2` for 2 %, or a negative sign.
     fn unusual_ratio(&mut self, ratio: &Number, span: Span, environment: Environment) {
         if ratio.is_negative() {
             self.report(environment, PartError::DampingFeeds { span });

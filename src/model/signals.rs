@@ -1,5 +1,5 @@
-//! Signals of inputs: a sum of `constant`, `step`, `harmonic` and their like. In: the expression after `=`; out: the
-//! signals in SI. See spec.md.
+//! Signals of inputs: a sum of `constant`, `step`, `harmonic` and so on. In: the expression after `=`. Out: the signals
+//! in SI units. See spec.md.
 
 use super::Check;
 use super::error::{PartError, ValueError};
@@ -16,7 +16,7 @@ const TIME: Expected = Expected::new("a time", Dimension::TIME, "0.5 s");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "30 deg");
 
 impl<'a> Check<'a> {
-    /// The signals that an expression adds up, and where it stands; nothing without one.
+    /// The signals that an expression adds up, and its span; nothing without an expression.
     pub fn signal(
         &mut self,
         expr: Option<ExprId>,
@@ -25,7 +25,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<(Vec<Signal>, Option<Span>)> {
         let Some(expr) = expr else { return Ok((Vec::new(), None)) };
         let mut signals = Vec::new();
-        // A sum leans to the left: its last term is the right operand at the top.
+        // A sum associates to the left: its last term is the right operand at the top.
         let mut rest = expr;
         while let ExprKind::Binary { operator: Binary::Add, left, right } = self.tree.expr(rest).kind {
             signals.push(self.single_signal(right, kind, environment)?);
@@ -97,7 +97,7 @@ impl<'a> Check<'a> {
         Ok(signal)
     }
 
-    /// The later time is certainly later.
+    /// Checks that the later time is certainly later.
     fn ordered(&mut self, from: &Number, to: &Number, at: ExprId, environment: Environment) -> Evaluated<()> {
         if (to - from).is_positive() {
             return Ok(());

@@ -1,6 +1,6 @@
-//! The nearest known word to one that is not known.
+//! The nearest known word to an unknown one.
 
-/// The candidate nearest to `word`, if one is near enough to have been meant; the first of equals.
+/// The candidate nearest to `word`, if one is near enough to be meant; among equals, the first.
 pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let length = word.chars().count();
     // A third of the letters may differ: one in `mas`, two in `freelenght`.
@@ -13,7 +13,7 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
     near.min_by_key(|&(distance, _)| distance).map(|(_, candidate)| candidate)
 }
 
-/// Letters to change, insert, drop or swap; capitals count for nothing, so `M1` is nearest to `m1`.
+/// Number of letters to change, insert, drop or swap; case is ignored, so `M1` is nearest to `m1`.
 fn distance(a: &str, b: &str) -> usize {
     strsim::damerau_levenshtein(&a.to_lowercase(), &b.to_lowercase())
 }

@@ -1,8 +1,9 @@
-//! Tables of signals: CSV files with two columns, time in s and value in SI units. In: a file's text; out: its rows, or
-//! what is wrong with which line. See docs/method/response.md#signals.
+//! Tables of signals: CSV files with two columns, time in s and value in SI units. In: a file's text. Out: its rows, or
+//! the error and its line. See docs/method/response.md#signals.
 //!
-//! The first line may name the columns. Empty lines and lines that begin with `#` are passed over. A file may be anything, and
-//! the model that names it a stranger's: what stands in a file is shown only once a row of it was read.
+//! The first line may name the columns. Empty lines and lines that begin with `#` are skipped. The file may be anything,
+//! and the model that names it may come from a stranger, so the contents of a file are shown only once a row of it was
+//! read.
 
 use super::Check;
 use super::error::{PartError, RowFault};
@@ -16,13 +17,13 @@ use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows told one by one; a file that is no table at all has more.
+/// Rows reported one by one; a file that is not a table has many more errors.
 const MOST_TOLD: usize = 10;
 
-/// Rows of all tables of a model together; each takes some 300 bytes.
+/// Limit on the rows of all tables of a model together; each takes some 300 bytes.
 const MOST_ROWS: usize = 1_000_000;
 
-/// What a heading may say of its values, in small letters, that no table of a signal holds.
+/// Lower-case words of a heading for quantities that no table of a signal holds.
 const OTHER_QUANTITIES: [&str; 12] = [
     "acceleration",
     "accel",
@@ -39,8 +40,7 @@ const OTHER_QUANTITIES: [&str; 12] = [
 ];
 
 impl<'a> Check<'a> {
-    /// The rows of a table that the model names at `named`.
-    /// The values are read as `read`: a displacement in m.
+    /// The rows of a table that the model names at `named`, with values read as `read`: for example a displacement in m.
     pub fn table_rows(
         &mut self,
         file: FileId,
@@ -104,7 +104,7 @@ impl<'a> Check<'a> {
         Ok(Arc::new(table))
     }
 
-    /// Warns where the heading names another quantity than the values are read as.
+    /// Warns if the heading names another quantity than the one the values are read as.
     fn heading(&mut self, file: FileId, named: Span, read: &Expected, environment: Environment) {
         let text = self.sources.text(file);
         let Some((place, line)) = lines(text).next() else { return };
@@ -128,7 +128,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// A word of a heading names a quantity, or a unit, that is not the one that is read.
+/// Whether a word of a heading names a quantity or a unit other than the one that is read.
 fn is_other(word: &str, read: Dimension) -> bool {
     if OTHER_QUANTITIES.contains(&word.to_lowercase().as_str()) {
         return true;
@@ -139,7 +139,7 @@ fn is_other(word: &str, read: Dimension) -> bool {
     word.chars().count() > 1 && unit.dimension != Dimension::NONE && !(unit.dimension == read && is_si)
 }
 
-/// The values of a table of this dimension, in words.
+/// The values of a table of this dimension, as a phrase.
 fn described(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::FORCE => "forces in N",
@@ -149,7 +149,7 @@ fn described(dimension: Dimension) -> &'static str {
     }
 }
 
-/// The lines with something on them, and where each begins.
+/// The lines that are neither empty nor comments, and where each begins.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut start = 0;
     let placed = text.split_inclusive('\n').map(move |line| {
@@ -160,7 +160,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     placed.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
 }
 
-/// Where the fields of a line stand, without the spaces around them.
+/// The ranges of a line's fields, without surrounding spaces.
 fn fields(line: &str) -> Vec<Range<usize>> {
     let mut start = 0;
     let field = |text: &str| {
@@ -172,7 +172,7 @@ fn fields(line: &str) -> Vec<Range<usize>> {
     line.split(',').map(field).collect()
 }
 
-/// Time and value, or what is wrong and where.
+/// Time and value, or the error and its place.
 fn row(line: &str, fields: &[Range<usize>], literals: Literals) -> Result<(Number, Number), (RowFault, Range<usize>)> {
     let [time, value] = fields else { return Err((RowFault::Fields(fields.len()), 0..line.len())) };
     let whole = |at: &Range<usize>| if at.is_empty() { 0..line.len() } else { at.clone() };
@@ -181,7 +181,7 @@ fn row(line: &str, fields: &[Range<usize>], literals: Literals) -> Result<(Numbe
     Ok((time, value))
 }
 
-/// A decimal number; some programs put a mark before the first one of a file.
+/// A decimal number; some programs write a byte order mark before the first one of a file.
 fn number(text: &str, literals: Literals) -> Option<Number> {
     let text = text.trim_start_matches('\u{feff}');
     match text.strip_prefix('-') {
@@ -190,7 +190,7 @@ fn number(text: &str, literals: Literals) -> Option<Number> {
     }
 }
 
-/// Two names on the first line that says anything.
+/// Whether this is the first line with content and holds two names.
 fn is_heading(line: &str, fields: &[Range<usize>], place: usize, text: &str) -> bool {
     let first = lines(text).next().is_some_and(|(first, _)| first == place);
     first

@@ -1,5 +1,5 @@
-//! What to say about a word that is not known: the nearest one that is, or what it is instead. In: the word; out: an
-//! [`Error`] with the facts. See spec.md#names.
+//! Messages about an unknown word: the nearest known one, or what the word is instead. In: the word. Out: an [`Error`]
+//! with the facts. See spec.md#names.
 
 use super::Check;
 use super::error::{Error, NameError, ValueError};
@@ -12,17 +12,17 @@ use crate::base::{Name, Span};
 use crate::kinds::functions::{self, FunctionKind};
 use crate::syntax::tree::Ident;
 
-/// Suggestions are looked for this many times: beyond, a file is not mistyped but something else.
+/// Limit on the searches for suggestions: a file with more unknown words is not mistyped but something else.
 const MAX_SEARCHES: u32 = 100;
 
-/// What a function is that stands in one place only, and that place.
+/// The description of a function that may stand in one kind of place only, and that place.
 fn elsewhere(name: &str) -> Option<String> {
     let (kind, function) = functions::function(name)?;
     let is_called = !function.arguments.is_empty() && kind != FunctionKind::Number;
     is_called.then(|| format!("`{name}` is {}", kind.describe(function)))
 }
 
-/// What other programs and drawings call the ground.
+/// Words for the ground in other programs and drawings.
 const WORDS_FOR_GROUND: [&str; 14] = [
     "wall",
     "floor",
@@ -41,8 +41,8 @@ const WORDS_FOR_GROUND: [&str; 14] = [
 ];
 
 impl<'a> Check<'a> {
-    /// As [`Check::fail`], but silent about words of declarations that could not be read, and about a word that was said to
-    /// be unknown before: one declaration that is missing is one mistake.
+    /// Like [`Check::fail`], but silent about words of declarations that could not be read, and about a word that was
+    /// already reported as unknown: a missing declaration is one mistake.
     pub fn fail_unless_broken<T>(
         &mut self,
         environment: Environment,
@@ -59,7 +59,7 @@ impl<'a> Check<'a> {
         self.fail(environment, error)
     }
 
-    /// A word, with the values of its indices, that is no parameter, point or index.
+    /// The error for a word, with the values of its indices, that is not a parameter, point or index.
     pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
@@ -71,7 +71,7 @@ impl<'a> Check<'a> {
         NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }
 
-    /// What a word is that was used as a parameter.
+    /// What a word is that was used like a parameter.
     fn instead_of_value(&self, text: &str) -> Option<String> {
         if self.outside {
             return Some("a value from outside knows no name of the model: write a number with its unit".into());
@@ -94,7 +94,7 @@ impl<'a> Check<'a> {
         })?
     }
 
-    /// A part that is not there; what kinds of part the place takes, in words.
+    /// The error for an unknown part; `wanted` names the kinds of part that the place takes.
     pub fn unknown_part(&mut self, ident: Ident, name: Name, wanted: &'static str) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
@@ -120,7 +120,7 @@ impl<'a> Check<'a> {
         })?
     }
 
-    /// The word is declared, but not with these indices.
+    /// The error for a word that is declared, but not with these indices.
     fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, ident: Ident) -> Option<NameError> {
         let Family { span, ranges } = space.family(name.symbol)?;
         Some(NameError::IndexOutOfRange {
@@ -133,7 +133,7 @@ impl<'a> Check<'a> {
         })
     }
 
-    /// A function that there is not, or not here.
+    /// The error for a function that does not exist, or may not be used here.
     pub fn unknown_function(&mut self, word: Span) -> NameError {
         let text = self.sources.slice(word);
         let help = elsewhere(text);
@@ -151,7 +151,7 @@ impl<'a> Check<'a> {
         self.searches <= MAX_SEARCHES
     }
 
-    /// A unit that cannot be read, at its place in the file.
+    /// The error for a unit that cannot be read, at its place in the file.
     pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError) -> ValueError {
         let at = |range: std::ops::Range<usize>| {
             Span::new(span.file(), span.start() + range.start, span.start() + range.end)

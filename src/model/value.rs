@@ -1,10 +1,10 @@
-//! Values of expressions and the arithmetic on them: quantities and plane vectors in; a value or the reason why there is
-//! none out. Nothing here knows about names, places or the tree. See spec.md#units.
+//! Values of expressions and their arithmetic: quantities and plane vectors in; a value, or why there is none, out.
+//! Nothing here knows about names, places or the tree. See spec.md#units.
 
 use crate::base::{Angle, Dimension, Number, Quantity, Rational, Vec3};
 use std::sync::Arc;
 
-/// What an expression is worth.
+/// The value of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Scalar(Scalar),
@@ -15,10 +15,10 @@ pub enum Value {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scalar {
     pub quantity: Quantity,
-    /// Written as `0` without a unit: fits wherever a number is expected.
+    /// Written as `0` without a unit: it fits wherever a number is expected.
     pub bare_zero: bool,
-    /// How often a number of cycles is a factor of it: once in `Hz`, and taken away by each `pi`, which only stands
-    /// there to make radians of them. What moves is reckoned in radians: `m * (50 Hz)^2` is no stiffness.
+    /// How many times a number of cycles is a factor of it: once for `Hz`, and once less for each `pi`, which is only
+    /// there to convert to radians. Motion is computed in radians, so `m * (50 Hz)^2` is not a stiffness.
     pub cycles: f64,
 }
 
@@ -35,18 +35,18 @@ pub struct Vector {
 pub enum Fault {
     /// Two dimensions that cannot be added or compared.
     Dimensions(Dimension, Dimension),
-    /// A number with a point, a point with a number: what is needed, in words.
+    /// A number combined with a point, or a point with a number: what is needed, as a phrase.
     Kind {
         needed: &'static str,
         found: &'static str,
     },
-    /// A plain number is needed, this has a dimension.
+    /// A plain number is needed, but this has a dimension.
     NotPlain(Dimension),
     /// The exponent of a quantity with a dimension has to be a fraction of small whole numbers.
     Exponent,
     DivisionByZero,
     RootOfNegative,
-    /// The function has no value there: its domain.
+    /// The function has no value here; its domain, as a phrase.
     Domain(&'static str),
     Overflow,
 }
@@ -80,19 +80,19 @@ impl Scalar {
         Scalar { cycles: -1.0, ..Scalar::new(Quantity::plain(Number::pi())) }
     }
 
-    /// The same with so many cycles as factors; in radians there are none.
+    /// The same value with this many cycles as factors; a value in radians has none.
     fn of_cycles(self, cycles: f64) -> Scalar {
         let is_angle = self.quantity.angle == Angle::Radians;
         Scalar { cycles: if is_angle { 0.0 } else { cycles }, ..self }
     }
 
-    /// The dimension that is to be matched; `None` for the bare zero.
+    /// The dimension that has to match; `None` for the bare zero.
     pub fn dimension(&self) -> Option<Dimension> {
         (!self.bare_zero).then_some(self.quantity.dimension)
     }
 }
 
-/// (x, y): components of one dimension; bare zeros take that of the other one.
+/// (x, y): components of the same dimension; a bare zero takes that of the other one.
 pub fn vector(x: &Scalar, y: &Scalar) -> Result<Vector, Fault> {
     let dimension = common_dimension(x.dimension(), y.dimension())?;
     let si = Arc::new(Vec3::planar(x.quantity.si.clone(), y.quantity.si.clone()));
@@ -141,7 +141,7 @@ fn add_scalars(a: &Scalar, b: &Scalar) -> Result<Scalar, Fault> {
         (_, true) => return Ok(a.clone()),
         _ => {}
     }
-    // Of two terms each may be what was not meant.
+    // Either of the two terms may be the mistake.
     let cycles = a.cycles.max(b.cycles);
     let (a, b) = (&a.quantity, &b.quantity);
     if a.dimension != b.dimension {
@@ -187,14 +187,14 @@ pub fn divide(a: &Value, b: &Value) -> Result<Value, Fault> {
         Value::Vector(a) => scale(a, &inverse),
         Value::Scalar(Scalar { quantity: a, cycles, .. }) => {
             let dimension = a.dimension.times(inverse.dimension).ok_or(Fault::Exponent)?;
-            // Dividing by the number itself rounds once, multiplying by its inverse twice.
+            // Dividing by the number rounds once; multiplying by its inverse would round twice.
             let quotient = scalar(&a.si / &b.si, dimension, quotient_angle(a, b))?;
             Ok(Value::Scalar(quotient.of_cycles(cycles - under)))
         }
     }
 }
 
-/// A number that only scales: exact, without dimension or angle.
+/// Whether a number only scales: exact, without dimension or angle.
 fn only_scales(q: &Quantity) -> bool {
     q.dimension.is_none() && q.angle == Angle::Plain && q.si.exact().is_some()
 }
@@ -216,7 +216,7 @@ fn product_angle(a: &Quantity, b: &Quantity) -> Angle {
     }
 }
 
-/// As [`product_angle`]: `1 rev / T` is in radians.
+/// Like [`product_angle`], for quotients: `1 rev / T` is in radians.
 fn quotient_angle(a: &Quantity, b: &Quantity) -> Angle {
     if only_scales(b) {
         a.angle
@@ -227,7 +227,7 @@ fn quotient_angle(a: &Quantity, b: &Quantity) -> Angle {
     }
 }
 
-/// a^b: b is a plain number, and an exact fraction where a has a dimension.
+/// a^b: b must be a plain number, and an exact fraction if a has a dimension.
 pub fn power(a: &Value, b: &Value) -> Result<Value, Fault> {
     let cycles = cycles(a);
     let (a, b) = (quantity(a)?, quantity(b)?);
@@ -300,7 +300,7 @@ pub const FUNCTIONS: [Function; 13] = [
     Function { name: "ln", arguments: (1, 1), apply: |a| logarithm(plain(quantity(&a[0])?)?) },
 ];
 
-/// No limit to the number of arguments but that of the text.
+/// The number of arguments is limited only by the length of the text.
 const MANY: usize = usize::MAX;
 
 impl Function {
@@ -308,7 +308,7 @@ impl Function {
         FUNCTIONS.iter().find(|function| function.name == name)
     }
 
-    /// The value; the number of arguments has been checked.
+    /// The value; the caller has checked the number of arguments.
     pub fn apply(&self, arguments: &[Value]) -> Result<Value, Fault> {
         (self.apply)(arguments)
     }
@@ -363,7 +363,7 @@ fn logarithm(x: &Number) -> Result<Value, Fault> {
     number(x.ln(), Fault::Domain("greater than 0"))
 }
 
-/// The smallest or the largest; bare zeros take the dimension of the others.
+/// The smallest or the largest value; bare zeros take the dimension of the others.
 fn extreme(values: &[Value], largest: bool) -> Result<Value, Fault> {
     let mut best = values[0].clone();
     quantity(&best)?;
@@ -375,13 +375,13 @@ fn extreme(values: &[Value], largest: bool) -> Result<Value, Fault> {
 }
 
 fn extreme_of_two(a: &Value, b: &Value, largest: bool) -> Result<Value, Fault> {
-    // The sum says whether they can be compared, what dimension they have, and what angle.
+    // The sum tells whether they can be compared, and gives the dimension and the angle.
     let Value::Scalar(mut result) = add(a, b)? else { return Ok(a.clone()) };
     let (p, q) = (&quantity(a)?.si, &quantity(b)?.si);
     result.quantity.si = match q.compare(p) {
         Some(order) if order.is_gt() == largest => q.clone(),
         Some(_) => p.clone(),
-        // Too close to tell: a ball that holds both.
+        // Too close to tell: a ball that contains both.
         None => p.to_ball().widen((p - q).to_ball().magnitude()).into(),
     };
     Ok(Value::Scalar(result))

@@ -1,8 +1,9 @@
-//! The expressions behind the numbers of a scene. In: a check that found no errors; out: for each item of the scene, in the same order,
-//! what its numbers were written as, over the names that the model gives. Clause: docs/equations.md.
+//! The expressions behind the numbers of a scene. In: a check that found no errors. Out: for each item of the scene, in
+//! the same order, the expressions of its numbers in terms of the names of the model. Clause: docs/equations.md.
 //!
-//! A `param` and a `let` of a number stay names; points are made of their components. What has no form here (a level in dB, a
-//! chain of definitions that is nested too deep) becomes a name of its own with the value that the check found.
+//! A `param` and a `let` of a number stay names; points are replaced by their components. A value without a form here (a
+//! level in dB, a chain of definitions that is nested too deep) becomes a name of its own with the value that the check
+//! found.
 
 use super::Check;
 use super::evaluate::Stop;
@@ -17,11 +18,11 @@ use std::sync::Arc;
 /// A place or a direction.
 pub type Pair = [Sum; 2];
 
-/// What the numbers of a scene were written as; each list is in the order of the scene's.
+/// The expressions of the numbers of a scene; each list is in the order of the scene's.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
     pub names: Vec<Named>,
-    /// The acceleration of free fall as one number that points along -y, where it was written so.
+    /// The acceleration of free fall as a single number that points along -y, if it was written like that.
     pub free_fall: Option<Sum>,
     pub gravity: Option<Pair>,
     pub bodies: Vec<WrittenBody>,
@@ -37,7 +38,7 @@ pub struct Written {
 }
 
 impl Written {
-    /// Where a part is drawn.
+    /// The place where a part is drawn.
     pub fn own_place(&self, part: Part) -> Option<Pair> {
         match part {
             Part::Ground => None,
@@ -54,9 +55,9 @@ pub struct Named {
     pub text: String,
     pub value: Number,
     pub dimension: Dimension,
-    /// What a `let` is made of; `None` for a `param`.
+    /// The expression of a `let`; `None` for a `param`.
     pub definition: Option<Sum>,
-    /// What the model says where the name was made up here.
+    /// The text in the model, for a name that was made up here.
     pub source: Option<String>,
 }
 
@@ -78,7 +79,7 @@ pub struct WrittenBase {
 
 #[derive(Clone, Debug)]
 pub struct WrittenJoint {
-    /// Where a pivot is.
+    /// The place of a pivot.
     pub at: Option<Pair>,
     /// The places of both ends.
     pub ends: [Option<Pair>; 2],
@@ -95,7 +96,7 @@ pub struct WrittenTerm {
 #[derive(Clone, Debug)]
 pub struct WrittenElement {
     pub ends: [Option<Pair>; 2],
-    /// `k` or `c`.
+    /// Its coefficient, such as `k` or `c`.
     pub coefficient: Sum,
     pub free_length: Option<Sum>,
     pub preload: Option<Sum>,
@@ -106,11 +107,11 @@ pub struct WrittenElement {
 pub struct WrittenInput {
     pub ends: Vec<Option<Pair>>,
     pub along: Option<Pair>,
-    /// What is constant of its signal.
+    /// The constant part of its signal.
     pub constant: Sum,
 }
 
-/// Classes of names, in the order in which their factors are written: plain numbers first, then what is usually a coefficient.
+/// Classes of names, in the order in which their factors are written: plain numbers first, then the usual coefficients.
 const CLASSES: [Dimension; 12] = [
     Dimension::NONE,
     Dimension::MASS,
@@ -131,7 +132,7 @@ pub fn class_of(dimension: Dimension) -> u8 {
     CLASSES.iter().position(|known| *known == dimension).unwrap_or(CLASSES.len()) as u8
 }
 
-/// Levels of expressions and definitions beyond which a value is taken as a number.
+/// Levels of expressions and definitions beyond which a value becomes a number.
 const MAX_DEPTH: usize = 400;
 
 #[derive(Clone, Debug)]
@@ -154,7 +155,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         Writer { check, known, depth: 0, written: Written::default() }
     }
 
-    /// Everything; `None` where something has no expression after all, which no checked model has.
+    /// Converts everything; `None` if something has no expression after all, which no checked model has.
     pub(super) fn run(mut self) -> Option<Written> {
         for index in 0..self.known.len() {
             self.definition(index);
@@ -201,7 +202,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         Some(self.check.tree.rare[index as usize])
     }
 
-    /// The expression of a field by its word.
+    /// The expression of a field, given its word.
     fn field(&self, fields: Fields, word: &str) -> Option<FieldValue> {
         let tree = self.check.tree;
         let found = tree.fields(fields).iter().find(|field| self.check.sources.slice(field.key) == word)?;
@@ -264,7 +265,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
     }
 
-    /// Centre, and inertia about it for each mass.
+    /// The centre, and the inertia about it per unit mass.
     fn shape(&mut self, expr: ExprId, environment: Environment) -> Option<(Option<Pair>, Sum)> {
         let tree = self.check.tree;
         let node = *tree.expr(expr);
@@ -488,7 +489,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         walked.unwrap_or_else(|| self.valued(expr, environment))
     }
 
-    /// The value that the check finds, as far as it has a form; else a name for it.
+    /// The value that the check finds, as a form if it has one, otherwise as a new name.
     fn valued(&mut self, expr: ExprId, environment: Environment) -> Form {
         let span = self.check.tree.expr(expr).span;
         match self.check.evaluate(expr, environment) {
@@ -617,7 +618,7 @@ impl<'c, 'a> Writer<'c, 'a> {
     }
 
     fn power(&mut self, left: ExprId, right: ExprId, environment: Environment) -> Option<Form> {
-        /// Powers that are multiplied out.
+        /// Highest power that is multiplied out.
         const MOST: i64 = 8;
         let (base, exponent) = (self.number(left, environment), self.number(right, environment));
         let Some(twice) = exponent.as_number().and_then(|n| (&n + &n).to_i64()).filter(|twice| twice.abs() <= 2 * MOST)

@@ -1,5 +1,5 @@
-//! What can be wrong with a model: facts, and what is said about them. Each variant has one code, one primary place, and
-//! a help that says what to type. See docs/diagnostics.
+//! Errors in a model: facts, and the diagnostics for them. Each variant has one code, one primary place, and a help that
+//! says what to type. See docs/diagnostics.
 
 mod names;
 mod parts;
@@ -24,7 +24,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is said about it.
+    /// The diagnostic for it.
     pub fn diagnostic(self) -> Diagnostic {
         match self {
             Error::Value(error) => error.diagnostic(),
@@ -79,7 +79,7 @@ fn listed(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Five digits, for the eye.
+/// Five digits, enough for a reader.
 fn short(value: f64) -> String {
     format!("{value:.4e}").parse::<f64>().unwrap_or(value).to_string()
 }

@@ -1,14 +1,14 @@
-//! Errors of names, indices, fields and values from outside: what is declared or referred to wrongly.
+//! Errors of names, indices, fields and values from outside the model: wrong declarations and references.
 
 use super::{error, listed, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
 use crate::model::expect::Expected;
 use crate::model::scope::DefinitionKind;
 
-/// Findings that are counted and not told.
+/// The code of the count of findings that are not reported one by one.
 const MORE: &str = "vib::scene::more_findings";
 
-/// What is wrong with a name or a field.
+/// Errors of names and fields.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NameError {
     UnknownValue { span: Span, word: String, suggestion: Option<String>, help: Option<String> },
@@ -41,7 +41,7 @@ pub enum NameError {
 }
 
 impl NameError {
-    /// What is said about it.
+    /// The diagnostic for it.
     pub fn diagnostic(self) -> Diagnostic {
         use NameError::*;
         match self {
@@ -174,7 +174,7 @@ fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
 }
 
 fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
-    /// More of them say no more.
+    /// Showing more of them would not help.
     const SHOWN: usize = 8;
     let mut names: Vec<String> = members.iter().take(SHOWN).map(|(name, _)| format!("`{name}`")).collect();
     if members.len() > SHOWN {

@@ -1,4 +1,4 @@
-//! Errors of bodies, joints, elements and inputs: what cannot be built so.
+//! Errors of bodies, joints, elements and inputs.
 
 use super::{error, short, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
@@ -10,7 +10,7 @@ use crate::kinds::listed;
 /// A table that cannot be read, or was not given to the check.
 pub const TABLE_UNREADABLE: Code = Code::file("vib::table::unreadable");
 
-/// What is wrong with a part of the scene.
+/// Errors of the parts of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PartError {
     InertiaWithoutPlace { span: Span, name: String },
@@ -55,18 +55,18 @@ pub enum PartError {
     NotATable { span: Span, line: usize },
 }
 
-/// What is wrong with a row of a table.
+/// Errors of a row of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowFault {
-    /// So many fields instead of two.
+    /// The number of fields, which should be two.
     Fields(usize),
-    /// A field that should be a time, or a value, and is no number.
+    /// The field for the time is not a number.
     Time,
     Value,
 }
 
 impl PartError {
-    /// What is said about it.
+    /// The diagnostic for it.
     pub fn diagnostic(self) -> Diagnostic {
         use PartError::*;
         match self {
@@ -259,7 +259,7 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
         .help("write a time in s and a value in SI units, such as `0.5, 12`")
 }
 
-/// `torsional` is the coefficient of an element whose unit asks for a rotation.
+/// `torsional` is the coefficient of an element whose unit requires a rotation.
 fn no_end_turns(span: Span, torsional: Option<(Span, &'static Kind)>) -> Diagnostic {
     let told = error("vib::element::no_end_turns", span, "none of these parts can turn");
     let turns = "give a body the freedom to turn: `turns`, `free` or a pivot";

@@ -1,4 +1,4 @@
-//! Errors of motions, measures and what is idle: what cannot be asked, or has no use.
+//! Errors of motions and measures, and warnings about declarations without effect.
 
 use super::{error, kind_noun, listed, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
@@ -8,7 +8,7 @@ use crate::model::scope::DefinitionKind;
 /// A word of the language.
 type Word = &'static str;
 
-/// What is wrong with a question, or without use.
+/// Errors of questions, and declarations without effect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum QuestionError {
     NoMotion { span: Span },
@@ -37,7 +37,7 @@ pub enum QuestionError {
 }
 
 impl QuestionError {
-    /// What is said about it.
+    /// The diagnostic for it.
     pub fn diagnostic(self) -> Diagnostic {
         use QuestionError::*;
         match self {

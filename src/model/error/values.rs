@@ -1,4 +1,4 @@
-//! Errors of values and units: what an expression cannot be worth.
+//! Errors of values and units.
 
 use super::{error, named, short, unit_or_none};
 use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
@@ -6,7 +6,7 @@ use crate::model::expect::Expected;
 use crate::model::value::Fault;
 use crate::syntax::tree::Binary;
 
-/// What is wrong with a value.
+/// Errors of values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueError {
     UnitUnknown { span: Span, symbol: String, suggestion: Option<String>, is_value: bool },
@@ -35,7 +35,7 @@ pub enum ValueError {
 }
 
 impl ValueError {
-    /// Adds where the parameter is declared.
+    /// Adds the place where the parameter is declared.
     pub fn declared_at(mut self, declaration: (String, Span)) -> ValueError {
         if let ValueError::UnlikeDeclared { declared, .. } = &mut self {
             *declared = Some(declaration);
@@ -43,7 +43,7 @@ impl ValueError {
         self
     }
 
-    /// What is said about it.
+    /// The diagnostic for it.
     pub fn diagnostic(self) -> Diagnostic {
         use ValueError::*;
         match self {
@@ -116,13 +116,13 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
     }
 }
 
-/// `N/(m*s)` for `N/m*s`: the other reading.
+/// `N/(m*s)`, the second reading of `N/m*s`.
 fn below(head: &str, tail: &str) -> String {
     let (above, below) = head.rsplit_once('/').unwrap_or((head, ""));
     format!("{above}/({below}*{tail})")
 }
 
-/// `N*s/m` for `N/m*s`.
+/// `N*s/m`, the first reading of `N/m*s`, written unambiguously.
 fn swapped(head: &str, tail: &str) -> String {
     match head.split_once('/') {
         Some(("", below)) => format!("{tail}/{below}"),
@@ -176,7 +176,7 @@ fn frequency_reading(span: Span, value: f64) -> Diagnostic {
         .mend(span, Change::Times("1 rev"))
 }
 
-/// What an operator does, as a verb.
+/// An operator as a verb.
 fn verb(operator: Binary) -> &'static str {
     match operator {
         Binary::Add => "added to",
