@@ -1,4 +1,4 @@
-//! Models in, scenes and findings out: each test is the smallest model that shows its case.
+//! Models in, scenes and findings out: each test uses the smallest model that shows its case.
 
 use super::scene::Part;
 use super::scene::*;
@@ -22,13 +22,13 @@ fn checked(text: &str) -> Checked {
     checked_with(text, "", "")
 }
 
-/// The codes of what is found, in order of place.
+/// The codes of the findings, in order of place.
 fn codes(checked: &Checked) -> Vec<&'static str> {
     let found = checked.diagnostics.clone().sorted();
     found.iter().map(|diagnostic| diagnostic.code.0).collect()
 }
 
-/// The message and help of a finding.
+/// The message and the help of a finding.
 fn said(checked: &Checked) -> String {
     let shown = checked.diagnostics.clone().sorted();
     let line = |d: &crate::base::Diagnostic| {
@@ -37,7 +37,7 @@ fn said(checked: &Checked) -> String {
     shown.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The scene of a model without errors.
+/// The scene of a model, which must have no errors.
 fn scene(text: &str) -> Scene {
     scene_with(text, "", "")
 }
@@ -48,7 +48,7 @@ fn scene_with(text: &str, arguments: &str, settings: &str) -> Scene {
     checked.scene.unwrap_or_else(|| panic!("{said}")).scene
 }
 
-/// What an expression is worth as a mass in kg, after some declarations.
+/// The value of an expression as a mass in kg, after some declarations.
 fn mass_after(declarations: &str, expression: &str) -> Number {
     let scene = scene(&format!("{declarations}\nbody b {{ mass = {expression}, moves x }}"));
     scene.bodies[0].mass.clone().expect("a mass")
@@ -65,7 +65,7 @@ fn refused(expression: &str) -> &'static str {
     found[0]
 }
 
-/// What an expression is worth as a frequency in Hz.
+/// The value of an expression as a frequency in Hz.
 fn hertz(expression: &str) -> Result<Number, Vec<&'static str>> {
     let text = format!(
         "param fn = 10 Hz\nparam k = 16 N/m\nparam m = 4 kg\nlet unused = fn*k*m\nbody b {{ mass = 1 kg, moves x }}
@@ -178,7 +178,7 @@ fn a_bare_zero_fits_any_dimension() {
     assert_eq!(mass("0 - 1 kg + 2 kg"), Number::ONE);
     let scene = scene("param L = 0\nbody b { mass = 1 kg, at = (0, L), moves x }");
     assert!(scene.bodies[0].centre.as_ref().is_some_and(|centre| centre.is_zero()));
-    // But a zero with a unit is one of that unit.
+    // But a zero with a unit has the dimension of that unit.
     assert_eq!(refused("0 m"), "vib::unit::mismatch");
     assert_eq!(refused("1 kg + 0 m"), "vib::unit::mismatch");
     assert_eq!(refused("0 %"), "vib::unit::mismatch");
@@ -353,7 +353,7 @@ fn an_empty_repetition_is_none_and_a_reversed_one_an_error() {
 fn too_many_repetitions_are_refused_before_any_work() {
     let nested = "repeat i in 1..100000 {\nrepeat j in 1..100000 {\nbody m[i][j] { mass = 1 kg, moves x }\n}\n}";
     let single = "repeat i in 1..1000000000000 {\nbody m[i] { mass = 1 kg, moves x }\n}";
-    // With any work done for each repetition this test would not end.
+    // If each repetition took any work, this test would not end.
     assert_eq!(codes(&checked(nested)), ["vib::limit::repeat"]);
     assert_eq!(codes(&checked(single)), ["vib::limit::repeat"]);
 }
@@ -464,7 +464,7 @@ fn freedoms_say_what_they_need() {
     assert_eq!(codes_of("body b { mass = 1 kg }"), ["vib::body::no_freedom"]);
     assert_eq!(codes_of("body b { mass = 1 kg }\npivot p: ground@(0, 0) -- b"), ["vib::body::no_place"]);
     assert_eq!(codes_of("body b { at = (0, 0) }\npivot p: ground@(0, 0) -- b"), ["vib::mass::missing"]);
-    // A point mass on a pivot needs no inertia of its own, a body that slides none at all.
+    // A point mass on a pivot needs no inertia of its own, and a body that slides needs none at all.
     assert_eq!(codes_of("body b { mass = 1 kg, at = (0, -1 m) }\npivot p: ground@(0, 0) -- b"), [""; 0]);
     assert_eq!(codes_of("body b { mass = 1 kg }\nslide p: ground -- b along x"), [""; 0]);
 }
@@ -755,7 +755,7 @@ fn measures_are_checked_in_names_and_units() {
         assert_eq!(with(line), [""; 0], "{line}: {}", said(&checked(&format!("{model}{line}"))));
     }
     for (line, code) in [
-        // Right, and said to act against the ground, not against the base.
+        // The value is valid, but the damping is reported to act against the ground, not against the base.
         ("damping modal 2 %", "vib::damping::base"),
         ("damping rayleigh(0.1 /s, 1e-4 s)", "vib::damping::base"),
         ("require frequency(1) > 2 m", "vib::unit::mismatch"),
