@@ -1,8 +1,9 @@
-//! What lowering kept of a scene, what it left out, and why. In: a checked scene and what lowering made of it; out: a list
-//! for people. Worked out on demand only: a scene that nobody asks about does not pay for it. See docs/method/system.md#only-what-the-scene-needs.
+//! An account of what lowering kept of a scene, what it left out, and why. In: a checked scene and its lowering. Out:
+//! lists for users. They are made on demand only, so that a scene that nobody asks about does not pay for them. See
+//! docs/method/system.md#only-what-the-scene-needs.
 //!
-//! Nothing is left out that could change an answer: a term whose row is zero, a weight that does no work, a property that no
-//! freedom uses. So results with and without are the same numbers.
+//! Nothing is left out that could change an answer: only terms whose row is zero, weights that do no work, properties
+//! that no degree of freedom uses. So results with and without them are the same numbers.
 
 use super::Lowered;
 use super::kinematics::{End, Kinematics, Path};
@@ -14,21 +15,21 @@ use crate::model::CheckedScene;
 use crate::model::scene::{Body, BodyId, Element, InputKind, Part, Scene};
 use crate::system::{Form, LinearSystem, Origin};
 
-/// What a model was taken for.
+/// What lowering kept of a model, and what it left out.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
     pub kept: Vec<Remark>,
     pub left_out: Vec<Remark>,
 }
 
-/// A thing of the model and what is said of it.
+/// An item of the model and the remark about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
     pub what: String,
     pub why: String,
 }
 
-/// Explains what became of a scene.
+/// Explains how a scene was lowered.
 pub fn account(scene: &CheckedScene, lowered: &Lowered) -> Account {
     let mut explanation = Explanation {
         scene: scene.scene(),
@@ -186,7 +187,7 @@ impl Explanation<'_> {
     }
 }
 
-/// Where the terms of a form come from.
+/// The origins of the terms of a form.
 fn origins(form: &Form) -> impl Iterator<Item = Origin> {
     form.terms().iter().map(|term| form.source_of(term.source).origin)
 }

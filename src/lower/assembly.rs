@@ -1,10 +1,10 @@
-//! The matrices about a rest, as sums of signed squares. In: a scene, its kinematics and a state; out: the linear system.
+//! The matrices about a rest, as sums of signed squares. In: a scene, its kinematics and a state. Out: the linear system.
 //! See docs/method/linearisation.md and docs/method/system.md.
 //!
-//! Rows run over all coordinates, the prescribed motions u of bases included. A square w r r^T with r = (r_q, r_u) adds
-//! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2. In a scene
-//! with constraints every row is first written over the independent coordinates, and the curvature of the constraints
-//! under their multipliers adds to K.
+//! Rows run over all coordinates, including the prescribed motions u of bases. A square w r r^T with r = (r_q, r_u) adds
+//! w r_q r_q^T to its matrix and -w r_q r_u^T to the input columns of the same order: K to B0, C to B1, M to B2. In a
+//! scene with constraints, every row is first written in terms of the independent coordinates, and the curvature of the
+//! constraints, weighted by their multipliers, adds to K.
 
 use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
@@ -27,16 +27,16 @@ pub type Row = Vec<(Index, Number)>;
 
 type Sparse = Vec<(CoordinateId, Number)>;
 
-/// What is known of tensions beside what the state says.
+/// Knowledge of tensions beyond the state.
 #[derive(Clone, Copy)]
 pub struct Tensions<'a> {
-    /// Those found for `rest as drawn`.
+    /// The tensions found for `rest as drawn`.
     pub held: Option<&'a Held>,
-    /// Springs without any.
+    /// The springs without tension.
     pub slack: &'a Slack,
 }
 
-/// The linear system about a state that is a rest.
+/// The linear system about a state, which must be a rest.
 pub fn assemble(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -67,7 +67,7 @@ pub fn assemble(
     Ok((assembly.finish(outputs, initial), idle))
 }
 
-/// Further outputs of a scene whose system has been assembled: rows over its coordinates at the rest that was found.
+/// Additional outputs of a scene whose system has been assembled: rows over its coordinates at the rest.
 pub fn outputs<'a>(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -80,14 +80,14 @@ pub fn outputs<'a>(
     outputs.into_iter().map(|output| assembly.output(output)).collect()
 }
 
-/// A spring, damper or input without any part in what moves: its place among those of the scene.
+/// A spring, damper or input that has no effect on anything that moves: its index in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Idle {
     Element(usize),
     Input(usize),
 }
 
-/// The system in the making, with room for what is worked out on the way.
+/// The system during assembly, with buffers for intermediate results.
 pub struct Assembly<'a> {
     scene: &'a Scene,
     kinematics: &'a Kinematics,
@@ -104,7 +104,7 @@ pub struct Assembly<'a> {
     reach: Reach<Number>,
     row: Row,
     chain: Vec<ChainedRow>,
-    /// Elements without a term, by their places in the scene.
+    /// Indices of the elements without a term.
     idle: Vec<usize>,
 }
 
@@ -157,7 +157,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// m |du|^2 of every centre and I dtheta^2 of every turning body.
+    /// Adds m |du|^2 for every centre of mass and I dtheta^2 for every body that turns.
     fn inertia(&mut self) {
         let mut path = Path::default();
         let chain = self.kinematics.hangs_deep(self.scene).then(|| Chain::new(self.kinematics, self.state));
@@ -187,7 +187,7 @@ impl<'a> Assembly<'a> {
         self.chain = chain.map_or_else(Vec::new, |chain| chain.rows);
     }
 
-    /// m |du|^2: one square for a centre that moves along one direction, else one for each axis.
+    /// m |du|^2: a single square if the centre moves along one direction, otherwise one for each axis.
     fn mass(&mut self, source: u32, mass: &Number) {
         if let [(coordinate, column)] = &self.reach.columns[..] {
             let weight = mass * &column.norm_squared();
@@ -201,8 +201,9 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// A freedom without inertia follows the others by its springs, or lags behind them by its dampers; with neither it could
-    /// be anywhere. Freedoms that only several of them together leave undetermined are found by the analyses.
+    /// Every degree of freedom without inertia must follow the others by its springs, or lag behind them by its dampers;
+    /// otherwise its position is undetermined. Combinations of degrees of freedom that are undetermined only together are
+    /// found by the analyses.
     fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
         let n = self.reduction.n();
         let mut felt = vec![false; n + self.chain.len()];
@@ -232,7 +233,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Curvature of the ways of all centres under their weights.
+    /// The curvature of the paths of all centres of mass under their weights.
     fn gravity(&mut self) {
         if self.scene.gravity.is_zero() {
             return;
@@ -244,7 +245,7 @@ impl<'a> Assembly<'a> {
         self.curvature(source, &Vector::of(&self.scene.gravity).negated());
     }
 
-    /// What was declared to act and does nothing: a value of zero says so itself.
+    /// Items that are declared to act but have no effect; those with the value zero are not reported.
     fn idle_parts(&self) -> Vec<Idle> {
         let acts = |element: &Element| !element.law.coefficient.is_zero();
         let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
@@ -262,7 +263,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The square of an element in the matrix of its order, and what the tension of an elastic one adds to K.
+    /// Adds the square of an element to the matrix of its order, and what the tension of an elastic element contributes
+    /// to K.
     fn terms_of(&mut self, number: usize, element: &Element) {
         let law = &element.law;
         let order = law.kind.order;
@@ -292,7 +294,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The stretch of the way in `between`, whose columns are then in `reach`.
+    /// The stretch of the path in `between`, whose columns are then in `reach`.
     fn stretched(&mut self, stretch: &Stretch<Number>) -> Stretched<Number> {
         self.reach.measure(self.kinematics, self.state, &self.between.path);
         stretch.at(&self.reach.displacement, &self.between.turn(self.state))
@@ -311,7 +313,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// T grad^2 e: of the stretch, and of the ways of its ends.
+    /// Adds T grad^2 e: the curvature of the stretch, and of the paths of its ends.
     fn tension(&mut self, source: u32, rate: &Number, stretched: &Stretched<Number>) {
         for square in stretched.tension_squares(rate).into_iter().flatten() {
             self.reach.row(&square.direction, &mut self.row);
@@ -322,7 +324,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// force . grad^2 u of the way in `reach`.
+    /// Adds force . grad^2 u of the path in `reach`.
     fn curvature(&mut self, source: u32, force: &Vector<Number>) {
         let mut entries = Vec::new();
         self.reach.curvature(force, |i, j, value| entries.push((i, j, value)));
@@ -331,7 +333,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// value (e_i e_j^T + e_j e_i^T) to K, value e_i e_i^T for i = j: as squares, value/2 ((e_i + e_j)^2 - (e_i - e_j)^2).
+    /// Adds value (e_i e_j^T + e_j e_i^T) to K, or value e_i e_i^T for i = j: as squares, value/2 ((e_i + e_j)^2 - (e_i -
+    /// e_j)^2).
     fn pair(&mut self, source: u32, i: Index, j: Index, value: &Number) {
         if i == j {
             self.row.clear();
@@ -349,7 +352,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Whether nothing but prescribed motions moves a coordinate.
+    /// Whether a coordinate is moved by prescribed motions only.
     fn is_driven(&self, coordinate: Index) -> bool {
         if self.reduction.is_trivial() {
             return coordinate as usize >= self.kinematics.n();
@@ -359,7 +362,7 @@ impl<'a> Assembly<'a> {
         row.iter().all(|(i, _)| *i as usize >= self.kinematics.n())
     }
 
-    /// The part of such a pair that prescribed motions drive: they have no place in K.
+    /// The part of such a pair that is driven by prescribed motions, which have no place in K.
     fn drive_pair(&mut self, i: Index, j: Index, value: &Number) {
         let [first, second] = [i, j].map(|coordinate| self.finished(vec![(coordinate, Number::ONE)]));
         for (one, other) in [(&first, &second), (&second, &first)] {
@@ -379,7 +382,7 @@ impl<'a> Assembly<'a> {
         Some(self.kinematics.prescribed_inputs[prescribed] as usize)
     }
 
-    /// weight row row^T of the row at hand.
+    /// Adds weight row row^T for the current row.
     fn square(&mut self, order: Order, source: u32, nature: Nature, weight: &Number) {
         self.reduction.reduce(&mut self.row);
         let weight = self.measured(weight);
@@ -394,8 +397,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Goes over from coordinates measured in units of an irrational length to metres. Where the whole row is measured in
-    /// the same unit the weight takes it, and the square stays exact.
+    /// Converts from coordinates measured in units of an irrational length to metres. If the whole row is measured in the
+    /// same unit, the weight absorbs it and the square stays exact.
     fn measured(&mut self, weight: &Number) -> Number {
         if !self.kinematics.has_oblique() {
             return weight.clone();
@@ -411,7 +414,7 @@ impl<'a> Assembly<'a> {
         weight.clone()
     }
 
-    /// The part of a square that prescribed motions drive.
+    /// Adds the part of a square that is driven by prescribed motions.
     fn drive(&mut self, order: Order, weight: &Number) {
         for (driver, driving) in &self.row {
             let Some(input) = self.input_of(*driver) else { continue };
@@ -421,7 +424,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// A constant load is part of rest: only its curvature is left.
+    /// A constant load is part of the rest; only its curvature remains.
     fn constant_load(&mut self, index: usize, input: &Input) {
         let Some(load) = loads::constant(input) else { return };
         let source = self.k.source(Source { name: plain(input.name), origin: Origin::Input(index as u32) });
@@ -443,7 +446,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// lambda . grad^2 g of the constraints, with the multipliers lambda that balance everything else.
+    /// Adds lambda . grad^2 g of the constraints, with the multipliers lambda that balance all other forces.
     fn reactions(&mut self, constraints: &Constraints) {
         if constraints.is_empty() {
             return;
@@ -468,7 +471,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The column of a force or torque: the gradient of the motion on which it does work.
+    /// The column of a force or torque: the gradient of the motion through which it does work.
     fn input(&mut self, index: usize, input: &Input) {
         let mut column = match &input.kind {
             InputKind::Force { ends, direction } => self.force_column(ends, &Vector::of(direction)),
@@ -499,7 +502,7 @@ impl<'a> Assembly<'a> {
         self.finished(ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect())
     }
 
-    /// A row over all coordinates as it is handed out: over those of the system and the prescribed ones, in m and rad.
+    /// The final form of a row over all coordinates: over those of the system and the prescribed ones, in m and rad.
     fn finished(&self, mut row: Row) -> Row {
         self.reduction.reduce(&mut row);
         measure(self.kinematics, &mut row);
@@ -523,7 +526,7 @@ impl<'a> Assembly<'a> {
         self.finished(row)
     }
 
-    /// A motion as a row and the derivative that it is of.
+    /// A motion as a row and the order of its derivative.
     pub fn motion(&mut self, motion: &Motion) -> (u8, Row) {
         match motion {
             Motion::Point { part, at, direction, derivative } => {
@@ -539,7 +542,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// A motion over the places of the system; bases are at rest.
+    /// A motion over the coordinates of the system; bases are at rest.
     pub fn placed_motion(&mut self, motion: &Motion) -> (u8, Row) {
         let (derivative, row) = self.motion(motion);
         let placed = row.into_iter().filter_map(|(i, value)| Some((self.reduction.place(i)?.0, value)));
@@ -552,7 +555,8 @@ impl<'a> Assembly<'a> {
         self.slope_row(&stretched)
     }
 
-    /// Change of tension of a spring, force of another element: its coefficient times a derivative of its stretch.
+    /// The change of tension of a spring, or the force of another element: its coefficient times a derivative of its
+    /// stretch.
     fn element_force(&mut self, element: &Element) -> (u8, Row) {
         let (derivative, factor) = (element.law.kind.order as u8, &element.law.coefficient);
         let slope = self.element_slope(element);
@@ -582,7 +586,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Divides by the lengths in which oblique coordinates are measured.
+/// Divides by the lengths that are the units of oblique coordinates.
 fn measure(kinematics: &Kinematics, row: &mut Row) {
     for (coordinate, value) in row {
         if let Some(length_squared) = kinematics.length_squared(*coordinate) {
@@ -591,12 +595,12 @@ fn measure(kinematics: &Kinematics, row: &mut Row) {
     }
 }
 
-/// A column over places in the system: one entry each, ascending, without zeros.
+/// A column over coordinates of the system: one entry for each, ascending, without zeros.
 fn summed(column: Row) -> Sparse {
     equation::summed(column).into_iter().map(|(place, value)| (CoordinateId(place), value)).collect()
 }
 
-/// A coordinate of the tree as the system shows it.
+/// A coordinate of the tree as the system presents it.
 pub fn coordinate(scene: &Scene, kinematics: &Kinematics, coordinate: Index) -> Coordinate {
     let freely = &kinematics.free[coordinate as usize];
     let body = &scene.bodies[freely.body.index()];
@@ -607,7 +611,7 @@ fn plain(name: Name) -> Label {
     Label { name, motion: "" }
 }
 
-/// A base with one motion has its plain name, one with several the motion's too.
+/// The input of a base with one motion has the base's name; with several, the motion's name as well.
 fn input_label(scene: &Scene, input: &Input) -> Label {
     let motion = match input.kind {
         InputKind::Base { base, translation } => {
@@ -633,7 +637,7 @@ fn input_unit(input: &Input) -> &'static str {
     }
 }
 
-/// The usual unit; angles and their derivatives in radians.
+/// The usual unit; radians for angles and their derivatives.
 fn output_unit(output: &Output) -> String {
     match (output.is_angle, output.dimension) {
         (true, Dimension::NONE) => "rad".into(),

@@ -1,5 +1,6 @@
-//! Chained rows: where each piece of a deep tree is held, as what its carrier's place moves and a share of its own. In: the
-//! kinematics and a state; out: one or two short rows for each piece. See docs/method/system.md#deep-trees.
+//! Chained rows: the motion of the point that holds each piece of a deep tree, as the motion of its carrier's point plus
+//! its own contribution. In: the kinematics and a state. Out: one or two short rows for each piece. See
+//! docs/method/system.md#deep-trees.
 
 use super::kinematics::{End, Kinematics, Path, Reach, State};
 use super::tree::PieceId;
@@ -8,11 +9,11 @@ use crate::elements::Vector;
 use crate::system::CoordinateId;
 use crate::system::chain::ChainedRow;
 
-/// The displacements of the points by which pieces are held.
+/// The displacements of the points that hold the pieces.
 pub struct Chain {
     /// The rows, each over coordinates and, from n on, rows before it.
     pub rows: Vec<ChainedRow>,
-    /// For each piece and axis the coordinate or row that its point moves with; `None` where it stands still.
+    /// For each piece and axis, the coordinate or row with which its point moves; `None` if it stands still.
     held: Vec<[Option<CoordinateId>; 2]>,
 }
 
@@ -40,8 +41,8 @@ impl Chain {
         chain
     }
 
-    /// The displacement of a point of a piece along x or y, its way from the piece's own place being in `reach`; `None` where
-    /// the piece's place stands still.
+    /// The displacement of a point of a piece along x or y. `reach` holds the path to it from the point that holds the
+    /// piece.
     pub fn row(&self, piece: PieceId, reach: &Reach<Number>, axis: usize) -> ChainedRow {
         row(self.held[piece as usize][axis], reach, axis)
     }
@@ -51,7 +52,7 @@ impl Chain {
     }
 }
 
-/// The point by which a piece is held.
+/// The point that holds a piece.
 pub fn anchor(kinematics: &Kinematics, piece: PieceId) -> End<'_> {
     End { piece, at: kinematics.tree.pieces[piece as usize].anchor.as_deref() }
 }

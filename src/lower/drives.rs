@@ -1,5 +1,5 @@
-//! The signals of a scene's inputs as data of the linear system. In: a scene; out: a sum of signals for each input, in the
-//! order of the system's inputs. A table is a line between its rows for a force, a cubic spline for a base.
+//! The signals of a scene's inputs as data of the linear system. In: a scene. Out: a sum of signals for each input, in
+//! the order of the system's inputs. A table is interpolated linearly for a force, by a cubic spline for a base.
 //! See docs/method/response.md.
 
 use super::error::LowerError;
@@ -7,7 +7,7 @@ use crate::model::CheckedScene;
 use crate::model::scene::{self, Input, InputKind};
 use crate::system::Signal;
 
-/// What drives each input. A constant load is part of the rest and drives nothing.
+/// The signals that drive each input. A constant load is part of the rest and drives nothing.
 pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
     scene.scene().inputs.iter().map(of_input).collect()
 }

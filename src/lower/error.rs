@@ -1,38 +1,38 @@
-//! What lowering finds wrong with a scene: facts, and what to say about them.
+//! Errors that lowering finds in a scene: facts, and the diagnostics for them.
 
 use super::constraints::Why;
 use crate::base::{Code, Diagnostic, Span};
 use crate::model::TABLE_UNREADABLE;
 use crate::model::scene::{BodyId, Scene};
 
-/// Bodies without a freedom clause that no joint ties to the ground.
+/// Bodies without a freedom clause that no joint connects to the ground.
 pub const LOOSE: Code = Code::model("vib::freedom::loose");
 /// Nothing in the scene can move.
 pub const NO_FREEDOM: Code = Code::model("vib::freedom::none");
-/// A freedom that moves no mass and that nothing holds.
+/// A degree of freedom without mass, stiffness or damping.
 pub const NO_INERTIA: Code = Code::model("vib::freedom::no_inertia");
-/// A body turns about a point that nothing says the place of.
+/// A body turns about a point whose place is unknown.
 pub const UNKNOWN_PLACE: Code = Code::model("vib::position::unknown");
-/// Joints and couplings that hold each other.
+/// Joints and couplings that lock each other.
 pub const CONFLICT: Code = Code::model("vib::loop::conflict");
-/// A position in which joints leave more motions than beside it.
+/// A position in which joints leave more motions than in neighbouring positions.
 pub const RANK_DROP: Code = Code::model("vib::loop::rank_drop");
-/// A joint or a coupling that says what others say already.
+/// A joint or a coupling that follows from others.
 pub const REDUNDANT: Code = Code::model("vib::loop::redundant");
 /// More row entries than there is room for.
 pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
-/// More coordinates in closed loops than a rest is searched for.
+/// Too many coordinates in closed loops to search for a rest.
 pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
 /// No static rest.
 pub const NO_REST: Code = Code::limit("vib::rest::not_found");
-/// A rest that nothing proves.
+/// A rest that is not proven.
 pub const UNPROVEN: Code = Code::limit("vib::rest::unproven");
-/// A drawing that is declared to be the rest, and cannot be.
+/// A drawing that is declared to be the rest but cannot be.
 pub const UNHELD: Code = Code::model("vib::rest::unbalanced");
-/// Initial motions that contradict each other or do not say enough.
+/// Initial motions that contradict each other or are incomplete.
 pub const INITIAL: Code = Code::model("vib::initial::undetermined");
 
-/// At most this many places are shown beside the primary one.
+/// At most this many places are shown in addition to the primary one.
 const SHOWN: usize = 6;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ pub enum LowerError {
         span: Span,
         used: Span,
     },
-    /// Joints and couplings that tie parts wrongly, the one that closes the loop first.
+    /// Joints and couplings that do not go together, the one that closes the loop first.
     Loop {
         joints: Vec<(String, Span)>,
         why: Why,
@@ -68,12 +68,12 @@ pub enum LowerError {
         entries: u64,
         span: Span,
     },
-    /// Closed loops and couplings whose solution, or the account of which follow from others, takes more numbers than `limit`.
+    /// Closed loops and couplings that take more than `limit` numbers to solve, or to explain which follow from others.
     TangledLoops {
         limit: usize,
         span: Span,
     },
-    /// More coordinates tied by closed loops than a rest is searched for.
+    /// More coordinates in closed loops than a rest is searched for.
     LargeLoop {
         coordinates: usize,
         span: Span,
@@ -83,7 +83,8 @@ pub enum LowerError {
         left: Vec<Unbalanced>,
         reason: NoRestReason,
     },
-    /// `rest as drawn` where no tension of springs balances these; the place of a spring whose tension is given.
+    /// `rest as drawn`, but no tensions of springs balance these forces; `given` is the place of a spring whose tension
+    /// is given.
     Unheld {
         declared: Span,
         left: Vec<Unbalanced>,
@@ -96,7 +97,7 @@ pub enum LowerError {
     },
 }
 
-/// A coordinate on which a force is left.
+/// A coordinate with an unbalanced force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unbalanced {
     pub coordinate: String,
@@ -108,9 +109,9 @@ pub struct Unbalanced {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoRestReason {
-    /// The energy falls without end along a motion that nothing holds.
+    /// The energy decreases without limit along a motion that nothing restrains.
     Falls,
-    /// The iteration did not settle within its number of steps.
+    /// The iteration did not converge within its number of steps.
     NotSettled,
 }
 
@@ -242,7 +243,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     diagnostic.help(help)
 }
 
-/// The note on a joint or coupling that others make superfluous; it comes first.
+/// The note on a redundant joint or coupling, which comes first in the list.
 pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
     let others: Vec<String> = joints[1..].iter().map(|(name, _)| name.clone()).collect();
     let (name, span) = &joints[0];
@@ -257,8 +258,8 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
     diagnostic.help("nothing is lost: motions and frequencies are the same without it; the forces in these joints are not determined")
 }
 
-/// The warning on a rest whose proof failed: the coordinate that moved farthest to it, if any did, and where it or another one
-/// is declared.
+/// The warning about a rest that could not be proven: the coordinate that moved farthest to it, if any moved, and the
+/// place of its declaration or another's.
 pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
     let (message, label) = match moved {
         Some(name) => {

@@ -1,5 +1,5 @@
-//! Springs, dampers and inputs that act on nothing that moves. In: what the assembly found without a part in the system; out:
-//! a warning for each declaration that says as what it was read. See spec.md#springs-and-dampers.
+//! Springs, dampers and inputs without effect. In: the items for which the assembly found no place in the system. Out: a
+//! warning for each declaration that tells how it was read. See spec.md#springs-and-dampers.
 
 use super::assembly::Idle;
 use super::kinematics::Kinematics;
@@ -10,7 +10,7 @@ use std::collections::HashSet;
 const ELEMENT: Code = Code::model("vib::unused::element");
 const INPUT: Code = Code::model("vib::unused::input");
 
-/// Declarations told one by one: a `repeat` may make a million that do nothing, and one of them says it for all.
+/// Declarations reported one by one: a `repeat` may make a million without effect, and one of them speaks for all.
 const SHOWN: usize = 100;
 
 /// One finding for each place of the text.

@@ -1,7 +1,7 @@
-//! The state at t = 0: what `initial` says of bodies, as values of the coordinates. See docs/method/system.md.
+//! The state at t = 0: the values of `initial`, as values of the coordinates. See docs/method/system.md.
 //!
-//! Each value is a linear equation for the coordinates. They are solved exactly; a coordinate that no equation mentions
-//! starts at zero, one that they leave open is an error: nothing is guessed.
+//! Each value is a linear equation for the coordinates. The equations are solved exactly; a coordinate that no equation
+//! mentions starts at zero, and one that the equations leave undetermined is an error: nothing is guessed.
 
 use super::assembly::{Assembly, Row};
 use super::error::LowerError;
@@ -43,10 +43,10 @@ fn equation(row: Row, value: &Number, span: Span) -> Equation {
     Equation { row: sums, value: value.clone(), span }
 }
 
-/// Gauss-Jordan elimination: every equation ends with one coordinate, or says why not.
+/// Gauss-Jordan elimination: every equation ends with a single coordinate, or becomes an error.
 fn solve(equations: Vec<Equation>) -> Result<BTreeMap<u32, Number>, Vec<LowerError>> {
     let mut solved: BTreeMap<u32, Equation> = BTreeMap::new();
-    // Coordinates whose equations hold others too: the only ones that a further equation can change.
+    // Coordinates whose equations contain others too: only these can change through further equations.
     let mut open: BTreeSet<u32> = BTreeSet::new();
     for mut equation in equations {
         let known: Vec<u32> = equation.row.keys().copied().filter(|i| solved.contains_key(i)).collect();
@@ -90,7 +90,7 @@ fn normalise(equation: &mut Equation, pivot: u32) {
     equation.value = &equation.value / &factor;
 }
 
-/// equation - entry times by, where `by` has 1 at the coordinate.
+/// Computes equation - entry times `by`, where `by` has 1 at the coordinate.
 fn eliminate(equation: &mut Equation, coordinate: u32, by: &Equation) {
     let Some(factor) = equation.row.remove(&coordinate) else { return };
     for (other, entry) in by.row.iter().filter(|(other, _)| **other != coordinate) {

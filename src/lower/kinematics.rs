@@ -1,21 +1,23 @@
 //! How points move with the coordinates, and their exact first and second derivatives. See docs/method/kinematics.md.
 //!
-//! Parts that do not turn against each other (welds, slides) share one angle: a *group*. The coordinate of a group is its
-//! absolute angle, so the displacement of a point from the drawing is a sum over the groups g on the way from the ground,
+//! Parts without relative rotation (connected by welds and slides) share one angle: a *group*. The coordinate of a group
+//! is its absolute angle, so the displacement of a point from the drawing is a sum over the groups g on the path from the
+//! ground,
 //!
 //! ```text
 //! u(q) = sum_g (R_g - 1) v_g + sum_k s_k R_g(k) d_k
 //! ```
 //!
-//! with v_g the piece of the way that lies in group g as drawn and s_k the slides on the way. Hence, with
-//! w_g = R_g (v_g + sum of s_k d_k in g) and the axis a_g,
+//! with v_g the section of the path that lies in group g as drawn and s_k the slides on the path. Hence, with w_g = R_g
+//! (v_g + sum of s_k d_k in g) and the axis a_g,
 //!
 //! ```text
 //! du/dtheta_g = a_g x w_g          d2u/dtheta_g^2 = a_g x (a_g x w_g)
 //! du/ds_k     = R_g d_k            d2u/dtheta_g ds_k = a_g x R_g d_k          all others zero.
 //! ```
 //!
-//! The ground is the group without an angle. Prescribed motions of bases are coordinates too: they come after the free ones.
+//! The ground is the group without an angle. Prescribed motions of bases are coordinates too; they come after the free
+//! ones.
 
 use super::error::LowerError;
 use super::tree::{GROUND, Owner, PieceId, Tree};
@@ -38,16 +40,16 @@ pub struct Kinematics {
     groups: Vec<Group>,
     slides: Vec<Slide>,
     directions: Vec<Vec3>,
-    /// The group of each angle, of all coordinates; that of the ground for slides.
+    /// The group of each coordinate that is an angle; the ground's group for slides.
     group_of: Vec<u32>,
     /// Free coordinates in order.
     pub free: Vec<Freely>,
-    /// How many motions of bases follow the free coordinates.
+    /// Number of motions of bases, which follow the free coordinates.
     pub prescribed: usize,
-    /// The input that each of them is.
+    /// The index of the input for each of them.
     pub prescribed_inputs: Vec<u32>,
-    /// Squared lengths of the directions of oblique slides, where that length is irrational: the coordinate is measured in
-    /// units of it until it is handed out, so that rows stay exact. Ascending by coordinate.
+    /// Squared lengths of the directions of oblique slides whose length is irrational: the coordinate is measured in
+    /// units of that length until it is handed out, so that rows stay exact. Ascending by coordinate.
     lengths_squared: Vec<(Index, Number)>,
 }
 
@@ -59,16 +61,17 @@ pub struct Freely {
     pub kind: CoordinateKind,
 }
 
-/// Entries of all rows together: 800 MB of them.
+/// Limit on the entries of all rows together: 800 MB.
 const MAX_ENTRIES: u64 = 20_000_000;
-/// Entries that chained rows are written out to, for analyses: 200 MB, a pendulum of 2,000 links.
+/// Limit on the entries when chained rows are written out for analyses: 200 MB, a pendulum of 2,000 links.
 pub const MAX_WRITTEN_OUT: u64 = 5_000_000;
-/// Rows of masses with so many entries together are written out: some hundred links, which dense methods take in a moment.
+/// Rows of masses with up to this many entries in total are written out: some hundred links, which dense methods handle
+/// quickly.
 const FLAT_ENTRIES: u64 = 20_000;
-/// Shorter rows than this, on average, gain nothing from being chained.
+/// Rows that are shorter than this on average gain nothing from being chained.
 const FLAT_ROW: u64 = 32;
 
-/// A piece in its group.
+/// The group and the slides of a piece.
 #[derive(Clone, Copy, Debug)]
 struct Carriage {
     depth: u32,
@@ -90,7 +93,7 @@ struct Slide {
     direction: u32,
 }
 
-/// An end of an element: a point of a piece, or the point by which the piece is carried.
+/// An end of an element: a point of a piece, or the point that holds the piece.
 #[derive(Clone, Copy, Debug)]
 pub struct End<'a> {
     pub piece: PieceId,
@@ -124,18 +127,18 @@ impl Kinematics {
         End { piece: self.tree.piece(part), at }
     }
 
-    /// The angle coordinate of a piece, `None` where it does not turn.
+    /// The angle coordinate of a piece; `None` if it does not turn.
     pub fn angle(&self, piece: PieceId) -> Option<Index> {
         let group = self.carriages[piece as usize].group;
         (group != NO_TURN).then(|| self.groups[group as usize].coordinate)
     }
 
-    /// The slides by which a piece moves on its carrier: coordinate, and direction as drawn.
+    /// The slides by which a piece moves relative to its carrier: coordinate, and direction as drawn.
     pub fn slides_of(&self, piece: PieceId) -> impl Iterator<Item = (Index, &Vec3)> {
         self.own_slides(piece).iter().map(|slide| (slide.coordinate, &self.directions[slide.direction as usize]))
     }
 
-    /// Squared length of the direction in which a coordinate is measured; `None` for one.
+    /// Squared length of the direction that is the unit of a coordinate; `None` if the length is one.
     pub fn length_squared(&self, coordinate: Index) -> Option<&Number> {
         let found = self.lengths_squared.binary_search_by_key(&coordinate, |(index, _)| *index).ok()?;
         Some(&self.lengths_squared[found].1)
@@ -154,12 +157,12 @@ impl Kinematics {
         !self.lengths_squared.is_empty()
     }
 
-    /// Whether the piece turns about a point that nothing says the place of.
+    /// Whether the piece turns about a point whose place is unknown.
     pub fn turns_about_nowhere(&self, piece: PieceId) -> bool {
         self.carriages[piece as usize].group != NO_TURN && self.tree.pieces[piece as usize].anchor.is_none()
     }
 
-    /// What has to hold before anything can be measured.
+    /// Checks the conditions for any evaluation.
     pub fn check(&self, scene: &Scene) -> Result<(), Vec<LowerError>> {
         if self.free.is_empty() {
             let span = scene.bodies.first().map_or_else(|| Span::new(FileId(0), 0, 0), |body| body.span);
@@ -172,7 +175,7 @@ impl Kinematics {
         self.limit_entries(scene)
     }
 
-    /// Points of parts that turn about a place that nothing tells.
+    /// Errors for points of parts that turn about an unknown place.
     fn used_without_place(&self, scene: &Scene) -> Vec<LowerError> {
         if !(0..self.carriages.len()).any(|piece| self.turns_about_nowhere(piece as PieceId)) {
             return Vec::new();
@@ -192,7 +195,7 @@ impl Kinematics {
             .collect()
     }
 
-    /// Points that are read of parts that turn about a place that nothing tells.
+    /// Errors for outputs at points of parts that turn about an unknown place.
     pub fn read_without_place(&self, scene: &Scene, terms: &[MotionTerm], span: Span) -> Vec<LowerError> {
         let point = |term: &MotionTerm| match &term.motion {
             Motion::Point { part, at: Some(_), .. } if self.turns_about_nowhere(self.tree.piece(*part)) => {
@@ -203,8 +206,8 @@ impl Kinematics {
         terms.iter().filter_map(point).collect()
     }
 
-    /// Whether the rows of the masses are written with each other (docs/method/system.md#deep-trees): where written out they would be long, and
-    /// every coordinate is free and measured in its own unit.
+    /// Whether the rows of the masses are chained (docs/method/system.md#deep-trees): they would be long if written out,
+    /// and every coordinate is free and measured in its own unit.
     pub fn hangs_deep(&self, scene: &Scene) -> bool {
         if self.prescribed > 0 || self.has_oblique() || !self.tree.closing.is_empty() || !scene.couples.is_empty() {
             return false;
@@ -214,7 +217,7 @@ impl Kinematics {
         entries > FLAT_ENTRIES && entries > FLAT_ROW * scene.bodies.len() as u64
     }
 
-    /// Rows are as long as the way from the ground is deep: their number is limited before they are made.
+    /// Rows are as long as their path to the ground, so their total length is limited before they are made.
     fn limit_entries(&self, scene: &Scene) -> Result<(), Vec<LowerError>> {
         let widths = self.widths();
         let width = |part| widths[self.tree.piece(part) as usize];
@@ -230,11 +233,11 @@ impl Kinematics {
         Err(vec![LowerError::TooDeep { entries, span }])
     }
 
-    /// How many coordinates move two ends against each other, at most.
+    /// Upper bound on the number of coordinates that move two ends relative to each other.
     fn apart(&self, ends: &[Attachment; 2], widths: &[u64]) -> u64 {
         let [mut a, mut b] = [0, 1].map(|end| self.tree.piece(ends[end].part));
         let sum = widths[a as usize] + widths[b as usize];
-        // Neighbours are the rule: a few steps find what they have in common.
+        // Most ends are on neighbouring pieces: a few steps find their common carrier.
         for _ in 0..8 {
             if a == b {
                 return sum - 2 * widths[a as usize] + 1;
@@ -245,7 +248,7 @@ impl Kinematics {
         sum
     }
 
-    /// The number of coordinates on the way from the ground to each piece, the piece's own included.
+    /// The number of coordinates on the path from the ground to each piece, including the piece's own.
     fn widths(&self) -> Vec<u64> {
         let mut widths = vec![0u64; self.carriages.len()];
         for (index, carriage) in self.carriages.iter().enumerate().skip(1) {
@@ -256,7 +259,7 @@ impl Kinematics {
         widths
     }
 
-    /// The way from one end to the other: what moves the second against the first.
+    /// The path from one end to the other: the coordinates that move the second relative to the first.
     pub fn way(&self, from: End, to: End, path: &mut Path<Number>) {
         path.clear();
         let mut walk = Walk { kinematics: self, path, last: [usize::MAX; 2] };
@@ -279,8 +282,8 @@ impl Kinematics {
         &self.slides[carriage.first_slide as usize..carriage.first_slide as usize + carriage.slides as usize]
     }
 
-    /// What all bodies carry together: the mass-weighted sum of the ways to their centres, for a uniform field of gravity.
-    /// Linear in the number of pieces. Slides of the ground across the field are left out: it does no work on them.
+    /// The mass-weighted sum of the paths to all centres of mass, for a uniform field of gravity. Takes time linear in
+    /// the number of pieces. Slides on the ground perpendicular to the field are left out, since it does no work on them.
     pub fn weighted_way(&self, scene: &Scene, field: &Vec3) -> Path<Number> {
         let mut carried = vec![Number::ZERO; self.carriages.len()];
         let mut arms: Vec<Option<Vector<Number>>> = vec![None; self.groups.len()];
@@ -324,8 +327,8 @@ impl Kinematics {
         arms[group] = Some(sum);
     }
 
-    /// From a turning piece's anchor to a point of it; `None` where there is no way to go: the piece does not turn, a place
-    /// is not known, or both are one and the same place (also where its coordinates are known as balls only).
+    /// The vector from a turning piece's anchor to a point of it. `None` if there is none: the piece does not turn, a
+    /// place is unknown, or both are the same place (even if its coordinates are known only as balls).
     fn arm(&self, piece: PieceId, at: Option<&Vec3>) -> Option<Vector<Number>> {
         let anchor = self.tree.pieces[piece as usize].anchor.as_deref()?;
         let at = at.filter(|at| !std::ptr::eq(*at, anchor))?;
@@ -333,16 +336,17 @@ impl Kinematics {
     }
 }
 
-/// A walk towards the ground on two sides: side 1 counts positive, side 0 negative.
+/// A walk towards the ground from both sides: side 1 counts as positive, side 0 as negative.
 struct Walk<'k, 'p> {
     kinematics: &'k Kinematics,
     path: &'p mut Path<Number>,
-    /// Where in the path's turns each side was last.
+    /// Index in the path's turns of the last entry of each side.
     last: [usize; 2],
 }
 
 impl<'k> Walk<'k, '_> {
-    /// One piece towards the ground: its own arm and slides; the point is then the one by which the carrier holds it.
+    /// Moves one piece towards the ground: adds its own arm and slides, and continues at the point by which the carrier
+    /// holds it.
     fn step<'e>(&mut self, end: End<'e>, side: usize) -> End<'e>
     where
         'k: 'e,
@@ -356,11 +360,11 @@ impl<'k> Walk<'k, '_> {
             let direction = if side == 1 { direction } else { direction.negated() };
             self.path.runs.push(Run { coordinate: slide.coordinate, group, direction });
         }
-        // A point without a place stays without one only in groups that do not turn.
+        // A point without a place remains one only in groups that do not turn.
         End { piece: piece.carrier, at: piece.anchor.as_deref().or(end.at) }
     }
 
-    /// Adds the arm from a piece's anchor to a point of it, to what this side or the other has in the same group.
+    /// Adds the arm from a piece's anchor to a point of it to the entry of the same group on either side.
     fn arm(&mut self, end: End, side: usize) {
         let Some(arm) = self.kinematics.arm(end.piece, end.at) else { return };
         let arm = if side == 1 { arm } else { arm.negated() };
@@ -377,7 +381,7 @@ impl<'k> Walk<'k, '_> {
     }
 }
 
-/// What moves one point against another: arms of groups and slides, as drawn.
+/// The coordinates that move one point relative to another: arms of groups and slides, as drawn.
 #[derive(Clone, Debug)]
 pub struct Path<S> {
     turns: Vec<Turn<S>>,
@@ -415,12 +419,12 @@ impl<S> Path<S> {
 }
 
 impl<S> Path<S> {
-    /// Whether all motion on this way is along fixed directions.
+    /// Whether all motion along this path is in fixed directions.
     pub fn is_straight(&self) -> bool {
         self.turns.is_empty() && self.runs.iter().all(|run| run.group == NO_TURN)
     }
 
-    /// The coordinates on the way, one at a time; a slide in a turning group with the angle of that group.
+    /// The coordinates of the path one by one; a slide in a turning group comes with the angle of that group.
     pub fn coordinates<'a>(&'a self, kinematics: &'a Kinematics) -> impl Iterator<Item = (Index, Option<Index>)> + 'a {
         let angle = |group: u32| kinematics.groups[group as usize].coordinate;
         let turns = self.turns.iter().map(move |turn| (angle(turn.group), None));
@@ -430,7 +434,7 @@ impl<S> Path<S> {
 }
 
 impl Path<Number> {
-    /// Whether all motion on this way is along one fixed direction.
+    /// Whether all motion along this path is in one fixed direction.
     pub fn keeps_to(&self, direction: &Vector<Number>) -> bool {
         self.is_straight() && self.runs.iter().all(|run| run.direction.cross(direction).is_zero())
     }
@@ -440,7 +444,8 @@ impl Path<Number> {
         self.turns.iter().map(|turn| turn.arm.norm_squared().to_f64().sqrt()).fold(0.0, f64::max)
     }
 
-    /// The pieces of a way that carries a fixed force, by the part of the scene that each belongs to: such a way is a sum.
+    /// The sections of a path that carries a fixed force, by the part of the scene they belong to; this is possible
+    /// because such a path is a sum.
     pub fn split(
         self,
         kinematics: &Kinematics,
@@ -469,12 +474,12 @@ impl Path<Number> {
     }
 }
 
-/// Values of the coordinates, with the turns of the groups worked out.
+/// Values of the coordinates, with the rotations of the groups evaluated.
 #[derive(Clone, Debug)]
 pub struct State<S> {
-    /// Empty: all as drawn.
+    /// Empty if all are as drawn.
     values: Vec<S>,
-    /// Axis, sine and cosine of each group; `None` where it has not turned.
+    /// Sine and cosine of each group's angle; `None` if it has not turned.
     turned: Vec<Option<(S, S)>>,
     zero: S,
 }
@@ -493,7 +498,7 @@ impl<S: Scalar> State<S> {
         self.values.get(coordinate as usize).unwrap_or(&self.zero)
     }
 
-    /// A vector that turns with an angle.
+    /// A vector rotated by an angle coordinate.
     pub fn turned(&self, kinematics: &Kinematics, angle: Index, v: &Vector<S>) -> Vector<S> {
         match self.turned.get(kinematics.group_of[angle as usize] as usize) {
             Some(Some((sine, cosine))) => v.turned(&kinematics.axis(angle), sine, cosine),
@@ -525,7 +530,7 @@ impl State<Number> {
     }
 }
 
-/// A way at a state: displacement of its far end against the near one, and the derivatives.
+/// A path at a state: displacement of its far end relative to the near end, and the derivatives.
 #[derive(Clone, Debug)]
 pub struct Reach<S> {
     pub displacement: Vector<S>,
@@ -533,7 +538,7 @@ pub struct Reach<S> {
     pub columns: Vec<(Index, Vector<S>)>,
     /// w_g of each group on the way, with its axis and coordinate.
     swept: Vec<Swept<S>>,
-    /// Coordinate, place of its group in `swept`, and direction of each slide.
+    /// Coordinate, index of its group in `swept`, and direction of each slide.
     runs: Vec<(Index, Option<usize>, Vector<S>)>,
 }
 
@@ -552,7 +557,7 @@ impl<S: Scalar> Default for Reach<S> {
 }
 
 impl<S: Scalar> Reach<S> {
-    /// Works out a way at a state.
+    /// Evaluates a path at a state.
     pub fn measure(&mut self, kinematics: &Kinematics, state: &State<S>, path: &Path<S>) {
         self.displacement = Vector::zero();
         self.columns.clear();
@@ -565,7 +570,7 @@ impl<S: Scalar> Reach<S> {
             }
             self.push_swept(kinematics, turn.group, arm.unwrap_or_else(|| turn.arm.clone()));
         }
-        // Where in `swept` the groups of runs are; empty where no run turns.
+        // Indices in `swept` of the groups of slides; empty if none of them turns.
         let mut places: BTreeMap<u32, usize> = BTreeMap::new();
         if path.runs.iter().any(|run| run.group != NO_TURN) {
             places.extend(self.swept.iter().enumerate().map(|(place, swept)| (swept.group, place)));
@@ -587,13 +592,13 @@ impl<S: Scalar> Reach<S> {
         }
     }
 
-    /// R_g v; `None` where the group has not turned.
+    /// R_g v; `None` if the group has not turned.
     fn rotate(&self, kinematics: &Kinematics, state: &State<S>, group: u32, v: &Vector<S>) -> Option<Vector<S>> {
         let (sine, cosine) = state.turned.get(group as usize)?.as_ref()?;
         Some(v.turned(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
     }
 
-    /// Adds to what a group has swept, and says where that is.
+    /// Adds an arm to the entry of its group in `swept`, and returns the index of that entry.
     fn sweep(
         &mut self,
         kinematics: &Kinematics,
@@ -609,7 +614,7 @@ impl<S: Scalar> Reach<S> {
         place
     }
 
-    /// A way is in each group once.
+    /// Adds an entry for a group; a path has each group once.
     fn push_swept(&mut self, kinematics: &Kinematics, group: u32, arm: Vector<S>) {
         let Group { coordinate, axis } = &kinematics.groups[group as usize];
         self.swept.push(Swept { group, coordinate: *coordinate, axis: Vector::of(axis), arm });
@@ -624,7 +629,7 @@ impl<S: Scalar> Reach<S> {
         }));
     }
 
-    /// d2(force . displacement)/dq_i dq_j for a fixed force, without zeros: each pair once.
+    /// d2(force . displacement)/dq_i dq_j for a fixed force, without zeros, each pair once.
     pub fn curvature(&self, force: &Vector<S>, mut visit: impl FnMut(Index, Index, S)) {
         for swept in &self.swept {
             let second = swept.axis.cross(&swept.axis.cross(&swept.arm));
@@ -634,7 +639,7 @@ impl<S: Scalar> Reach<S> {
             }
         }
         for (coordinate, place, direction) in &self.runs {
-            // A run in a turning group has swept it, if only by a zero arm.
+            // A slide in a turning group has an entry in `swept`, even if its arm is zero.
             let Some(swept) = place.map(|place| &self.swept[place]) else { continue };
             let entry = force.dot(&swept.axis.cross(direction));
             if !entry.is_zero() {
@@ -653,8 +658,8 @@ fn unknown_place(scene: &Scene, part: Part, used: Span) -> Option<LowerError> {
     Some(LowerError::UnknownPlace { body: scene.words.display(name), span, used })
 }
 
-/// Gives the coordinates their order: that of the declarations of the bodies, and x, y, along, slide, angle within a body;
-/// then the motions of the bases, in the order of the inputs.
+/// Assigns the order of the coordinates: that of the declarations of the bodies, and x, y, along, slide, angle within a
+/// body; then the motions of the bases, in the order of the inputs.
 struct Numbering<'a> {
     scene: &'a Scene,
     kinematics: Kinematics,
@@ -746,7 +751,7 @@ impl<'a> Numbering<'a> {
         }
     }
 
-    /// Slides of one piece are numbered one after the other.
+    /// The slides of one piece must be added one after the other.
     fn slide(&mut self, piece: PieceId, coordinate: Index, direction: &Vec3) {
         let direction = self.direction(coordinate, direction);
         let carriage = &mut self.kinematics.carriages[piece as usize];
@@ -757,7 +762,7 @@ impl<'a> Numbering<'a> {
         self.kinematics.slides.push(Slide { coordinate, direction });
     }
 
-    /// The direction with length one if that is rational, else as written, with its length kept apart.
+    /// Normalises a direction if its length is rational; otherwise keeps it as written and its length separately.
     fn direction(&mut self, coordinate: Index, direction: &Vec3) -> u32 {
         if let Some(known) = self.kinematics.directions[..2].iter().position(|axis| axis == direction) {
             return known as u32;
@@ -779,7 +784,7 @@ impl<'a> Numbering<'a> {
         self.kinematics.groups.push(Group { coordinate, axis: Vec3::Z });
     }
 
-    /// Pieces that do not turn on their own turn with their carrier. Carriers come first.
+    /// Pieces that do not turn relative to their carrier turn with it. Carriers come first.
     fn inherit(&mut self) {
         for piece in 1..self.kinematics.carriages.len() {
             let carrier = self.kinematics.carriages[self.kinematics.tree.pieces[piece].carrier as usize];

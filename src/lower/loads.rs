@@ -7,11 +7,11 @@ use crate::elements::stretch::over_length;
 use crate::elements::{Pull, Scalar, Spring, Stretch, Stretched, Vector};
 use crate::model::scene::{Attachment, Geometry, Input, InputKind, Scene, Signal, SpringRest};
 
-/// The way between two ends, and the angles of the two.
+/// The path between two ends, and the angles of both.
 #[derive(Clone, Debug)]
 pub struct Between<S> {
     pub path: Path<S>,
-    /// Angle of the first and of the second end; `None` where it does not turn.
+    /// Angle of the first and of the second end; `None` if it does not turn.
     pub angles: [Option<Index>; 2],
 }
 
@@ -22,13 +22,13 @@ impl<S> Default for Between<S> {
 }
 
 impl<S: Scalar> Between<S> {
-    /// The relative turn, second end minus first.
+    /// The relative rotation, second end minus first.
     pub fn turn(&self, state: &State<S>) -> S {
         let angle = |end: usize| self.angles[end].map_or_else(S::zero, |angle| state.value(angle).clone());
         angle(1).minus(&angle(0))
     }
 
-    /// Its gradient.
+    /// The gradient of the relative rotation.
     pub fn turn_row(&self, row: &mut Vec<(Index, S)>) {
         row.clear();
         row.extend(self.angles[0].map(|angle| (angle, S::one().negated())));
@@ -41,9 +41,10 @@ impl Between<Number> {
         Between { path: self.path.converted(), angles: self.angles }
     }
 
-    /// Points this way at two ends; returns the stretch between them.
+    /// Sets the path to that between two ends; returns the stretch between them.
     ///
-    /// A line whose ends can only move along it is the same as a fixed direction: its squares do not depend on the state.
+    /// A line whose ends can only move along it is equivalent to a fixed direction: its squares do not depend on the
+    /// state.
     pub fn connect(&mut self, kinematics: &Kinematics, ends: &[Attachment; 2], geometry: &Geometry) -> Stretch<Number> {
         let [a, b] = [0, 1].map(|end| kinematics.end(&ends[end]));
         self.angles = [a, b].map(|end| kinematics.angle(end.piece));
@@ -71,7 +72,7 @@ fn drawn_line(ends: &[Attachment; 2]) -> Option<Vector<Number>> {
     Some(Vector::of(&second.sub(first)))
 }
 
-/// The direction, turned round where the drawing runs against it: tension is positive where the ends are pulled apart.
+/// The direction, reversed if the drawing runs against it: tension is positive if the ends are pulled apart.
 fn first_to_second(direction: &Vec3, ends: &[Attachment; 2]) -> Vector<Number> {
     let direction = Vector::of(direction);
     match drawn_line(ends) {
@@ -112,7 +113,7 @@ fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Ge
     }
 }
 
-/// A spring of the scene, ready to be measured.
+/// A spring of the scene, ready to be evaluated.
 pub fn spring(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],
@@ -123,7 +124,7 @@ pub fn spring(
     spring_of(between.connect(kinematics, ends, geometry), ends, geometry, law)
 }
 
-/// The spring of a stretch between two ends.
+/// The spring with a given stretch between two ends.
 pub fn spring_of(
     stretch: Stretch<Number>,
     ends: &[Attachment; 2],
@@ -134,7 +135,8 @@ pub fn spring_of(
     Spring { stretch, stiffness: stiffness.clone(), preload }
 }
 
-/// grad e of a stretch whose way is in `reach`, as a row to be divided by the root of the number returned.
+/// grad e of a stretch whose path is in `reach`, as a row that has to be divided by the square root of the number
+/// returned.
 pub fn slope<S: Scalar>(
     stretched: &Stretched<S>,
     reach: &Reach<S>,
@@ -153,12 +155,12 @@ pub fn slope<S: Scalar>(
     }
 }
 
-/// The way of a point against the ground.
+/// The path of a point relative to the ground.
 pub fn absolute(kinematics: &Kinematics, end: End, path: &mut Path<Number>) {
     kinematics.way(End::GROUND, end, path);
 }
 
-/// Something that gives the scene potential energy.
+/// A source of potential energy.
 #[derive(Clone, Copy, Debug)]
 pub enum Load<'a> {
     /// A spring, or a constant push between two points.
@@ -169,7 +171,7 @@ pub enum Load<'a> {
     Torque(Index, &'a Number),
 }
 
-/// Shows everything that gives the scene potential energy, in order of declaration after the weights. With `loaded_only`
+/// Visits all sources of potential energy: the weights, then the others in order of declaration. With `loaded_only`,
 /// springs that are unstretched as drawn are left out.
 pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see: impl FnMut(Load)) {
     if !scene.gravity.is_zero() {
@@ -217,19 +219,19 @@ fn visit_constant(
                 }
             }
         }
-        // A base that stays displaced is part of the state.
+        // A constant displacement of a base is part of the state.
         InputKind::Base { .. } => {}
     }
 }
 
-/// A force of this size along a direction, on the first end and on the second.
+/// A force of this size along a direction: on the first end, and its opposite on the second.
 pub fn opposite(size: &Number, direction: &Vec3) -> [Vector<Number>; 2] {
     let direction = Vector::of(direction);
     let force = direction.scaled(&over_length(size.clone(), &direction.norm_squared()));
     [force.clone(), force.negated()]
 }
 
-/// The state as drawn, with the bases where constant signals hold them.
+/// The state as drawn, with the bases displaced by their constant signals.
 pub fn drawn(scene: &Scene, kinematics: &Kinematics) -> State<Number> {
     let mut state = State::drawn();
     for (place, input) in kinematics.prescribed_inputs.iter().enumerate() {
@@ -253,7 +255,7 @@ pub fn constant(input: &Input) -> Option<Number> {
     (!sum.is_zero()).then_some(sum)
 }
 
-/// A constant force that pushes two points apart, as a spring without stiffness.
+/// A constant force that pushes two points apart, represented as a spring without stiffness.
 pub fn push(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],

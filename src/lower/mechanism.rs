@@ -1,6 +1,7 @@
 //! A scene's mechanism at its rest: how points move with the coordinates, which of these are independent, and where they
-//! rest. Lowering hands it on beside the linear system, so that what is asked later (what a spring carries at rest, a further
-//! output, why something was left out) needs no second lowering. See docs/method/rest.md and docs/method/linearisation.md.
+//! rest. Lowering passes it on beside the linear system, so that later questions (the tension of a spring at rest, a
+//! further output, why something was left out) need no second lowering. See docs/method/rest.md and
+//! docs/method/linearisation.md.
 
 use super::constraints::Reduction;
 use super::error::LowerError;
@@ -30,7 +31,7 @@ pub struct SpringAtRest {
 }
 
 impl Mechanism {
-    /// `state` holds every coordinate, dependent ones included.
+    /// `state` has a value for every coordinate, including dependent ones.
     pub(super) fn new(kinematics: Kinematics, reduction: Reduction, state: State<Number>) -> Mechanism {
         Mechanism { kinematics, reduction, state }
     }
@@ -48,7 +49,7 @@ impl Mechanism {
             let (tension, change) = (spring.tension(&stretched), stretched.change().clone());
             list.push(SpringAtRest { element: ElementId(index), tension, change });
         }
-        // What holds the drawing where it is declared to be the rest.
+        // If the drawing is declared to be the rest, these tensions hold it.
         for found in &rest.tensions {
             let spring = list.binary_search_by_key(&found.element, |spring| spring.element);
             if let Ok(place) = spring {
@@ -59,11 +60,11 @@ impl Mechanism {
     }
 }
 
-/// A combination of motions that is to be read, though the scene does not declare it as an output.
+/// A combination of motions to be evaluated although the scene does not declare it as an output.
 #[derive(Clone, Debug)]
 pub struct Readout {
     pub terms: Vec<MotionTerm>,
-    /// Where it is asked for.
+    /// The place that asks for it.
     pub span: Span,
 }
 

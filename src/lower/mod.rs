@@ -1,11 +1,11 @@
-//! Scene to linear system: joint tree, rest, exact second-order linearisation, assembly. The only place where scene and
-//! system meet. See docs/method/kinematics.md, docs/method/rest.md and docs/method/linearisation.md.
+//! From a scene to its linear system: joint tree, rest, exact second-order linearisation, assembly. The only place where
+//! scene and system meet. See docs/method/kinematics.md, docs/method/rest.md and docs/method/linearisation.md.
 //!
 //! # Steps
 //! 1. [`tree`]: which part carries which
 //! 2. [`kinematics`]: how points move with the coordinates
-//! 3. [`constraints`]: what joints that close loops, and couplings, hold
-//! 4. [`rest`]: where everything stays
+//! 3. [`constraints`]: joints that close loops, and couplings
+//! 4. [`rest`]: the static equilibrium
 //! 5. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
 
 pub mod account;
@@ -37,12 +37,12 @@ use crate::system::chain::TooLong;
 use error::LowerError;
 use kinematics::Kinematics;
 
-/// What lowering makes of a scene.
+/// The result of lowering a scene.
 #[derive(Clone, Debug)]
 pub struct Lowered {
     pub system: LinearSystem,
     pub rest: Rest,
-    /// How the scene moves about its rest, for what is asked of it later.
+    /// How the scene moves about its rest, for later questions.
     pub mechanism: Mechanism,
 }
 
@@ -70,7 +70,7 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
 }
 
 impl Lowered {
-    /// Writes chained rows out over the coordinates, as most analyses take them; refused, and nothing changed, where they
+    /// Writes chained rows out over the coordinates, as most analyses need them; an error, with nothing changed, if they
     /// would not fit into memory.
     pub fn flatten(&mut self) -> Result<(), LowerError> {
         let found = self.system.flatten(kinematics::MAX_WRITTEN_OUT);
@@ -99,7 +99,8 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     Ok((Lowered { system, rest, mechanism }, notes))
 }
 
-/// The warning on a rest that is not proven, at the coordinate that moved farthest to it; where none moved, at the first.
+/// The warning about a rest that is not proven, at the coordinate that moved farthest to it, or at the first if none
+/// moved.
 fn unproven(system: &LinearSystem, rest: &Rest) -> Option<Diagnostic> {
     let moved = |place: &usize| rest.displacement.get(*place).map_or(0.0, |value| value.to_f64().abs());
     let farthest = (0..system.n()).rev().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;

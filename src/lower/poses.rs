@@ -1,5 +1,5 @@
-//! How parts stand at rest and move in a shape, for pictures. In: a mechanism at rest and displacements of its coordinates; out:
-//! for each piece of welded parts its turn and its slides. Nothing that lowering needs. See docs/draw.md.
+//! The poses of parts at rest and in a shape, for pictures. In: a mechanism at rest and displacements of its coordinates.
+//! Out: rotation and slides of each piece of welded parts. Lowering itself does not need this. See docs/draw.md.
 
 use super::kinematics::{Index, Kinematics};
 use super::mechanism::Mechanism;
@@ -14,11 +14,11 @@ pub struct Both {
     pub shape: f64,
 }
 
-/// How a piece moves on the piece that carries it. Carriers come first; piece 0 is the ground.
+/// The pose of a piece relative to the piece that carries it. Carriers come first; piece 0 is the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     pub carrier: u32,
-    /// The drawn point by which it is carried, m; `None` where it has no place.
+    /// The drawn point that holds it, m; `None` if it has no place.
     pub anchor: Option<[f64; 2]>,
     /// Its absolute angle, rad.
     pub angle: Both,
@@ -26,7 +26,7 @@ pub struct Carried {
     pub slides: Vec<([f64; 2], Both)>,
 }
 
-/// Every piece, and which piece each part belongs to.
+/// The poses of all pieces, and the piece that each part belongs to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Poses {
     pub pieces: Vec<Carried>,
@@ -46,7 +46,7 @@ impl Poses {
 }
 
 impl Mechanism {
-    /// The poses at rest, and in a shape of the system's coordinates (m, rad) where one is given.
+    /// The poses at rest and, if given, in a shape of the system's coordinates (m, rad).
     pub fn poses(&self, shape: Option<&[f64]>) -> Poses {
         let Mechanism { kinematics, reduction, state } = self;
         let mut moved = vec![0.0; kinematics.total()];
@@ -79,7 +79,7 @@ fn planar(v: &Vec3) -> [f64; 2] {
     [v.x.to_f64(), v.y.to_f64()]
 }
 
-/// The length in which a coordinate is counted: one, but for oblique directions of irrational length.
+/// The length that is the unit of a coordinate: one, except for oblique directions of irrational length.
 fn unit(kinematics: &Kinematics, coordinate: Index) -> f64 {
     kinematics.length_squared(coordinate).map_or(1.0, |square| square.to_f64().sqrt())
 }

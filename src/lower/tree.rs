@@ -1,20 +1,21 @@
-//! The joint tree: which part carries which. Rooted on the ground and the bases, breadth first, without recursion.
+//! The joint tree: which part carries which. Its roots are the ground and the bases; it is built breadth first, without
+//! recursion.
 //! See docs/method/kinematics.md.
 //!
-//! Welded parts are one piece. A body with a freedom clause is carried by the ground; every other piece by the first
-//! joint through which the search reaches it. Joints that the search does not need close loops.
+//! Welded parts form one piece. A body with a freedom clause is carried by the ground; every other piece is carried
+//! through the first joint by which the search reaches it. Joints that the search does not use close loops.
 
 use super::error::LowerError;
 use crate::base::Vec3;
 use crate::model::scene::{BaseId, BodyId, Freedom, JointId, Part, Scene};
 use std::sync::Arc;
 
-/// Index of a piece: a set of welded parts. Piece 0 is the ground, and carriers come before what they carry.
+/// Index of a piece: a set of welded parts. Piece 0 is the ground, and carriers come before the pieces they carry.
 pub type PieceId = u32;
 
 pub const GROUND: PieceId = 0;
 
-/// What a piece is called after: the part that the freedoms belong to.
+/// The part that a piece is named after, and whose degrees of freedom it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     Ground,
@@ -22,14 +23,14 @@ pub enum Owner {
     Body(BodyId),
 }
 
-/// A set of welded parts and how it is carried.
+/// A set of welded parts and its carrier.
 #[derive(Clone, Debug)]
 pub struct Piece {
     pub owner: Owner,
     pub carrier: PieceId,
     /// The joint to the carrier; `None` for bodies with a freedom clause and for roots.
     pub joint: Option<JointId>,
-    /// The drawn point by which it is carried, where one is known.
+    /// The drawn point that holds it, if one is known.
     pub anchor: Option<Arc<Vec3>>,
     pub turns: bool,
 }
@@ -40,7 +41,7 @@ pub struct Tree {
     /// The piece of each base and of each body.
     pub bases: Vec<PieceId>,
     pub bodies: Vec<PieceId>,
-    /// Joints that the tree does not need.
+    /// Joints that the tree does not use: they close loops.
     pub closing: Vec<JointId>,
 }
 
@@ -55,12 +56,13 @@ impl Tree {
 }
 
 impl Tree {
-    /// The joints of the loop that a joint closes, itself first: those on the way from one of its ends to the other.
+    /// The joints of the loop that a joint closes: itself first, then those on the path from one of its ends to the
+    /// other.
     pub fn closed_by(&self, scene: &Scene, joint: JointId) -> Vec<JointId> {
         let mut joints = vec![joint];
         let [mut a, mut b] = [0, 1].map(|end| self.piece(scene.joints[joint.index()].ends[end].part));
         while a != b {
-            // Carriers come first: the later of the two is not the common one.
+            // Carriers come first, so the later of the two is not the common carrier.
             let later = if a > b { &mut a } else { &mut b };
             let piece = &self.pieces[*later as usize];
             joints.extend(piece.joint);
@@ -70,7 +72,7 @@ impl Tree {
     }
 }
 
-/// Ground, bases and bodies in one row of numbers.
+/// Ground, bases and bodies with consecutive numbers.
 struct Parts<'a> {
     scene: &'a Scene,
 }
@@ -97,7 +99,7 @@ impl Parts<'_> {
         }
     }
 
-    /// Whether the part is carried by the ground without any joint.
+    /// Whether the part is carried by the ground without a joint.
     fn is_held(&self, number: usize) -> bool {
         match self.owner(number) {
             Owner::Body(body) => self.scene.bodies[body.index()].freedom != Freedom::FromJoints,
@@ -106,7 +108,7 @@ impl Parts<'_> {
     }
 }
 
-/// Builds the tree, or says which bodies nothing holds.
+/// Builds the tree, or reports the bodies that nothing holds.
 pub fn build(scene: &Scene) -> Result<Tree, Vec<LowerError>> {
     let parts = Parts { scene };
     let mut welded = Welded::new(&parts);
@@ -125,8 +127,8 @@ pub fn build(scene: &Scene) -> Result<Tree, Vec<LowerError>> {
     Ok(Tree { pieces: growth.pieces, bases, bodies, closing })
 }
 
-/// Sets of welded parts (union-find). The representative is the part that holds the set: the ground, a base, a body with
-/// a freedom clause, else the body that is declared first.
+/// Sets of welded parts (union-find). The representative is the part that is held without a joint: the ground, a base, or
+/// a body with a freedom clause; otherwise the body that is declared first.
 struct Welded {
     parent: Vec<u32>,
     held: Vec<bool>,
@@ -147,7 +149,7 @@ impl Welded {
         at
     }
 
-    /// Makes one set of two; false if they are one already or both are held.
+    /// Unites two sets; `false` if they are one already or both are held.
     fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         if a == b || (self.held[a] && self.held[b]) {
@@ -165,7 +167,7 @@ impl Welded {
     }
 }
 
-/// Unites welded parts; the welds that could not.
+/// Unites welded parts; returns the welds that could not be used.
 fn weld_all(parts: &Parts, welded: &mut Welded) -> Vec<JointId> {
     let mut closing = Vec::new();
     for (index, joint) in parts.scene.joints.iter().enumerate() {
@@ -181,11 +183,11 @@ fn weld_all(parts: &Parts, welded: &mut Welded) -> Vec<JointId> {
 
 const NONE: u32 = u32::MAX;
 
-/// The tree while it grows.
+/// The tree during its construction.
 struct Growth {
     pieces: Vec<Piece>,
     piece_of_class: Vec<PieceId>,
-    /// For each piece, the class that it stands for.
+    /// For each piece, the class that it represents.
     class_of_piece: Vec<u32>,
 }
 
@@ -218,7 +220,7 @@ impl Growth {
         self.pieces.push(piece);
     }
 
-    /// Breadth first: every piece in turn carries what its joints tie to it and nothing carries yet.
+    /// Breadth first: each piece in turn carries the pieces that its joints connect to it and that have no carrier yet.
     fn grow(&mut self, parts: &Parts, classes: &[u32], closing: &mut Vec<JointId>) {
         let joints = &parts.scene.joints;
         let class_at = |joint: u32, end: usize| classes[parts.number(joints[joint as usize].ends[end].part)];
@@ -244,7 +246,7 @@ impl Growth {
         }
     }
 
-    /// Bodies that the search did not reach: one message for each connected set.
+    /// Errors for bodies that the search did not reach: one for each connected set.
     fn loose(&self, parts: &Parts, classes: &[u32]) -> Vec<LowerError> {
         let mut islands = Welded { parent: classes.to_vec(), held: vec![false; classes.len()] };
         for joint in &parts.scene.joints {
@@ -267,18 +269,18 @@ impl Growth {
     }
 }
 
-/// The piece that `joint` ties to its carrier.
+/// The piece that `joint` connects to its carrier.
 fn carried(parts: &Parts, carrier: PieceId, class: u32, joint: u32, carried_by: &Piece) -> Piece {
     let joint_of = &parts.scene.joints[joint as usize];
     let relative = joint_of.freedoms();
-    // Where the joint holds no point any will do: parts that do not turn against each other share the carrier's.
+    // If the joint holds no point, any will do: parts without relative rotation share the carrier's.
     let held = relative.holds_point.then(|| joint_of.ends[0].at.clone()).flatten();
     let anchor = held.or_else(|| carried_by.anchor.clone());
     let owner = parts.owner(class as usize);
     Piece { owner, carrier, joint: Some(JointId(joint)), anchor, turns: relative.turns }
 }
 
-/// The joints at each class, in order of declaration: compressed rows.
+/// The joints of each class, in order of declaration, as compressed rows.
 struct Incidence {
     starts: Vec<u32>,
     joints: Vec<u32>,

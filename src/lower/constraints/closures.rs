@@ -1,5 +1,5 @@
-//! What closing joints and couplings ask, as scalar equations. In: scene and kinematics; out: a list in order of
-//! declaration, joints first. See docs/method/kinematics.md#constraints.
+//! The scalar equations of closing joints and couplings. In: scene and kinematics. Out: a list in order of declaration,
+//! joints first. See docs/method/kinematics.md#constraints.
 
 use super::equation::{Component, Equation};
 use super::{Constraint, Source};
@@ -28,7 +28,7 @@ fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
     let held = joint.held();
     let pieces = [0, 1].map(|end| kinematics.tree.piece(joint.ends[end].part));
     let angles = pieces.map(|piece| kinematics.angle(piece));
-    // Parts that do not turn against each other may be compared at any point that is known.
+    // Parts without relative rotation may be compared at any known point.
     let anchor = |end: usize| kinematics.tree.pieces[pieces[end] as usize].anchor.as_deref();
     let given = |end: usize| joint.ends[end].at.as_deref();
     let at = given(0).or_else(|| given(1)).or_else(|| anchor(0)).or_else(|| anchor(1));
@@ -50,7 +50,7 @@ fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
     equations
 }
 
-/// sum of coefficient times displacement or angle from the drawing.
+/// Sum of coefficient times displacement or angle, measured from the drawing.
 fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
     let mut equation = Equation { components: Vec::new(), turns: Vec::new() };
     for MotionTerm { coefficient, motion } in &couple.terms {
@@ -65,7 +65,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
                 let angle = kinematics.angle(kinematics.tree.piece(*part));
                 equation.turns.extend(angle.map(|angle| (angle, coefficient.clone())));
             }
-            // The check lets displacements and angles through only.
+            // The check accepts displacements and angles only.
             Motion::Force { .. } | Motion::Stretch { .. } => {}
         }
     }

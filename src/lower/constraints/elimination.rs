@@ -1,17 +1,17 @@
-//! Which coordinates depend on which: elimination of the gradients of the constraints, in exact numbers where the state is
-//! exact. In: sparse rows over all coordinates; out: each dependent coordinate as a combination of independent and
+//! Dependent and independent coordinates: elimination of the gradients of the constraints, in exact numbers if the state
+//! is exact. In: sparse rows over all coordinates. Out: each dependent coordinate as a combination of independent and
 //! prescribed ones. See docs/method/kinematics.md#independent-coordinates.
 //!
-//! Columns are measured in units of motion (a radian, a length of the loops), and the pivot of a row is its largest entry.
-//! Each row in turn is freed of the pivots of the rows before it (forward); then each, from the last to the first, is freed
-//! of the pivots after it (back). Of the factors that combine the rows into an equation only those of single steps are kept:
-//! a chain of n couplings has n² / 2 combined ones, with digits that grow along the chain. They are multiplied out on demand
-//! ([`Elimination::combination`]).
+//! Columns are measured in units of motion (a radian, a length of the loops), and the pivot of a row is its largest
+//! entry. In the forward pass, the pivots of earlier rows are eliminated from each row in turn; in the backward pass,
+//! from the last row to the first, those of later rows. Of the factors that combine the rows into an equation, only those
+//! of single steps are kept: a chain of n couplings has n² / 2 combined factors, with digits that grow along the chain.
+//! They are multiplied out on demand ([`Elimination::combination`]).
 //!
 //! Fractions stay exact as long as that is affordable ([`Work`]).
 //!
-//! Then dependent and independent coordinates are exchanged as long as one moves more than its unit for a unit of the
-//! other: every exchange makes the determinant of the dependent columns larger, so the exchanges end, with all entries of
+//! Then dependent and independent coordinates are exchanged as long as one moves by more than its unit for a unit of the
+//! other: every exchange increases the determinant of the dependent columns, so the exchanges end, with all entries of
 //! the solution at most 1 (S. A. Goreinov, E. E. Tyrtyshnikov, *The maximal-volume concept in approximation by low-rank
 //! matrices*, Contemp. Math. 280 (2001) 47-51).
 
@@ -19,11 +19,11 @@ use crate::base::Number;
 use crate::lower::kinematics::Index;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Coordinates, ascending, with their entries.
+/// Entries by coordinate, ascending.
 pub type Row = Vec<(Index, Number)>;
-/// Constraints, by their numbers and ascending, with their factors.
+/// Factors of constraints by their numbers, ascending.
 pub type Combination = Vec<(u32, Number)>;
-/// A row that is being changed.
+/// A row during elimination.
 type Open = BTreeMap<Index, Number>;
 
 /// A constraint that depends on earlier ones except for its prescribed (base-motion) entries.
@@ -33,9 +33,9 @@ pub struct Left {
     pub row: u32,
     /// The factors of the rows that add up to it: its own is 1.
     pub combination: Combination,
-    /// What prescribed motions leave.
+    /// The entries of prescribed motions that remain.
     pub driven: Row,
-    /// Whether zero was not to be distinguished from what is left.
+    /// Whether the remainder could not be distinguished from zero.
     pub unclear: bool,
 }
 
@@ -45,21 +45,21 @@ pub struct Elimination {
     /// For each dependent coordinate d, q_d + sum of entry times q_i = 0 over the coordinates that are not dependent.
     pub solved: BTreeMap<Index, Row>,
     pub left: Vec<Left>,
-    /// The row after which there is no room for more than [`MAX_ENTRIES`]; nothing after it was looked at.
+    /// The row at which [`MAX_ENTRIES`] was exceeded; later rows were not processed.
     pub full: Option<u32>,
-    /// Entries of all equations and combinations together; those with many digits count for several.
+    /// Number of entries of all equations and combinations together; entries with many digits count more than once.
     pub entries: usize,
     work: Work,
-    /// The equations as the first pass left them, in its order.
+    /// The equations after the forward pass, in its order.
     steps: Vec<Step>,
     /// The step that made a coordinate dependent.
     step_of: BTreeMap<Index, usize>,
-    /// For each coordinate that is not dependent: the dependent ones whose equations hold it.
+    /// For each coordinate that is not dependent, the dependent ones whose equations contain it.
     users: BTreeMap<Index, BTreeSet<Index>>,
 }
 
-/// q_pivot + row . q = 0, where the row holds no pivot of an earlier step: `scale` (row `number` less factors of the equations
-/// of earlier steps).
+/// q_pivot + row . q = 0, where the row contains no pivot of an earlier step: `scale` times (row `number` minus the
+/// equations of earlier steps times the factors in `less`).
 #[derive(Clone, Debug)]
 struct Step {
     number: u32,
@@ -69,28 +69,28 @@ struct Step {
     less: Vec<(usize, Number)>,
 }
 
-/// Entries smaller than this part of their row as it was are rounding: balls have thirty digits.
+/// Entries below this share of the original row are rounding errors: balls have thirty digits.
 const NOTHING: f64 = 1e-15;
-/// A coordinate may move this much more than its unit before it is exchanged.
+/// A coordinate is exchanged only if it moves by more than its unit by this factor.
 const MARGIN: f64 = 1.0 + 1e-6;
 
-/// Entries of all equations and combinations together: about 400 MB of them.
+/// Limit on the entries of all equations and combinations together: about 400 MB.
 pub const MAX_ENTRIES: usize = 4_000_000;
-/// Bits of an exact number that take as much room as an entry.
+/// Number of bits of an exact number that take as much room as an entry.
 const BITS_OF_ENTRY: u64 = 800;
 
-/// What products of entries have cost so far, in products of single words of 64 bits. As long as it is below [`MAX_WORK`]
-/// products of fractions are fractions; later ones with many digits become balls.
+/// The cost of products of entries so far, in products of single 64-bit words. Below [`MAX_WORK`], products of fractions
+/// stay fractions; after that, those with many digits become balls.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work(u64);
 
-/// Some seconds: fractions are reduced, which takes about as long for each pair of words as some dozen products.
+/// Some seconds of work: fractions are reduced, which takes as long for each pair of words as about a dozen products.
 const MAX_WORK: u64 = 20_000_000;
-/// Fractions of at most this many bits stay exact whatever was done before.
+/// Fractions with at most this many bits stay exact regardless of the work done.
 const SHORT: u64 = 512;
 
 impl Work {
-    /// Counts the product or quotient that made a number, and tells how to keep it.
+    /// Counts the product or quotient that made a number, and returns the number in the form in which it is kept.
     fn kept(&mut self, number: Number) -> Number {
         let bits = bits(&number);
         self.0 += (1 + bits / 128).pow(2);
@@ -98,7 +98,8 @@ impl Work {
     }
 }
 
-/// Eliminates rows in order; coordinates from `free` on are prescribed. `unit` is what a coordinate is measured in.
+/// Eliminates rows in order; coordinates from `free` on are prescribed. `unit` gives the unit in which a coordinate is
+/// measured.
 pub fn eliminate(rows: Vec<Vec<(Index, Number)>>, free: usize, unit: impl Fn(Index) -> f64) -> Elimination {
     let mut elimination = Elimination::default();
     for (number, row) in rows.into_iter().enumerate() {
@@ -131,7 +132,7 @@ impl Elimination {
             !entry.1.may_be_zero() && weight(*entry) > if entry.1.exact().is_some() { 0.0 } else { NOTHING * before }
         };
         let candidates = row.iter().filter(|(coordinate, _)| **coordinate < free).filter(is_something);
-        // Of equal ones the later: what is declared first stays a coordinate.
+        // Among equal candidates, the later one: what is declared first stays a coordinate.
         let pivot = candidates.max_by(|a, b| weight(*a).total_cmp(&weight(*b)).then(a.0.cmp(b.0))).map(|(i, _)| *i);
         let Some(pivot) = pivot else {
             let unclear = row.iter().any(|(coordinate, entry)| {
@@ -140,7 +141,7 @@ impl Elimination {
             let driven = row.into_iter().filter(|(coordinate, _)| *coordinate >= free).collect();
             let less = less.into_iter().map(|(step, factor)| (step, -&factor)).collect();
             let mut combination = self.multiplied_out(less);
-            // The rows of steps come before this one.
+            // The rows of these steps come before this one.
             combination.push((number, Number::ONE));
             self.entries += size(&combination);
             return self.left.push(Left { row: number, combination, driven, unclear });
@@ -152,8 +153,8 @@ impl Elimination {
         self.steps.push(Step { number, pivot, row, scale, less });
     }
 
-    /// Takes every pivot out of a row, and returns the factors of the steps that did it. Their rows hold pivots of later steps
-    /// only, so that each is met once.
+    /// Eliminates every pivot from a row, and returns the steps used with their factors. Their rows contain only pivots
+    /// of later steps, so each is used once.
     fn free_of_pivots(&mut self, row: &mut Open) -> Vec<(usize, Number)> {
         let mut less = Vec::new();
         let mut waiting: BTreeSet<usize> = row.keys().filter_map(|i| self.step_of.get(i)).copied().collect();
@@ -167,7 +168,7 @@ impl Elimination {
         less
     }
 
-    /// Frees each equation of the pivots of later steps.
+    /// Eliminates the pivots of later steps from each equation.
     fn solve_back(&mut self) {
         for number in (0..self.steps.len()).rev() {
             let step = &self.steps[number];
@@ -183,7 +184,7 @@ impl Elimination {
         }
     }
 
-    /// Makes the coordinate dependent by an equation that holds it.
+    /// Makes a coordinate dependent by means of an equation that contains it.
     fn adopt(&mut self, pivot: Index, mut equation: Open) {
         normalise(&mut equation, pivot, &mut self.work);
         let equation: Row = equation.into_iter().collect();
@@ -215,7 +216,7 @@ impl Elimination {
         Some(equation.into_iter().collect())
     }
 
-    /// Exchanges dependent and independent coordinates until none moves more than its unit for a unit of another.
+    /// Exchanges dependent and independent coordinates until none moves by more than its unit for a unit of another.
     fn exchange(&mut self, free: Index, unit: &impl Fn(Index) -> f64) {
         let mut waiting: BTreeSet<Index> = self.solved.keys().copied().collect();
         while let Some(dependent) = waiting.pop_first() {
@@ -237,8 +238,8 @@ impl Elimination {
         }
     }
 
-    /// The factors of the constraints whose gradients add up to a sum of equations, each of which is given by its dependent
-    /// coordinate with its factor.
+    /// The factors of the constraints whose gradients add up to a sum of equations; each equation is given by its
+    /// dependent coordinate and its factor.
     pub fn combination(&self, equations: &[(Index, Number)]) -> Combination {
         let mut work = self.work;
         let mut left = Open::new();
@@ -249,7 +250,8 @@ impl Elimination {
                 add(&mut left, *coordinate, &work.kept(factor * entry));
             }
         }
-        // The same sum in equations of the first pass: of those that are left, the earliest alone holds its own pivot.
+        // Expresses the sum in equations of the forward pass: among the remaining steps, only the earliest contains its
+        // own pivot.
         let mut of_steps = BTreeMap::new();
         let mut waiting: BTreeSet<usize> = left.keys().filter_map(|i| self.step_of.get(i)).copied().collect();
         while let Some(number) = waiting.pop_first() {
@@ -262,7 +264,7 @@ impl Elimination {
         self.multiplied_out(of_steps)
     }
 
-    /// A sum of equations of the first pass, with their factors, as a sum of the constraints' gradients.
+    /// A sum of equations of the forward pass, given by their factors, as a sum of the constraints' gradients.
     fn multiplied_out(&self, mut of_steps: BTreeMap<usize, Number>) -> Combination {
         let mut work = self.work;
         let mut combination = Combination::new();
@@ -281,7 +283,8 @@ impl Elimination {
     }
 }
 
-/// Makes the entry of a coordinate 1 and leaves it out; returns what the others were multiplied by.
+/// Divides a row by the entry of a coordinate and removes that entry; returns the factor that the other entries were
+/// multiplied by.
 fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {
     let Some(factor) = row.remove(&coordinate) else { return Number::ONE };
     for entry in row.values_mut() {
@@ -290,7 +293,7 @@ fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {
     &Number::ONE / &factor
 }
 
-/// Takes a coordinate out of a row by the equation that gives it; returns the factor, if the row holds it.
+/// Eliminates a coordinate from a row by the equation that gives it; returns the factor, if the row contains it.
 fn subtract(row: &mut Open, coordinate: Index, by: &Row, work: &mut Work) -> Option<Number> {
     let factor = row.remove(&coordinate)?;
     for (other, entry) in by {
@@ -299,7 +302,7 @@ fn subtract(row: &mut Open, coordinate: Index, by: &Row, work: &mut Work) -> Opt
     Some(factor)
 }
 
-/// Adds to an entry; one that is exactly zero then is left out.
+/// Adds to an entry, and removes it if it becomes exactly zero.
 fn add<K: Ord + Copy>(row: &mut BTreeMap<K, Number>, at: K, part: &Number) {
     let sum = row.get(&at).map_or_else(|| part.clone(), |entry| entry + part);
     if sum.is_zero() {
@@ -309,7 +312,7 @@ fn add<K: Ord + Copy>(row: &mut BTreeMap<K, Number>, at: K, part: &Number) {
     }
 }
 
-/// How many entries there are; those with many digits count for several.
+/// The number of entries; those with many digits count more than once.
 fn size<K>(entries: &[(K, Number)]) -> usize {
     entries.iter().map(|(_, entry)| 1 + (bits(entry) / BITS_OF_ENTRY) as usize).sum()
 }
@@ -323,8 +326,8 @@ mod tests {
     use super::*;
     use crate::base::Rational;
 
-    /// Rows of three entries in 1..=9 over 24 coordinates, the last four of them prescribed; every fifth row is a sum of two
-    /// before it.
+    /// Rows of three entries in 1..=9 over 24 coordinates, the last four of them prescribed; every fifth row is the sum
+    /// of two earlier ones.
     fn random_rows(mut seed: u64) -> Vec<Row> {
         let mut next = |below: u64| {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -359,7 +362,7 @@ mod tests {
         sum.into_iter().collect()
     }
 
-    /// The factors of every equation, and of every row that follows from others, add up to it exactly.
+    /// The factors of every equation, and of every row that follows from others, add up exactly.
     #[test]
     fn combinations_add_up_to_their_equations() {
         let (mut dependent, mut left) = (0, 0);
@@ -376,7 +379,7 @@ mod tests {
             for row in &found.left {
                 assert_eq!(sum(&rows, &row.combination), row.driven, "seed {seed}");
             }
-            // A sum of all equations is made of the same sum of factors.
+            // The combination of all equations is the sum of their combinations.
             let all: Vec<(Index, Number)> = found.solved.keys().map(|i| (*i, Number::ONE)).collect();
             let whole = sum(&rows, &found.combination(&all));
             assert!(all.iter().all(|(i, _)| whole.iter().any(|(j, entry)| i == j && entry.is_one())), "seed {seed}");
@@ -385,7 +388,7 @@ mod tests {
         assert!(dependent > 500 && left > 100, "{dependent} {left}");
     }
 
-    /// q_i = factor q_(i-1), in an order that joins pieces of the chain.
+    /// q_i = factor q_(i-1), in an order that joins separate pieces of the chain.
     fn chain(n: u32, factor: &Number) -> Vec<Row> {
         let row = |i: u32| vec![(i, -factor), (i + 1, Number::ONE)];
         (0..n).step_by(3).chain((1..n).step_by(3)).chain((2..n).step_by(3)).map(row).collect()
@@ -404,7 +407,7 @@ mod tests {
         }
     }
 
-    /// Beyond [`MAX_WORK`] long fractions become balls, and all that follows from them still holds.
+    /// Beyond [`MAX_WORK`] long fractions become balls, and everything derived from them is still true.
     #[test]
     fn fractions_that_cost_too_much_become_balls() {
         let ratio = Number::from(&Rational::from(15) / &Rational::from(14));

@@ -6,8 +6,8 @@
 //! g = sum_k (R_k n_k) . u_k(q) + sum_i c_i theta_i
 //! ```
 //!
-//! with u_k the displacement over a way and R_k the turn of the part that carries the direction n_k (a slide's); R_k = 1
-//! for directions that are fixed. A turn t of the carrier adds a x R n to the direction, so
+//! with u_k the displacement along a path and R_k the rotation of the part that carries the direction n_k (of a slide);
+//! R_k = 1 for fixed directions. A rotation t of the carrier adds a x R n to the direction, so
 //!
 //! ```text
 //! dg/dt += (a x R n) . u      d2g/dt dq_j += (a x R n) . du/dq_j      d2g/dt2 += -(R n) . u.
@@ -17,7 +17,7 @@ use crate::base::Number;
 use crate::elements::{Scalar, Vector};
 use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
 
-/// A constraint, in the numbers that it is evaluated in.
+/// A constraint, in the number type in which it is evaluated.
 #[derive(Clone, Debug)]
 pub struct Equation<S> {
     pub components: Vec<Component<S>>,
@@ -25,12 +25,12 @@ pub struct Equation<S> {
     pub turns: Vec<(Index, S)>,
 }
 
-/// A component of the displacement over a way.
+/// A component of the displacement along a path.
 #[derive(Clone, Debug)]
 pub struct Component<S> {
     pub path: Path<S>,
     pub direction: Vector<S>,
-    /// The angle of the part to which the direction is fixed; `None` where that does not turn.
+    /// The angle of the part to which the direction is fixed; `None` if that part does not turn.
     pub carrier: Option<Index>,
 }
 
@@ -53,7 +53,7 @@ impl Equation<Number> {
         self.components.iter().all(|component| component.path.is_straight() && component.carrier.is_none())
     }
 
-    /// Every coordinate that g may depend on; some more than once.
+    /// Every coordinate that g may depend on; some appear more than once.
     pub fn coordinates<'a>(&'a self, kinematics: &'a Kinematics) -> impl Iterator<Item = Index> + 'a {
         let way = |component: &'a Component<Number>| {
             let way = component.path.coordinates(kinematics).flat_map(|(coordinate, angle)| [Some(coordinate), angle]);
@@ -62,7 +62,7 @@ impl Equation<Number> {
         self.components.iter().flat_map(way).chain(self.turns.iter().map(|(angle, _)| *angle))
     }
 
-    /// The longest arm, m; of a relation between displacements and angles, what turns one into the other.
+    /// The longest arm, m; for a relation between displacements and angles, the length that converts one into the other.
     pub fn length(&self) -> f64 {
         let arm = self.components.iter().map(|component| component.path.longest_arm()).fold(0.0, f64::max);
         let sizes = self.components.iter().map(|component| component.direction.norm_squared().to_f64().sqrt());
@@ -73,7 +73,7 @@ impl Equation<Number> {
 }
 
 impl<S: Scalar> Equation<S> {
-    /// g and its gradient, one entry a coordinate, ascending, without zeros.
+    /// g and its gradient: one entry per coordinate, ascending, without zeros.
     pub fn measure(&self, kinematics: &Kinematics, state: &State<S>, reach: &mut Reach<S>) -> (S, Vec<(Index, S)>) {
         let mut value = S::zero();
         let mut row: Vec<(Index, S)> = Vec::new();
@@ -96,7 +96,8 @@ impl<S: Scalar> Equation<S> {
         (value, summed(row))
     }
 
-    /// `multiplier` times the second derivative: each pair of coordinates once, places may repeat.
+    /// `multiplier` times the second derivative. Each pair of coordinates is visited in one order only, but possibly more
+    /// than once.
     pub fn curvature(
         &self,
         kinematics: &Kinematics,
@@ -136,7 +137,7 @@ impl<S: Scalar> Component<S> {
     }
 }
 
-/// One entry a coordinate, ascending, without zeros.
+/// Sums the entries of each coordinate: one per coordinate, ascending, without zeros.
 pub fn summed<S: Scalar>(mut row: Vec<(Index, S)>) -> Vec<(Index, S)> {
     row.sort_by_key(|(coordinate, _)| *coordinate);
     let mut sums: Vec<(Index, S)> = Vec::with_capacity(row.len());

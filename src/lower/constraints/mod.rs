@@ -1,11 +1,11 @@
-//! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics; out: equations g(q) = 0
-//! that are independent of each other in the drawing, and what the others turned out to be.
+//! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics. Out: equations g(q) = 0
+//! that are independent in the drawing, and what the others turned out to be.
 //! See docs/method/kinematics.md#constraints and docs/method/kinematics.md#dependent-constraints.
 //!
 //! # Steps
-//! 1. [`equation`]: what a joint or a coupling asks, as scalar equations
+//! 1. [`equation`]: joints and couplings as scalar equations
 //! 2. [`elimination`]: which coordinates depend on which
-//! 3. [`rank`]: what it means where equations depend on each other
+//! 3. [`rank`]: the consequences of equations that depend on each other
 //! 4. [`reduction`]: rows over all coordinates become rows over the independent ones
 
 mod closures;
@@ -24,10 +24,10 @@ use crate::model::scene::{JointId, Scene};
 use elimination::Elimination;
 use equation::Equation;
 
-/// What is left of a constraint in lengths of its loop that is taken for rounding, where the rest is not proven.
+/// A violation of a constraint up to this many lengths of its loop counts as rounding, if the rest is not proven.
 const NOTHING: f64 = 1e-10;
 
-/// What asks for an equation.
+/// The item that an equation comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
     Joint(JointId),
@@ -35,7 +35,7 @@ pub enum Source {
     Couple(u32),
 }
 
-/// An equation and where it comes from.
+/// An equation and its source.
 #[derive(Clone, Debug)]
 pub struct Constraint {
     pub source: Source,
@@ -48,11 +48,11 @@ pub struct Constraints {
     pub list: Vec<Constraint>,
     /// Equations that follow from the others.
     pub redundant: Vec<Constraint>,
-    /// The longest arm of a loop or a coupling, m: what a length is measured in; 1 m where nothing turns.
+    /// The longest arm of a loop or a coupling, m, used as the unit of length; 1 m if nothing turns.
     pub length: f64,
 }
 
-/// The constraints of a scene, with notes on those that say nothing new.
+/// The constraints of a scene, with notes on redundant ones.
 pub fn build(scene: &Scene, kinematics: &Kinematics) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
     let list = closures::all(scene, kinematics);
     if list.is_empty() {
@@ -85,7 +85,7 @@ impl Constraints {
         self.list.is_empty()
     }
 
-    /// The equations solved at a state, if there is room for the solution.
+    /// Solves the equations at a state, if there is room for the solution.
     pub fn eliminate(
         &self,
         scene: &Scene,
@@ -102,7 +102,7 @@ impl Constraints {
         }
     }
 
-    /// What a coordinate is measured in: rad, or the length of the loops.
+    /// The unit in which a coordinate is measured: rad, or the length of the loops.
     fn unit(&self, kinematics: &Kinematics, coordinate: Index) -> f64 {
         if kinematics.is_angle(coordinate) {
             return 1.0;
@@ -110,7 +110,7 @@ impl Constraints {
         self.length / kinematics.length_squared(coordinate).map_or(1.0, |squared| squared.to_f64().sqrt())
     }
 
-    /// The coordinates at a state; an error where the constraints are not independent there.
+    /// The independent coordinates at a state; an error if the constraints are not independent there.
     pub fn reduction(
         &self,
         scene: &Scene,
@@ -127,14 +127,14 @@ impl Constraints {
         Ok(Reduction::new(kinematics.n(), elimination))
     }
 
-    /// Whether every equation, redundant ones too, is fulfilled exactly at a state.
+    /// Whether every equation, including redundant ones, holds exactly at a state.
     pub fn hold_exactly(&self, kinematics: &Kinematics, state: &State<Number>) -> bool {
         let mut reach = Reach::default();
         let mut all = self.list.iter().chain(&self.redundant);
         state.is_drawn() || all.all(|c| c.equation.measure(kinematics, state, &mut reach).0.is_zero())
     }
 
-    /// The error of constraints that no position near the drawing fulfils with the bases where they are held.
+    /// The error for constraints that cannot be satisfied near the drawing with the bases where they are held.
     pub fn open(&self, scene: &Scene, kinematics: &Kinematics, numbers: &[u32]) -> LowerError {
         rank::wrong(scene, kinematics, self, numbers, Why::Open)
     }
@@ -143,7 +143,7 @@ impl Constraints {
         self.list.iter().all(|constraint| constraint.equation.is_linear())
     }
 
-    /// An error where a constraint that followed from the others as drawn does not at rest.
+    /// An error if a constraint that follows from the others as drawn does not follow from them at rest.
     pub fn check_redundant(
         &self,
         scene: &Scene,

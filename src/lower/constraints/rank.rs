@@ -1,10 +1,10 @@
-//! What it means where constraints depend on each other in the drawing.
+//! The consequences of constraints that depend on each other in the drawing.
 //! See docs/method/kinematics.md#dependent-constraints.
 //!
 //! Rows that add up to zero, sum mu_i grad g_i = 0, leave the second derivative Q = sum mu_i grad^2 g_i, taken along the
-//! motions that the rows allow. Where Q is zero the last of them follows from the others (redundant). Where Q has one sign
-//! only no motion is left: the joints lock each other (conflict). Where it has both signs several motions branch off here
-//! (the rank drops), as it does with all links in line.
+//! motions that the rows allow. If Q is zero, the last of them follows from the others (redundant). If Q has one sign
+//! only, no motion is left: the joints lock each other (conflict). If it has both signs, several motions branch off here
+//! (the rank drops), as with all links in line.
 
 use super::elimination::{Elimination, Left, Row};
 use super::{Constraints, Reduction, Source};
@@ -15,14 +15,14 @@ use crate::model::scene::Scene;
 use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Second derivatives smaller than this part of what they are sums of are rounding.
+/// Second derivatives below this share of the terms they are sums of are rounding errors.
 const NOTHING: f64 = 1e-15;
 
-/// Factors that are multiplied out to find couplings that oppose each other: a coordinate at the end of a chain of couplings has
-/// one for each of them.
+/// Limit on the factors that are multiplied out to find couplings that oppose each other: a coordinate at the end of a
+/// chain of couplings has one for each of them.
 const MOST_FACTORS: usize = 1_000_000;
 
-/// Parts the constraints into independent and redundant ones, with a note for each source of the latter.
+/// Separates the constraints into independent and redundant ones, with a note for each source of the latter.
 pub fn sorted(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -60,14 +60,14 @@ enum Meaning {
     Wrong(Why),
 }
 
-/// What is wrong with joints that tie parts too often.
+/// What is wrong with joints or couplings that overconstrain parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// They hold each other.
+    /// They lock each other.
     Locked,
-    /// Couplings that no motion but none fulfils.
+    /// Couplings that only zero motion satisfies.
     Opposed,
-    /// No position near the drawing fulfils them.
+    /// No position near the drawing satisfies them.
     Open,
     /// They hold a base whose motion is prescribed.
     Driven,
@@ -75,7 +75,7 @@ pub enum Why {
     Branching,
     /// All pivots of the loop are on one line.
     InLine,
-    /// Zero cannot be distinguished from what is left.
+    /// The remainder cannot be distinguished from zero.
     Unclear,
 }
 
@@ -102,7 +102,7 @@ fn meaning(
     Meaning::Wrong(if has_both_signs(&form) { Why::Branching } else { Why::Locked })
 }
 
-/// Q over independent and prescribed coordinates: entries of one triangle, without those that are rounding.
+/// Q over independent and prescribed coordinates: entries of one triangle, without rounding errors.
 fn second_derivative(
     kinematics: &Kinematics,
     all: &Constraints,
@@ -127,7 +127,8 @@ fn second_derivative(
             for (a, left) in &first {
                 for (b, right) in &second {
                     let product = &(&value * left) * right;
-                    // A pair of two coordinates stands for both places; a diagonal entry met from two sides counts twice.
+                    // A pair of two coordinates stands for both places; a diagonal entry reached from both sides counts
+                    // twice.
                     match (i == j, a == b) {
                         (true, false) if a > b => {}
                         (false, true) => add(*a, *b, &product + &product),
@@ -158,8 +159,8 @@ fn has_both_signs(form: &BTreeMap<(Index, Index), Number>) -> bool {
     values.iter().any(|value| *value > least) && values.iter().any(|value| *value < -least)
 }
 
-/// Two couplings or more that together let a coordinate do nothing, where none of them says so alone. Coordinates that are
-/// tied by couplings with an error already are not asked for again.
+/// Two or more couplings that together prevent all motion of a coordinate, although none of them does so alone.
+/// Coordinates of couplings that already have an error are skipped.
 fn opposed(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -192,25 +193,25 @@ fn opposed(
     errors
 }
 
-/// The error of some constraints.
+/// The error for some constraints.
 pub fn wrong(scene: &Scene, kinematics: &Kinematics, all: &Constraints, numbers: &[u32], why: Why) -> LowerError {
     let sources = sources(all, numbers.iter());
     loops(scene, kinematics, sources[0], &sources, why)
 }
 
-/// The error of a constraint that followed from the others as drawn, and does not any more at rest.
+/// The error for a constraint that follows from the others as drawn, but not at rest.
 pub fn broken(scene: &Scene, kinematics: &Kinematics, all: &Constraints, source: Source) -> LowerError {
     let numbers: Vec<u32> = (0..all.list.len() as u32).collect();
     loops(scene, kinematics, source, &sources(all, numbers.iter()), Why::Locked)
 }
 
-/// The error of a rest at which the constraints that are independent in the drawing are not.
+/// The error for a rest at which constraints that are independent in the drawing are dependent.
 pub fn singular(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &Left) -> LowerError {
     let source = all.list[left.row as usize].source;
     loops(scene, kinematics, source, &sources(all, left.combination.iter().map(|(number, _)| number)), Why::Branching)
 }
 
-/// Where constraints come from, each once.
+/// The sources of constraints, each once.
 fn sources<'a>(all: &Constraints, numbers: impl Iterator<Item = &'a u32>) -> Vec<Source> {
     let mut sources: Vec<Source> = numbers.map(|number| all.list[*number as usize].source).collect();
     sources.sort_unstable();
@@ -218,7 +219,7 @@ fn sources<'a>(all: &Constraints, numbers: impl Iterator<Item = &'a u32>) -> Vec
     sources
 }
 
-/// Names and places of what makes the loops of some constraints: `first`, then the others.
+/// Names and places of the members of the loops of some constraints: those of `first` before the others.
 fn named(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source]) -> Vec<(String, Span)> {
     let mut all: Vec<Source> = vec![first];
     for source in [first].iter().chain(sources) {
@@ -243,7 +244,7 @@ fn note(scene: &Scene, kinematics: &Kinematics, source: Source, others: &[Source
     error::redundant(&named(scene, kinematics, source, others))
 }
 
-/// Whether the pivots of the loops, three at least, are on one line as drawn.
+/// Whether the loops have at least three pivots and all of them are on one line as drawn.
 fn in_line(scene: &Scene, kinematics: &Kinematics, sources: &[Source]) -> bool {
     let joints = sources.iter().flat_map(|source| match source {
         Source::Joint(joint) => kinematics.tree.closed_by(scene, *joint),
@@ -255,7 +256,7 @@ fn in_line(scene: &Scene, kinematics: &Kinematics, sources: &[Source]) -> bool {
 }
 
 impl Constraints {
-    /// An error where the constraints leave nothing that moves.
+    /// An error if the constraints leave no motion.
     pub fn check_freedom(
         &self,
         scene: &Scene,

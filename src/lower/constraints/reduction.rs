@@ -1,5 +1,5 @@
 //! From rows over all coordinates of the joint tree to rows over the independent ones, which are the coordinates of the
-//! linear system. In: an elimination; out: a map of rows, forces and multipliers.
+//! linear system. In: an elimination. Out: a map of rows, forces and multipliers.
 //! See docs/method/kinematics.md#independent-coordinates and docs/method/linearisation.md#constraint-forces.
 
 use super::elimination::{Elimination, Row};
@@ -13,9 +13,9 @@ use crate::system::CoordinateId;
 pub struct Reduction {
     /// Number of free coordinates of the tree.
     free: usize,
-    /// Empty where all are independent.
+    /// Empty if all are independent.
     elimination: Elimination,
-    /// The place of each free coordinate in the system; `DEPENDENT` for dependent ones. Empty where all are independent.
+    /// The index in the system of each free coordinate; `DEPENDENT` for dependent ones. Empty if all are independent.
     places: Vec<u32>,
     independent: Vec<Index>,
     /// Ascending.
@@ -25,7 +25,7 @@ pub struct Reduction {
 const DEPENDENT: u32 = u32::MAX;
 
 impl Reduction {
-    /// No constraints: every coordinate of the tree is one of the system.
+    /// Without constraints: every coordinate of the tree is a coordinate of the system.
     pub fn all(free: usize) -> Reduction {
         Reduction {
             free,
@@ -57,7 +57,7 @@ impl Reduction {
         self.free - self.elimination.solved.len()
     }
 
-    /// The place in the system of a coordinate of the tree; `None` for dependent and prescribed ones.
+    /// The index in the system of a coordinate of the tree; `None` for dependent and prescribed ones.
     #[inline]
     pub fn place(&self, coordinate: Index) -> Option<CoordinateId> {
         if self.is_trivial() {
@@ -67,7 +67,7 @@ impl Reduction {
         (place != DEPENDENT).then_some(CoordinateId(place))
     }
 
-    /// The coordinate of the tree at a place of the system.
+    /// The coordinate of the tree with this index in the system.
     pub fn at(&self, place: usize) -> Index {
         if self.is_trivial() { place as Index } else { self.independent[place] }
     }
@@ -77,13 +77,14 @@ impl Reduction {
         self.dependent.iter().copied()
     }
 
-    /// The number of a dependent coordinate among the dependent ones, and q_d + row . q = 0.
+    /// The index of a dependent coordinate among the dependent ones, and the row of q_d + row . q = 0.
     pub fn equation(&self, coordinate: Index) -> Option<(usize, &Row)> {
         let row = self.elimination.solved.get(&coordinate)?;
         Some((self.dependent.binary_search(&coordinate).ok()?, row))
     }
 
-    /// Puts dependent coordinates where prescribed motions take them, in a state in which the independent ones are as drawn.
+    /// Moves dependent coordinates to where prescribed motions take them, in a state in which the independent ones are as
+    /// drawn.
     pub fn follow(&self, kinematics: &Kinematics, state: &mut State<Number>) {
         for (dependent, equation) in &self.elimination.solved {
             let parts = equation.iter().map(|(i, entry)| entry * state.value(*i));
@@ -92,7 +93,7 @@ impl Reduction {
         }
     }
 
-    /// Writes a row over all coordinates as one over independent and prescribed ones, ascending.
+    /// Rewrites a row over all coordinates as one over independent and prescribed coordinates, ascending.
     pub fn reduce(&self, row: &mut Vec<(Index, Number)>) {
         if !row.iter().any(|(coordinate, _)| self.elimination.solved.contains_key(coordinate)) {
             return;
@@ -107,7 +108,7 @@ impl Reduction {
         *row = summed(reduced);
     }
 
-    /// What is left of generalised forces on the independent coordinates; zero on the dependent ones.
+    /// Generalised forces reduced to the independent coordinates; zero on the dependent ones.
     pub fn left_of(&self, forces: &[Number]) -> Vec<Number> {
         let mut left = forces.to_vec();
         for (dependent, equation) in &self.elimination.solved {

@@ -1,10 +1,10 @@
-//! The way down along constraints: from the drawing to a rest of one part whose coordinates depend on each other, in
+//! The descent along constraints: from the drawing to a rest of one part whose coordinates depend on each other, in
 //! binary64. See docs/method/rest.md#closed-loops.
 //!
-//! Sequential quadratic steps in the null space of the constraints (J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd
-//! ed. 2006, sections 15.3 and 18.1): with G the gradients of the constraints, the columns of Z a basis of G z = 0 and the
-//! multipliers lambda that leave the least of grad V + G^T lambda, a step p = Z y makes V + lambda g least within a trust
-//! radius, and Newton steps across the constraints bring it back onto g = 0. Every step lowers the energy.
+//! Sequential quadratic steps in the null space of the constraints (J. Nocedal, S. J. Wright, *Numerical Optimization*,
+//! 2nd ed. 2006, sections 15.3 and 18.1): let G be the gradients of the constraints, the columns of Z a basis of G z = 0,
+//! and lambda the multipliers that minimise the remainder grad V + G^T lambda. A step p = Z y minimises V + lambda g
+//! within a trust radius, and Newton steps across the constraints bring it back onto g = 0. Every step lowers the energy.
 
 use super::newton::{BALANCED, Descended, FIRST_RADIUS, LARGEST_RADIUS, MAX_STEPS, STILL};
 use super::potential::{Detail, ELSEWHERE, Energy, Potential};
@@ -14,7 +14,7 @@ use crate::lower::kinematics::{Index, Kinematics, Reach, State};
 use nalgebra::linalg::{Cholesky, QR};
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// A part with constraints on its way down.
+/// A part with constraints during the descent.
 pub struct Descent<'a> {
     pub kinematics: &'a Kinematics,
     pub coordinates: &'a [Index],
@@ -22,25 +22,25 @@ pub struct Descent<'a> {
     pub potential: Potential<f64>,
     pub equations: Vec<Equation<f64>>,
     pub state: &'a mut State<f64>,
-    /// What a length is measured in, m.
+    /// The unit of length, m.
     pub length: f64,
 }
 
-/// Newton steps across the constraints before a step is taken to lead too far away from them.
+/// Limit on the Newton steps across the constraints, after which a step counts as too long to be brought back.
 const MAX_RETURNS: u32 = 30;
-/// Radians or lengths of the part by which a constraint may be off: rounding of sums of a few lengths.
+/// Permitted violation of a constraint, in radians or lengths of the part: rounding errors of sums of a few lengths.
 const CLOSED: f64 = 1e-14;
-/// Radians or lengths beyond which it is taken to fall.
+/// Radians or lengths beyond which the part counts as falling.
 const AWAY: f64 = 1e6;
 
-/// How the loops ended.
+/// The result of the descent.
 pub enum Ended {
     Settled(Descended),
-    /// No position near the drawing fulfils the constraints.
+    /// No position near the drawing satisfies the constraints.
     Open,
 }
 
-/// Everything that a step needs, in units of motion: radians, lengths of the part.
+/// The data for a step, in units of motion: radians, lengths of the part.
 struct Here {
     energy: Energy<f64>,
     /// grad V + G^T lambda.
@@ -53,7 +53,7 @@ struct Here {
 }
 
 impl Descent<'_> {
-    /// `moves`: whether any force is certainly unbalanced as drawn.
+    /// `moves`: whether some force is certainly unbalanced as drawn.
     pub fn run(mut self, moves: bool) -> Ended {
         if !self.comes_back() {
             return Ended::Open;
@@ -76,7 +76,7 @@ impl Descent<'_> {
             let next = self.look();
             let noise = 1e-15 * (here.energy.size + next.energy.size);
             if back && predicted <= noise {
-                // The energies cannot tell any more: the forces do.
+                // The energies can no longer decide, so the forces do.
                 if self.imbalance(&next) > 0.5 * self.imbalance(&here) {
                     self.put(&before);
                     return Ended::Settled(self.ended(true, steps, here));
@@ -107,7 +107,7 @@ impl Descent<'_> {
         Ended::Settled(self.ended(false, MAX_STEPS, here))
     }
 
-    /// What is left of the forces is what it reports.
+    /// The unbalanced forces are reported as the gradient.
     fn ended(&self, settled: bool, steps: u32, here: Here) -> Descended {
         let mut energy = here.energy;
         for (place, coordinate) in self.coordinates.iter().enumerate() {
@@ -140,7 +140,7 @@ impl Descent<'_> {
         self.put(&moved);
     }
 
-    /// g and G, lengths in lengths of the part.
+    /// g and G, with lengths in units of the part's length.
     fn constraints(&self) -> (DVector<f64>, DMatrix<f64>) {
         let mut reach = Reach::default();
         let mut values = DVector::zeros(self.equations.len());
@@ -159,7 +159,7 @@ impl Descent<'_> {
         (values, rows)
     }
 
-    /// Newton steps across the constraints, each the shortest one; false where they do not lead back.
+    /// Newton steps across the constraints, each the shortest possible; `false` if they do not lead back.
     fn comes_back(&mut self) -> bool {
         let mut last = f64::INFINITY;
         for _ in 0..MAX_RETURNS {
@@ -168,7 +168,7 @@ impl Descent<'_> {
             if off <= CLOSED {
                 return true;
             }
-            // Near the end rounding stops it.
+            // Near the end, rounding errors stop the convergence.
             if off.is_nan() || (off >= last && off < 1e3 * CLOSED) {
                 return off.is_finite();
             }
@@ -217,7 +217,7 @@ impl Descent<'_> {
         Here { energy, left, basis, curvature, multipliers }
     }
 
-    /// The largest force that is left, relative to those that act on its coordinate, reactions included.
+    /// The largest unbalanced force, relative to the forces that act on its coordinate, including reactions.
     fn imbalance(&self, here: &Here) -> f64 {
         let acting = self.acting(here);
         let relative = |place: usize| {
@@ -227,7 +227,7 @@ impl Descent<'_> {
         (0..here.left.len()).map(relative).fold(0.0, f64::max)
     }
 
-    /// The sizes of all forces and reactions on each coordinate.
+    /// The sum of the magnitudes of all forces and reactions on each coordinate.
     fn acting(&self, here: &Here) -> DVector<f64> {
         let (_, rows) = self.constraints();
         let reactions = rows.map(f64::abs).transpose() * here.multipliers.map(f64::abs);
@@ -236,7 +236,7 @@ impl Descent<'_> {
     }
 }
 
-/// A basis of what the rows let be, and the multipliers that leave the least of a gradient.
+/// A basis of the motions that the rows allow, and the multipliers that minimise what remains of a gradient.
 fn split(rows: &DMatrix<f64>, gradient: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let (m, n) = rows.shape();
     let qr = QR::new(rows.transpose());
@@ -244,13 +244,13 @@ fn split(rows: &DMatrix<f64>, gradient: &DVector<f64>) -> (DMatrix<f64>, DVector
     qr.q_tr_mul(&mut turned);
     let across = turned.rows(0, m.min(n)).into_owned();
     let basis = turned.rows(m.min(n), n - m.min(n)).transpose();
-    // G^T = Y R: the least squares of G^T lambda = -gradient.
+    // G^T = Y R: the least-squares solution of G^T lambda = -gradient.
     let multipliers = qr.r().solve_upper_triangular(&(-(across * gradient)));
     (basis, multipliers.unwrap_or_else(|| DVector::zeros(m)))
 }
 
-/// The step of a trust region in the coordinates of the basis; `None` where numbers leave binary64. `noise`: what rounding may
-/// make of an entry of the gradient.
+/// The trust-region step in the coordinates of the basis; `None` if numbers leave the range of binary64. `noise` bounds
+/// the rounding error of an entry of the gradient.
 fn step(curvature: &DMatrix<f64>, gradient: &DVector<f64>, noise: f64, radius: f64) -> Option<(DVector<f64>, f64)> {
     let n = gradient.len();
     if n == 0 {
@@ -280,7 +280,7 @@ impl Shifted for Dense<'_> {
     }
 }
 
-/// Whether every pivot is more than the rounding of what it was made from.
+/// Whether every pivot exceeds the rounding error of the terms it was made from.
 fn is_sound(l: &DMatrix<f64>, matrix: &DMatrix<f64>) -> bool {
     (0..matrix.nrows()).all(|i| l[(i, i)] * l[(i, i)] > super::newton::LEAST_PIVOT * matrix[(i, i)].abs())
 }

@@ -1,12 +1,12 @@
 //! The rest of a large curved part, refined with sparse factors and enclosed by strong convexity.
 //! See docs/method/rest.md#proof.
 //!
-//! In z = (q - m)/s, s_i = H_ii^(-1/2), let every eigenvalue of S H(X) S be at least c > 0 for all X with |z| <= rho. On
-//! the sphere |z| = rho then grad V . z >= c rho^2 - |S g(m)| rho. Where that is not negative, |S g(m)| <= c rho, a rest
-//! lies within (J. M. Ortega, W. C. Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970),
-//! 6.3.4), and only one, for V is convex there.
+//! In z = (q - m)/s, s_i = H_ii^(-1/2), let every eigenvalue of S H(X) S be at least c > 0 for all X with |z| <= rho.
+//! Then grad V . z >= c rho^2 - |S g(m)| rho on the sphere |z| = rho. If that is not negative, that is if |S g(m)| <= c
+//! rho, there is a rest within (J. M. Ortega, W. C. Rheinboldt, *Iterative Solution of Nonlinear Equations in Several
+//! Variables* (1970), 6.3.4), and only one, because V is convex there.
 //!
-//! That c is a bound is shown by elimination: [`Scaled::least_eigenvalue`].
+//! Elimination shows that c is a bound: [`Scaled::least_eigenvalue`].
 
 use super::definite::{Scaled, estimate};
 use super::enclosure::Refinement;
@@ -17,16 +17,16 @@ use crate::base::{Ball, Dd, Number};
 use crate::lower::kinematics::Index;
 use crate::system::ldl::Factors;
 
-/// A pivot that is less than this part of what it was made from is rounding.
+/// A pivot below this share of the terms it was made from is a rounding error.
 const LEAST_PIVOT: f64 = 1e-13;
-/// Refines the state and encloses the rest; where that is not proven, the radii are estimates.
+/// Refines the state and encloses the rest; if that is not proven, the radii are estimates.
 pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) -> Option<Proven> {
     let mut middle: Vec<Dd> = moving.iter().map(|i| part.state.value(*i).to_ball().mid).collect();
     let sizes = |middle: &[Dd], i: usize| middle[i].hi.abs().max(NEAR);
     let curvature = Scaled::to_ones(moving.len(), entries(part.energy(local, moving.len(), Detail::Curvature)));
     let factors = curvature.as_ref().and_then(|curvature| curvature.factor(0.0, LEAST_PIVOT));
     let (Some(curvature), Some(factors)) = (curvature, factors) else {
-        // The search in binary64 stops where a step is 1e-13 of an angle or a length.
+        // The search in binary64 stops at steps of 1e-13 of an angle or a length.
         part.place(moving, &middle, |i| 1e-13 * sizes(&middle, i).max(1.0));
         return None;
     };
@@ -46,13 +46,13 @@ pub fn refine_and_prove(part: &mut Refinement, local: &[u32], moving: &[Index]) 
     }
     let proven = prove(part, local, moving, &middle, &curvature, &factors);
     if proven.is_none() {
-        // Another step would gain as many digits as the last one did.
+        // Another step would gain as many digits as the last one.
         part.place(moving, &middle, |i| last * sizes(&middle, i));
     }
     proven
 }
 
-/// Finds a radius about the middle that holds a rest; leaves the state in that box.
+/// Finds a radius around the middle for which the ball contains a rest; leaves the state as that box.
 fn prove(
     part: &mut Refinement,
     local: &[u32],
@@ -66,10 +66,10 @@ fn prove(
     let gradient = part.energy(local, n, Detail::Gradient).gradient;
     let scale = &curvature.scale;
     let forces = gradient.iter().zip(scale).map(|(force, scale)| (force.to_ball().magnitude() * scale).powi(2));
-    // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
+    // Sums and products of n positive numbers: the factor covers their rounding errors for n below 1e8.
     let force = forces.sum::<f64>().sqrt() * (1.0 + 1e-7);
     let sigma = 0.5 * estimate(factors, n);
-    // Twice what is needed where half of sigma is left, and never below what the middle itself rounds by.
+    // Twice the radius that suffices if half of sigma remains, and never below the rounding error of the middle itself.
     let rounding = middle.iter().zip(scale).map(|(at, scale)| at.hi.abs() * Dd::EPSILON / scale).fold(0.0, f64::max);
     let radius = (4.0 * force / sigma).max(rounding);
     if !radius.is_finite() {

@@ -1,14 +1,15 @@
-//! Large sparse symmetric matrices in balls, and a lower bound of their least eigenvalue. See docs/method/rest.md#proof.
+//! Large sparse symmetric matrices of balls, and a lower bound of their least eigenvalue. See docs/method/rest.md#proof.
 //!
-//! Where L D L^T of S H S - sigma, S scaling the diagonal to ones, comes to its end in binary64 with positive D, the least
-//! eigenvalue of S H S is above sigma - e, e = 2^-52 n (longest row + 4) (S. M. Rump, *Verification of positive
-//! definiteness*, BIT 46 (2006) 433: every entry rounds by gamma of its row times the roots of two diagonal entries, here
-//! ones). What the true matrix differs by from the one eliminated is bounded by its largest row of radii.
+//! If the factorisation L D L^T of S H S - sigma, with S scaling the diagonal to ones, completes in binary64 with
+//! positive D, the least eigenvalue of S H S exceeds sigma - e, e = 2^-52 n (longest row + 4) (S. M. Rump, *Verification
+//! of positive definiteness*, BIT 46 (2006) 433: every entry rounds by gamma of its row times the roots of two diagonal
+//! entries, here ones). The difference between the true matrix and the factored one is bounded by its largest row of
+//! radii.
 
 use crate::base::{Ball, larger};
 use crate::system::ldl::{Factors, Symmetric};
 
-/// A symmetric matrix S H S: one entry for each place, with what it may be wrong by.
+/// A symmetric matrix S H S: one entry for each place, with a bound of its error.
 pub struct Scaled {
     places: Vec<(u32, u32)>,
     middles: Vec<f64>,
@@ -17,12 +18,12 @@ pub struct Scaled {
     pub scale: Vec<f64>,
 }
 
-/// Steps of inverse iteration: each makes the share of all other motions smaller by the ratio of their eigenvalues.
+/// Steps of inverse iteration: each reduces the share of all other modes by the ratio of their eigenvalues.
 const INVERSE_STEPS: usize = 12;
 
 impl Scaled {
     /// H as the sum of its entries (i, j, value), each place from one side only, scaled to ones on its diagonal; `None`
-    /// where that is not positive.
+    /// if the diagonal is not positive.
     pub fn to_ones(n: usize, entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
         let mut diagonal = vec![0.0; n];
         for (i, _, value) in entries.iter().filter(|(i, j, _)| i == j) {
@@ -47,21 +48,21 @@ impl Scaled {
             let middle = ball.mid.hi * factor;
             result.places.push(here);
             result.middles.push(middle);
-            // The low part, the radius, and the roundings of two products.
+            // The low part, the radius, and the rounding errors of two products.
             let spread = (ball.mid.lo.abs() + ball.rad) * factor * (1.0 + 1e-14) + 2.0 * f64::EPSILON * middle.abs();
             result.spreads.push(spread);
         }
         Some(result)
     }
 
-    /// The factors of S H S - sigma; `None` where a pivot is below `least` of what it was made from.
+    /// The factors of S H S - sigma; `None` if a pivot is below `least` times the terms it was made from.
     pub fn factor(&self, sigma: f64, least: f64) -> Option<Factors> {
         let mut matrix = Symmetric::pattern(self.scale.len(), &self.places);
         matrix.fill(self.middles.iter().copied());
         matrix.factor(|_| -sigma, least).ok()
     }
 
-    /// A positive lower bound of the least eigenvalue of S H S, a little below sigma; `None` where that cannot be shown.
+    /// A positive lower bound of the least eigenvalue of S H S, a little below sigma; `None` if that cannot be shown.
     pub fn least_eigenvalue(&self, sigma: f64) -> Option<f64> {
         let shifted = self.factor(sigma, 0.0)?;
         let rounding = f64::EPSILON * self.scale.len() as f64 * (shifted.longest_row() as f64 + 4.0);
@@ -75,7 +76,7 @@ impl Scaled {
         step.iter().zip(&self.scale).map(|(z, scale)| z * scale).collect()
     }
 
-    /// The largest row of spreads: a bound of the norm of what the matrix may be wrong by.
+    /// The largest row sum of the spreads: a bound of the norm of the matrix's error.
     fn largest_spread(&self) -> f64 {
         let mut rows = vec![0.0; self.scale.len()];
         for ((i, j), spread) in self.places.iter().zip(&self.spreads) {
@@ -104,7 +105,8 @@ pub fn estimate(factors: &Factors, n: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// A chain of n equal springs between two walls: the eigenvalues of K are 4 k sin^2(j pi / (2 n + 2)), its diagonal 2 k.
+    /// A chain of n equal springs between two walls: the eigenvalues of K are 4 k sin^2(j pi / (2 n + 2)), its diagonal
+    /// entries 2 k.
     #[test]
     fn the_least_eigenvalue_of_a_chain_is_bounded_from_below() {
         let n = 500;

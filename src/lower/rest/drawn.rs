@@ -1,11 +1,11 @@
-//! `rest as drawn`: the smallest tensions of springs that hold the drawing. In: a scene and the state as drawn; out: a tension
-//! for each spring that says nothing of its own, or the coordinates that no tension can hold.
+//! `rest as drawn`: the smallest tensions of springs that hold the drawing. In: a scene and the state as drawn. Out: a
+//! tension for each spring for which none is given, or the coordinates that no tension can hold.
 //! See docs/method/rest.md#rest-as-drawn.
 //!
-//! With the rate t_e = T_e / |d_e| of each such spring and r_e = d_e . du_e/dq, balance is sum_e r_e t_e = f, and the least
-//! sum of T_e^2 = |d_e|^2 t_e^2 that does it is t_e = (r_e . y) / |d_e|^2 with G y = f, G = sum_e r_e r_e^T / |d_e|^2. All of
-//! this is rational where the drawing is. Where one spring alone pulls at a coordinate its rate is plain, and is found first:
-//! whatever is statically determinate costs no more than its size.
+//! With the rate t_e = T_e / |d_e| of each such spring and r_e = d_e . du_e/dq, balance requires sum_e r_e t_e = f, and
+//! the solution with the least sum of T_e^2 = |d_e|^2 t_e^2 is t_e = (r_e . y) / |d_e|^2 with G y = f, G = sum_e r_e
+//! r_e^T / |d_e|^2. All of this is rational if the drawing is. If only one spring acts on a coordinate, its rate follows
+//! directly and is found first: the statically determinate part takes time proportional to its size.
 
 use super::linear::{Squares, solved};
 use super::potential::Detail;
@@ -23,27 +23,27 @@ use crate::system::Label;
 /// The tensions that hold a drawing.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// For each element of the scene its tension over its length (N/m, or N m for a torsion); `None` where it is given.
+    /// For each element of the scene, its tension over its length (N/m, or N m for a torsion); `None` if it is given.
     rates: Vec<Option<Number>>,
-    /// dV/dq with these tensions, on all coordinates: what the reactions of closing joints and couplings balance.
+    /// dV/dq with these tensions, on all coordinates: balanced by the reactions of closing joints and couplings.
     pub slopes: Vec<Number>,
     pub tensions: Vec<Tension>,
-    /// Largest force that is left, relative to the largest that acts.
+    /// Largest unbalanced force, relative to the largest that acts.
     pub residual: f64,
     pub proven: Option<Proven>,
 }
 
 impl Held {
-    /// Tension over length of an element that the drawing gives its tension.
+    /// Tension over length of an element whose tension follows from the drawing.
     pub fn rate(&self, element: usize) -> Option<&Number> {
         self.rates[element].as_ref()
     }
 }
 
-/// A spring whose tension is looked for.
+/// A spring whose tension is unknown.
 struct Column {
     element: usize,
-    /// d . du/dq over the free coordinates; empty where all are independent.
+    /// d . du/dq over the free coordinates; empty if all are independent.
     pulls: Vec<(Index, Number)>,
     /// d . du/dq over the independent coordinates.
     row: Vec<(Index, Number)>,
@@ -51,33 +51,33 @@ struct Column {
     rate: Option<Number>,
 }
 
-/// Balance of the forces as drawn.
+/// The balance of forces as drawn.
 struct Balance<'a> {
     scene: &'a Scene,
     kinematics: &'a Kinematics,
     columns: Vec<Column>,
     /// The columns at each coordinate.
     at: Vec<Vec<u32>>,
-    /// What the tensions found so far leave to be balanced, on independent coordinates.
+    /// The forces that the tensions found so far leave unbalanced, on independent coordinates.
     forces: Vec<Number>,
     /// dV/dq of the loads alone, on all coordinates.
     slopes: Vec<Number>,
     left: Vec<Unbalanced>,
-    /// Forces and pivots that may be zero, and were taken for zero.
+    /// Forces and pivots that may be zero, and are treated as zero.
     unsettled: Vec<Number>,
     proven: Option<Proven>,
-    /// The sum of the sizes of all loads at each coordinate.
+    /// The sum of the magnitudes of all loads on each coordinate.
     sizes: Vec<f64>,
-    /// The largest force that is left because it may be zero, relative to the loads there.
+    /// The largest force left unbalanced because it may be zero, relative to the loads there.
     residual: f64,
 }
 
-/// Coordinates that one elimination with fractions takes: a thousand digits at the end.
+/// Limit on the coordinates of an elimination in fractions: they end with a thousand digits.
 const MAX_EXACT: usize = 60;
-/// Coordinates that one elimination with balls takes; beyond, factors in binary64 are refined.
+/// Limit on the coordinates of an elimination in balls; larger parts are solved by factors in binary64 and refinement.
 const MAX_DENSE: usize = 300;
 
-/// Finds the tensions, or says what they cannot balance.
+/// Finds the tensions, or reports the forces that they cannot balance.
 pub fn hold(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -118,7 +118,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Coordinates at which a single tension is open give it.
+    /// Finds the tensions that are the only unknown ones at some coordinate.
     fn determinate(&mut self) {
         let mut waiting: Vec<Index> = (0..self.forces.len() as Index).rev().collect();
         while let Some(coordinate) = waiting.pop() {
@@ -128,13 +128,13 @@ impl<'a> Balance<'a> {
             if let Some(rate) = self.forces[coordinate as usize].checked_div(entry) {
                 waiting.extend(column.row.iter().map(|(i, _)| *i).filter(|i| *i != coordinate));
                 self.settle(only, rate);
-                // By the choice of the rate.
+                // Exactly zero by the choice of the rate.
                 self.forces[coordinate as usize] = Number::ZERO;
             }
         }
     }
 
-    /// The column whose tension alone is open at a coordinate.
+    /// The column whose tension is the only unknown one at a coordinate.
     fn only_open(&self, coordinate: Index) -> Option<usize> {
         let mut open = self.open(coordinate);
         let only = open.next()?;
@@ -146,7 +146,7 @@ impl<'a> Balance<'a> {
         columns.filter(|column| self.columns[*column as usize].rate.is_none())
     }
 
-    /// Gives a column its rate and takes what it balances off the forces.
+    /// Sets the rate of a column and subtracts its contribution from the forces.
     fn settle(&mut self, column: usize, rate: Number) {
         let column = &mut self.columns[column];
         for (coordinate, entry) in &column.row {
@@ -156,7 +156,7 @@ impl<'a> Balance<'a> {
         column.rate = Some(rate);
     }
 
-    /// Sets of coordinates that open columns join, each ascending.
+    /// Sets of coordinates that are connected by open columns, each ascending.
     fn parts(&self) -> Vec<Vec<Index>> {
         let mut part_of = vec![false; self.forces.len()];
         let mut parts = Vec::new();
@@ -191,7 +191,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// A force that no tension is left to balance.
+    /// Judges a force that no tension is left to balance.
     fn judge(&mut self, coordinate: Index, force: &Number) {
         if force.is_zero() {
             return;
@@ -216,7 +216,7 @@ impl<'a> Balance<'a> {
         });
     }
 
-    /// G y = f by elimination: exact where the numbers are, in balls else.
+    /// Solves G y = f by elimination: exactly if the numbers are exact, otherwise in balls.
     fn eliminate(&mut self, part: &[Index]) {
         let exact = part.len() <= MAX_EXACT;
         let number = |value: &Number| if exact { value.clone() } else { Number::Ball(value.to_ball()) };
@@ -237,7 +237,7 @@ impl<'a> Balance<'a> {
         let mut forces: Vec<Number> = part.iter().map(|i| number(&self.forces[*i as usize])).collect();
         let pivots = reduce(&mut matrix, &mut forces);
         for i in (0..n).filter(|i| !pivots.contains(i)) {
-            // Whether a motion is without stiffness is known for certain only where its pivot is an exact zero.
+            // A motion certainly has no stiffness only if its pivot is an exact zero.
             self.unsettled.push(matrix[i][i].clone());
             self.judge(part[i], &forces[i]);
         }
@@ -250,7 +250,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Solves G y = f for many coordinates, by factors in binary64 and refinement.
+    /// Solves G y = f for many coordinates, by factors in binary64 and iterative refinement.
     fn refine(&mut self, part: &[Index]) {
         let columns = self.columns_of(part);
         let local = |coordinate: &Index| part.binary_search(coordinate).unwrap_or(usize::MAX);
@@ -315,7 +315,7 @@ fn gives_tension(law: &Law) -> bool {
     law.rest != SpringRest::AsDrawn
 }
 
-/// The springs whose tension is not given and that pull at something.
+/// The springs whose tension is not given and that act on some coordinate.
 fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state: &State<Number>) -> Vec<Column> {
     let (mut between, mut reach, mut row) = (Between::default(), Reach::default(), Vec::new());
     let mut columns = Vec::new();
@@ -337,8 +337,8 @@ fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state:
     columns
 }
 
-/// Gauss's elimination of a positive semidefinite matrix with the pivots on its diagonal, in the order returned. Pivots that
-/// may be zero are left; what is left of their rows then holds no force that the others could balance.
+/// Gaussian elimination of a positive semidefinite matrix with pivots on its diagonal, in the order returned. Pivots that
+/// may be zero are left out; the forces that remain in their rows cannot be balanced by the others.
 fn reduce(matrix: &mut [Vec<Number>], forces: &mut [Number]) -> Vec<usize> {
     let n = forces.len();
     let sizes: Vec<f64> = (0..n).map(|i| matrix[i][i].to_f64()).collect();
@@ -365,7 +365,7 @@ fn reduce(matrix: &mut [Vec<Number>], forces: &mut [Number]) -> Vec<usize> {
     pivots
 }
 
-/// y from the rows of the pivots, the last one first; zero for the others.
+/// y from the rows of the pivots, starting from the last one; zero for the others.
 fn substitute(matrix: &[Vec<Number>], forces: &[Number], pivots: &[usize]) -> Vec<Number> {
     let mut y = vec![Number::ZERO; forces.len()];
     for (step, &pivot) in pivots.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! The rest of a part without constraints, known: refined in double-double, then proven. See docs/method/rest.md.
+//! The rest of a part without constraints: refined in double-double, then proven. See docs/method/rest.md.
 
 use super::convex;
 use super::exact::simplest;
@@ -20,15 +20,15 @@ pub struct Refinement<'a> {
     length: f64,
 }
 
-/// What is known of a rest.
+/// A refined rest.
 #[derive(Clone, Debug)]
 pub struct Refined {
-    /// Largest force that is left, relative to the largest that acts.
+    /// Largest unbalanced force, relative to the largest that acts.
     pub residual: f64,
     pub proven: Option<Proven>,
 }
 
-/// Parts with more coordinates are refined and proven with sparse factors.
+/// Larger parts are refined and proven with sparse factors.
 pub const MAX_DENSE: usize = 300;
 
 impl<'a> Refinement<'a> {
@@ -37,14 +37,14 @@ impl<'a> Refinement<'a> {
         Refinement { kinematics, coordinates, potential, state, length: part.length() }
     }
 
-    /// Refines the state from these values in binary64 and encloses the rest.
+    /// Refines the state, starting from these values in binary64, and encloses the rest.
     pub fn run(mut self, local: &mut [u32], values: &[f64]) -> Refined {
         let drawn = self.energy(local, values.len(), Detail::Sizes);
         for (coordinate, value) in self.coordinates.iter().zip(values) {
             self.set(*coordinate, Ball::from(*value));
         }
         let moving = self.moving(local, values);
-        // The places of those that move, in their own order; the others are fixed.
+        // The places of the coordinates that move, numbered on their own; the others are fixed.
         for coordinate in self.coordinates {
             local[*coordinate as usize] = ELSEWHERE;
         }
@@ -68,8 +68,8 @@ impl<'a> Refinement<'a> {
         self.potential.at(self.kinematics, self.state, local, n, detail)
     }
 
-    /// The coordinates that leave the drawing. One that came back to it stays there exactly if no force acts on it there,
-    /// wherever the others are: its force is then a sum of exact zeros.
+    /// The coordinates that leave the drawing. One that returned to it is exactly there only if no force acts on it
+    /// there, wherever the others are: its force is then a sum of exact zeros.
     fn moving(&mut self, local: &[u32], values: &[f64]) -> Vec<Index> {
         let coordinates = self.coordinates;
         let near = |i: Index| NEAR * if self.kinematics.is_angle(i) { 1.0 } else { self.length };
@@ -85,7 +85,7 @@ impl<'a> Refinement<'a> {
             }
             for place in moved {
                 stays[place] = false;
-                // A ball that is not exactly zero, so that what depends on it is not either.
+                // A ball that is not exactly zero, so that whatever depends on it is not exactly zero either.
                 self.set(coordinates[place], Ball::new(Dd::from(values[place]), f64::MIN_POSITIVE));
             }
         }
@@ -94,7 +94,7 @@ impl<'a> Refinement<'a> {
 
     fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> Option<Proven> {
         if moving.is_empty() {
-            // What stays as drawn does so only without any force.
+            // A part stays as drawn only if no force acts on it.
             return Proven::balanced(&[]);
         }
         if moving.len() > MAX_DENSE {
@@ -109,15 +109,16 @@ impl<'a> Refinement<'a> {
         let last = inverse.refine(&mut forces, &mut middle);
         let proven = inverse.prove(&mut forces, &middle);
         if proven.is_none() {
-            // An estimate: another step would gain as many digits as the last one did.
+            // An estimate: another step would gain as many digits as the last one.
             forces.place(&middle, &|i| last * middle[i].hi.abs().max(NEAR));
         }
-        // Along a motion that nothing holds there is a choice of rests.
+        // If nothing restrains some motion, there is a choice of rests along it.
         let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
         self.is_exactly_rational(local, moving, known).or(proven)
     }
 
-    /// Whether all forces vanish exactly at the simplest fractions within the relative distance `known`; leaves the state there then.
+    /// Whether all forces vanish exactly at the simplest fractions within the relative distance `known`; if so, leaves
+    /// the state there.
     fn is_exactly_rational(&mut self, local: &[u32], moving: &[Index], known: f64) -> Option<Proven> {
         let balls: Vec<Ball> = moving.iter().map(|i| self.state.value(*i).to_ball()).collect();
         let fractions: Option<Vec<_>> = balls.iter().map(|ball| simplest(*ball, known)).collect();
@@ -149,7 +150,7 @@ struct Forces<'r, 'a> {
 }
 
 impl Forces<'_, '_> {
-    /// `None` where the second derivative leaves binary64.
+    /// `None` if the second derivative leaves the range of binary64.
     fn inverse(&self) -> Option<Inverse> {
         let n = self.moving.len();
         let (curvature, _) = self.slope();
@@ -173,14 +174,14 @@ impl Equations for Forces<'_, '_> {
     }
 }
 
-/// The largest force that is left, relative to the largest that acts in the part, as drawn or at rest.
+/// The largest unbalanced force, relative to the largest that acts in the part, as drawn or at rest.
 fn residual(part: &Refinement, drawn: &Energy<Number>, energy: &Energy<Number>) -> f64 {
     let sizes: Vec<f64> = drawn.forces.iter().zip(&energy.forces).map(|(drawn, now)| drawn.max(*now)).collect();
     relative(part.kinematics, part.coordinates, part.length, &sizes, &energy.gradient)
 }
 
-/// The largest of some forces, relative to the largest of those that act: of the same kind, or of the other with a length as
-/// lever.
+/// The largest of some forces, relative to the largest acting force of the same kind, or of the other kind with a length
+/// as lever arm.
 pub fn relative(kinematics: &Kinematics, coordinates: &[Index], length: f64, acting: &[f64], left: &[Number]) -> f64 {
     let turns = |place: usize| kinematics.is_angle(coordinates[place]);
     let largest = |turning: bool| {

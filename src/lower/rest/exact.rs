@@ -1,17 +1,17 @@
-//! The simplest fraction near a number: a rest found to thirty digits is a fraction of small numbers only if it is that
-//! fraction, which exact arithmetic then proves. See docs/method/rest.md.
+//! The simplest fraction near a number: if a rest found to thirty digits is a fraction of small numbers at all, it is
+//! that fraction, which exact arithmetic then proves. See docs/method/rest.md.
 
 use crate::base::{Ball, Rational};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::One;
 
-/// Numerator and denominator below 2^40: with the hundred bits that are known, another number is met once in 2^20 times,
-/// and then refused by the proof.
+/// Numerator and denominator below 2^40: with the hundred bits that are known, another number has such a fraction by
+/// chance once in 2^20 cases, and is then rejected by the proof.
 const MAX_BITS: u64 = 40;
 
-/// The fraction with the least denominator within a ball, or within the relative distance `known` where that is wider;
-/// `None` where that is not a fraction of small numbers.
+/// The fraction with the least denominator within a ball, or within the relative distance `known` if that is wider;
+/// `None` if it is not a fraction of small numbers.
 pub fn simplest(ball: Ball, known: f64) -> Option<Rational> {
     let middle = &Rational::from_f64(ball.mid.hi)? + &Rational::from_f64(ball.mid.lo)?;
     let radius = Rational::from_f64(ball.rad.max(ball.mid.hi.abs() * known))?;
@@ -24,7 +24,7 @@ pub fn simplest(ball: Ball, known: f64) -> Option<Rational> {
 /// The simplest fraction in [low, high], 0 <= low: descent in the Stern-Brocot tree by continued fractions.
 fn between(mut low: BigRational, mut high: BigRational) -> Option<BigRational> {
     let mut quotients: Vec<BigInt> = Vec::new();
-    // Each quotient takes at least one bit of the denominator away, two steps take more.
+    // Each quotient removes at least one bit from the denominator, and two steps remove more.
     for _ in 0..2 * MAX_BITS {
         let floor = low.floor();
         if floor == low || floor < high.floor() {

@@ -1,16 +1,16 @@
-//! From a solution in binary64 to one that is known: refined in double-double, then proven. In: equations F(z) = 0 with a
-//! symmetric derivative, and a start; out: a box that holds exactly one solution. See docs/method/rest.md.
+//! From a solution in binary64 to a proven one: refined in double-double, then enclosed. In: equations F(z) = 0 with a
+//! symmetric derivative, and a start. Out: a box that contains exactly one solution. See docs/method/rest.md.
 //!
-//! With Y near the inverse of F', the Krawczyk operator m - Y F(m) + (1 - Y F'(Z)) (Z - m) maps the box Z about m into its
-//! interior only if Z holds exactly one solution (R. Krawczyk, *Newton-Algorithmen zur Bestimmung von Nullstellen mit
-//! Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear systems*, SIAM
-//! J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
+//! With Y near the inverse of F', the Krawczyk operator m - Y F(m) + (1 - Y F'(Z)) (Z - m) maps the box Z around m into
+//! its interior only if Z contains exactly one solution (R. Krawczyk, *Newton-Algorithmen zur Bestimmung von Nullstellen
+//! mit Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear
+//! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
 use super::proof::Proven;
 use crate::base::{Ball, Dd, Number};
 use nalgebra::{DMatrix, DVector};
 
-/// Equations F(z) = 0 with a box of z at hand.
+/// Equations F(z) = 0 with a current box of z.
 pub trait Equations {
     /// Puts z at these middles with these radii.
     fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64);
@@ -18,24 +18,24 @@ pub trait Equations {
     /// F over the box.
     fn left(&self) -> Vec<Number>;
 
-    /// F' over the box: binary64 numbers, and what they may be wrong by.
+    /// F' over the box: binary64 numbers, and bounds of their errors.
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>);
 }
 
-/// An approximate inverse of the derivative, and the motions that it leaves out because nothing holds them.
+/// An approximate inverse of the derivative, and the motions that it leaves out because nothing restrains them.
 pub struct Inverse {
     y: DMatrix<f64>,
     neutral: DMatrix<f64>,
 }
 
-/// Each step gains the sixteen digits of binary64, less those that the conditioning takes.
+/// Limit on the refinements: each gains the sixteen digits of binary64, less those lost to the conditioning.
 pub const MAX_REFINEMENTS: usize = 8;
-/// Steps are compared with the solution, or with this where that is smaller.
+/// Steps are measured relative to the solution, or to this if the solution is smaller.
 pub const NEAR: f64 = 1e-9;
 
 impl Inverse {
-    /// `None` where the numbers leave binary64. `scale` makes the rows of all sizes comparable, so that what is small for
-    /// its units only does not count as singular.
+    /// `None` if numbers leave the range of binary64. `scale` makes rows of different magnitude comparable, so that a row
+    /// that is small only because of its units does not count as singular.
     pub fn of(slope: &DMatrix<f64>, scale: &[f64]) -> Option<Inverse> {
         let n = scale.len();
         let scaled = DMatrix::from_fn(n, n, |i, j| slope[(i, j)] * scale[i] * scale[j]);
@@ -45,12 +45,12 @@ impl Inverse {
         y.iter().all(|entry| entry.is_finite()).then_some(Inverse { y, neutral })
     }
 
-    /// Whether there are motions that nothing holds.
+    /// Whether there are motions that nothing restrains.
     pub fn is_singular(&self) -> bool {
         self.neutral.ncols() > 0
     }
 
-    /// Newton steps until they gain nothing; returns the size of the last one, relative.
+    /// Newton steps until they bring no gain; returns the relative size of the last one.
     pub fn refine(&self, equations: &mut impl Equations, middle: &mut [Dd]) -> f64 {
         let mut last = f64::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
@@ -69,7 +69,7 @@ impl Inverse {
         last
     }
 
-    /// Takes back the drift along motions that nothing holds: the rest nearest to the drawing is meant.
+    /// Removes the drift along motions that nothing restrains: the rest nearest to the drawing is wanted.
     pub fn without_drift(&self, middle: &mut [Dd]) {
         let Some(inverse) = (self.neutral.transpose() * &self.neutral).try_inverse() else { return };
         let at = DVector::from_iterator(middle.len(), middle.iter().map(|at| at.to_f64()));
@@ -106,13 +106,13 @@ impl Inverse {
         None
     }
 
-    /// A bound of |Y F|_i.
+    /// An upper bound of |Y F|_i.
     fn defect(&self, i: usize, left: &[Number]) -> f64 {
         let products = left.iter().enumerate().map(|(j, force)| force.to_ball() * Ball::from(self.y[(i, j)]));
         products.fold(Ball::ZERO, |sum, product| sum + product).magnitude()
     }
 
-    /// A bound of |Y F| + |1 - Y F'(Z)| r, rounding included.
+    /// An upper bound of |Y F| + |1 - Y F'(Z)| r, including rounding errors.
     fn mapped(&self, (middle, spread): (DMatrix<f64>, DMatrix<f64>), defect: &[f64], radius: &[f64]) -> Vec<f64> {
         let n = radius.len();
         let product = &self.y * &middle;
@@ -122,12 +122,13 @@ impl Inverse {
             let identity = if i == j { 1.0 } else { 0.0 };
             (identity - product[(i, j)]).abs() * (1.0 + f64::EPSILON) + sizes[(i, j)]
         });
-        // Sums of n positive numbers: each is right to n roundings, which the factor covers for all n that are dense.
+        // Sums of n positive numbers: each is accurate to n roundings, which the factor covers for all n of dense parts.
         (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * (1.0 + 1e-12)).collect()
     }
 }
 
-/// The inverse; where it is singular to working precision, the inverse of what is not, and the motions that nothing holds.
+/// The inverse; if the matrix is singular to working precision, the inverse of its regular part, and the motions that
+/// nothing restrains.
 fn inverted(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = matrix.nrows();
     if let Some(inverse) = matrix.clone().try_inverse() {
@@ -137,7 +138,7 @@ fn inverted(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         }
     }
     let eigen = matrix.try_symmetric_eigen(f64::EPSILON, 0)?;
-    // Below this an eigenvalue is the rounding of a few hundred sums.
+    // Below this, an eigenvalue is the rounding error of a few hundred sums.
     let least = 1e-12 * eigen.eigenvalues.amax();
     let inverse = eigen.eigenvalues.map(|value| if value.abs() > least { value.recip() } else { 0.0 });
     let neutral: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i].abs() <= least).collect();
@@ -145,8 +146,8 @@ fn inverted(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     Some((inverse, eigen.eigenvectors.select_columns(&neutral)))
 }
 
-/// A symmetric matrix given by entries of one triangle, each pair once, places may repeat: binary64 numbers and what they
-/// may be wrong by.
+/// A symmetric matrix given by entries of one triangle, each pair once, places may repeat: binary64 numbers and bounds of
+/// their errors.
 pub fn dense<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let mut sums = vec![Number::ZERO; n * n];
     for (i, j, value) in entries {
@@ -188,7 +189,7 @@ mod tests {
         }
     }
 
-    /// What is reported about z^2 = c near a start, and the box that it ends with.
+    /// Whether the root of z^2 = c near a start is proven, and the final box.
     fn told(c: &str, start: f64) -> (bool, Ball) {
         let c = match c.strip_prefix('-') {
             Some(c) => -&Number::from(c),
@@ -208,14 +209,14 @@ mod tests {
         for (c, start) in [("3", 1.7320508), ("0.3", 0.547722557), ("1e-10", 1.0000001e-5)] {
             let (proven, z) = told(c, start);
             assert!(proven && z.rad < 1e-25 * z.mid.hi && z.rad > 0.0, "{c}: {z:?}");
-            // The squares of the ends are on both sides of c.
+            // The squares of the two ends are on different sides of c.
             let end = |side: f64| Number::Ball(Ball::exact(z.mid + Dd::from(side * z.rad)));
             let beyond = |side: f64| &(&end(side) * &end(side)) - &Number::from(c);
             assert!(beyond(1.0).is_positive() && beyond(-1.0).is_negative(), "{c}");
         }
     }
 
-    /// Two roots in one, and none at all: a derivative that changes its sign in the box proves nothing.
+    /// A double root, and no root at all: a derivative that changes its sign in the box proves nothing.
     #[test]
     fn a_double_root_and_none_are_not_proven() {
         assert!(!told("0", 1e-12).0);

@@ -1,10 +1,11 @@
 //! The rest of large parts with a quadratic energy: K q = f by sparse factors, refined with exact residuals.
 //! See docs/method/rest.md.
 //!
-//! For chains and nets of springs, whose K has no positive entry off its diagonal: with a vector w > 0 for which
-//! v = K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for Systems of
-//! Equations*, 1990, section 3.6: K is an M-matrix, so its inverse has no negative entry). For others, scaled to ones on the
-//! diagonal by S: |S^-1 (q - q~)| is at most |S (f - K q~)| over a lower bound of the least eigenvalue of S K S.
+//! For chains and networks of springs, whose K has no positive entry off its diagonal: given a vector w > 0 for which v =
+//! K w > 0, every |q - q~| is at most w max_i |f - K q~|_i / v_i (A. Neumaier, *Interval Methods for Systems of
+//! Equations*, 1990, section 3.6: K is an M-matrix, so its inverse has no negative entry). For other matrices, scaled to
+//! ones on the diagonal by S: |S^-1 (q - q~)| is at most |S (f - K q~)| divided by a lower bound of the least eigenvalue
+//! of S K S.
 
 use super::definite::{Scaled, estimate};
 use super::proof::Proven;
@@ -23,10 +24,10 @@ pub struct Solved {
     pub proven: Option<Proven>,
 }
 
-/// Coordinates on which a force is left that nothing balances, N or N m.
+/// Coordinates with a force that nothing balances, N or N m.
 pub type Left = Vec<(Index, f64)>;
 
-/// A symmetric matrix as a sum of squares: weights and rows in local numbers.
+/// A symmetric matrix as a sum of squares: weights, and rows with local indices.
 pub struct Squares {
     n: usize,
     weights: Vec<Ball>,
@@ -34,7 +35,7 @@ pub struct Squares {
     entries: Vec<(u32, Ball)>,
 }
 
-/// Each refinement gains the sixteen digits of binary64, less those that the conditioning takes.
+/// Limit on the refinements: each gains the sixteen digits of binary64, less those lost to the conditioning.
 const MAX_REFINEMENTS: usize = 10;
 
 pub fn solve(
@@ -46,7 +47,7 @@ pub fn solve(
 ) -> Vec<Result<Solved, Left>> {
     let members: Vec<Vec<Index>> = parts.iter().map(|part| independent(part, reduction)).collect();
     let mut stiffness: Vec<Squares> = members.iter().map(|members| Squares::new(members.len())).collect();
-    // Part and place in it of each coordinate of the system.
+    // The part of each coordinate of the system, and its place there.
     let mut places = vec![(usize::MAX, 0); system.n()];
     for (number, members) in members.iter().enumerate() {
         for (local, coordinate) in members.iter().enumerate() {
@@ -66,12 +67,12 @@ pub fn solve(
     members.iter().zip(&stiffness).map(|(members, stiffness)| solve_part(members, stiffness, forces(members))).collect()
 }
 
-/// The coordinates of a part that are coordinates of the system.
+/// The coordinates of a part that are coordinates of the system as well.
 fn independent(part: &Part, reduction: &Reduction) -> Vec<Index> {
     part.coordinates.iter().copied().filter(|i| reduction.place(*i).is_some()).collect()
 }
 
-/// -dV/dq as drawn, of a coordinate in metres or radians.
+/// -dV/dq as drawn, for a coordinate in metres or radians.
 fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
     let slope = &survey.forces[coordinate as usize];
     match kinematics.length_squared(coordinate) {
@@ -89,12 +90,12 @@ fn solve_part(members: &[Index], stiffness: &Squares, forces: Vec<Ball>) -> Resu
 /// The solution of K q = f.
 pub struct Solution {
     pub values: Vec<Ball>,
-    /// Largest force that is left, relative to the largest that acts.
+    /// Largest unbalanced force, relative to the largest that acts.
     pub residual: f64,
     pub proven: Option<Proven>,
 }
 
-/// Solves K q = f, or names the row of a pivot that is rounding only.
+/// Solves K q = f, or returns the row of a pivot that is only a rounding error.
 pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
     let factors = stiffness.factors()?;
     let mut middle = vec![Dd::ZERO; forces.len()];
@@ -114,7 +115,7 @@ pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
         left = stiffness.left(forces, &middle);
     }
     let bounds = stiffness.bounds_of_springs(&factors, &left).or_else(|| stiffness.bounds_by_the_least(&left));
-    // Without a proof: what another step of refinement would change is far below what the last one did.
+    // Without a proof: another refinement would change far less than the last one.
     let radius = |i: usize| bounds.as_ref().map_or(last, |(bounds, _)| bounds[i]);
     let values = middle.iter().enumerate().map(|(i, middle)| Ball::new(*middle, radius(i))).collect();
     let largest = forces.iter().map(Ball::magnitude).fold(0.0, f64::max);
@@ -138,7 +139,7 @@ impl Squares {
         self.weights.iter().copied().zip(rows)
     }
 
-    /// The factors in binary64, or the row of a pivot that is rounding only.
+    /// The factors in binary64, or the row of a pivot that is only a rounding error.
     fn factors(&self) -> Result<Factors, usize> {
         let (mut places, mut values) = (Vec::new(), Vec::new());
         for (weight, row) in self.squares() {
@@ -154,7 +155,7 @@ impl Squares {
         matrix.factor(|_| 0.0, 1e-15).map_err(|stopped| stopped.row)
     }
 
-    /// f - K q: K q as the sum of w (a . q) a, which keeps the digits that the matrix would lose.
+    /// f - K q, with K q as the sum of w (a . q) a, which keeps digits that the assembled matrix would lose.
     fn left(&self, forces: &[Ball], at: &[Dd]) -> Vec<Ball> {
         let mut left = forces.to_vec();
         for (weight, row) in self.squares() {
@@ -167,7 +168,7 @@ impl Squares {
         left
     }
 
-    /// Bounds of |q - q~|, where K is an M-matrix.
+    /// Bounds of |q - q~|, if K is an M-matrix.
     fn bounds_of_springs(&self, factors: &Factors, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
         let springs = |(weight, row): (Ball, &[(u32, Ball)])| match row {
             [_] => true,
@@ -192,7 +193,7 @@ impl Squares {
 }
 
 impl Squares {
-    /// Bounds of |q - q~| where the least eigenvalue of S K S is certainly positive.
+    /// Bounds of |q - q~|, if the least eigenvalue of S K S is certainly positive.
     fn bounds_by_the_least(&self, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
         let entries = self.squares().flat_map(|(weight, row)| {
             let ordered = move |a: usize| row[..=a].iter().map(move |b| (row[a].0, b.0, weight * row[a].1 * b.1));
@@ -203,13 +204,13 @@ impl Squares {
         let least = scaled.least_eigenvalue(sigma)?;
         let regular = Proven::definiteness(least)?;
         let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).powi(2));
-        // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
+        // Sums and products of n positive numbers: the factor covers their rounding errors for n below 1e8.
         let norm = squares.sum::<f64>().sqrt() * (1.0 + 1e-7);
         Some((scaled.scale.iter().map(|scale| norm / least * scale * (1.0 + 1e-15)).collect(), regular))
     }
 }
 
-/// The least number of a ball.
+/// The least number of a positive ball; 0 for any other.
 fn least(ball: Ball) -> f64 {
     if ball.is_positive() { ball.mignitude() } else { 0.0 }
 }
@@ -219,7 +220,8 @@ mod tests {
     use super::*;
     use crate::base::Rational;
 
-    /// sum w a a^T of rational numbers with the solution q_i = (i + 1) / 3, which no binary number is: what is reported of it.
+    /// The solution for sum w a a^T of rational numbers with q_i = (i + 1) / 3, which is not a binary number; and the
+    /// true values.
     fn told(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
         let truth: Vec<Number> = (0..n as i64).map(|i| Number::from(Rational::new(i + 1, 3))).collect();
         let mut forces = vec![Number::ZERO; n];
@@ -257,7 +259,7 @@ mod tests {
         check(40, &chain(40));
     }
 
-    /// Squares over three coordinates: no matrix of springs.
+    /// Squares over three coordinates: not a network of springs.
     #[test]
     fn truth_is_in_the_balls_of_a_bending_beam() {
         let mut squares = chain(40);
@@ -265,7 +267,7 @@ mod tests {
         check(40, &squares);
     }
 
-    /// So nearly singular that no lower bound of the eigenvalues is left: solved, but not proven.
+    /// So nearly singular that no lower bound of the eigenvalues remains: solved, but not proven.
     #[test]
     fn what_rounding_may_make_singular_is_not_proven() {
         let both = (1_000_000_000_000_000, vec![(0, 1), (1, 1)]);
@@ -273,7 +275,7 @@ mod tests {
         assert!(solution.proven.is_none());
     }
 
-    /// A force of 1 +- 0.1 on a spring of 1: a displacement of 1.1 is as true as any.
+    /// A force of 1 +- 0.1 on a spring of 1: the displacement may be 1.1.
     #[test]
     fn what_is_not_known_of_a_force_is_not_known_of_the_rest() {
         for row in [vec![(0, Ball::ONE)], vec![(0, Ball::ONE), (1, -Ball::ONE), (2, Ball::ONE)]] {

@@ -1,10 +1,10 @@
-//! The static rest: where the scene stays when nothing moves. See docs/method/rest.md.
+//! The static rest: the equilibrium of the scene. See docs/method/rest.md.
 //!
 //! # Steps
-//! 1. the forces as drawn, exactly: where they are all zero the drawing is the rest
+//! 1. the forces as drawn, exactly: if they are all zero, the drawing is the rest
 //! 2. [`survey`]: which coordinates are coupled and loaded
-//! 3. [`newton`]: down to a minimum of the energy of each such part
-//! 4. [`enclosure`]: refined, and proven
+//! 3. [`newton`]: the descent to a minimum of the energy of each such part
+//! 4. [`enclosure`]: refinement and proof
 //! 5. [`linear`]: large parts whose energy is quadratic, from the assembled terms
 
 mod constrained;
@@ -42,20 +42,21 @@ use survey::{Part, Survey};
 /// The rest that lowering found, measured from the drawing.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// Displacement of each coordinate from the drawing, m or rad, in the order of the system's coordinates. An enclosure:
-    /// the true rest lies in these balls (exact zeros where the drawing is the rest).
+    /// Displacement of each coordinate from the drawing, m or rad, in the order of the system's coordinates. An
+    /// enclosure: the true rest lies in these balls (exact zeros if the drawing is the rest).
     pub displacement: Vec<Number>,
-    /// The coordinates that joints and couplings make depend on those of the system.
+    /// The coordinates that depend on those of the system through joints and couplings.
     pub dependent: Vec<Dependent>,
-    /// Largest generalised force that is left, relative to the largest that acts in its part; exactly 0 where the rest is
+    /// Largest unbalanced generalised force, relative to the largest that acts in its part; exactly 0 if the rest is
     /// known exactly.
     pub residual: f64,
-    /// What shows that the rest is in its enclosure; `None` where nothing does (see docs/method/rest.md).
+    /// The proof that the rest is in its enclosure; `None` if there is none (see docs/method/rest.md).
     pub proven: Option<Proven>,
-    /// Whether terms of the system follow from where the rest is: some loaded part is not linear, or tensions were found that
-    /// hold the drawing. Relative changes of the model's numbers may change these terms by more.
+    /// Whether terms of the system depend on the position of the rest: some loaded part is not linear, or tensions were
+    /// found that hold the drawing. Relative changes of the model's numbers may cause larger relative changes of these
+    /// terms.
     pub moves_terms: bool,
-    /// Newton steps that were taken; 0 where the drawing is the rest.
+    /// Number of Newton steps; 0 if the drawing is the rest.
     pub steps: u32,
     /// The springs whose tension `rest as drawn` found, in order of declaration.
     pub tensions: Vec<Tension>,
@@ -67,28 +68,28 @@ pub struct Tension {
     pub element: ElementId,
     /// The name of that element.
     pub spring: Label,
-    /// Pull is positive, N; a torque in N m for a spring that turns.
+    /// N, pull is positive; for a torsion spring, the torque in N m.
     pub tension: Number,
     pub turns: bool,
 }
 
-/// A coordinate that depends on others, and where it rests, measured from the drawing.
+/// A coordinate that depends on others, and its position at rest, measured from the drawing.
 #[derive(Clone, Debug)]
 pub struct Dependent {
     pub coordinate: Coordinate,
     pub displacement: Number,
 }
 
-/// A rest whose large linear parts are still to be solved.
+/// A rest whose large linear parts have not been solved yet.
 #[derive(Clone, Debug)]
 pub struct Found {
     rest: Rest,
-    /// All coordinates at rest, but those of large linear parts as drawn: no term depends on them.
+    /// All coordinates at rest, except those of large linear parts, which are as drawn: no term depends on them.
     pub state: State<Number>,
     survey: Option<Survey>,
-    /// The tensions that hold the drawing, where it is declared to be the rest.
+    /// The tensions that hold the drawing, if it is declared to be the rest.
     pub held: Option<Held>,
-    /// Where no spring has any tension.
+    /// The parts in which no spring has any tension.
     pub slack: Slack,
 }
 
@@ -119,10 +120,10 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     Ok(found)
 }
 
-/// Coordinates of a part with closed loops whose rest is searched for: dense matrices of that size take seconds.
+/// Limit on the coordinates of a part with closed loops: dense matrices of this size take seconds.
 const MAX_ALONG: usize = 2000;
 
-/// Whether anything could pull as drawn.
+/// Whether anything could act as a load on the drawing.
 fn is_loaded(scene: &Scene) -> bool {
     use crate::model::scene::{Law, SpringRest};
     let pulls = |law: &Law| law.rest != SpringRest::AsDrawn;
@@ -132,7 +133,7 @@ fn is_loaded(scene: &Scene) -> bool {
 }
 
 impl Found {
-    /// The drawing is the rest: only what holds it there is looked for.
+    /// The drawing is declared to be the rest: only the tensions that hold it are searched for.
     fn held_as_drawn(
         mut self,
         scene: &Scene,
@@ -152,7 +153,7 @@ impl Found {
         Ok(self)
     }
 
-    /// Every part but the large linear ones.
+    /// Searches for the rest of every part except the large linear ones.
     fn search(
         &mut self,
         scene: &Scene,
@@ -192,7 +193,7 @@ impl Found {
         if lost.is_empty() { Ok(()) } else { Err(lost) }
     }
 
-    /// A part with constraints.
+    /// Searches for the rest of a part with constraints.
     fn search_along(
         &mut self,
         scene: &Scene,
@@ -238,7 +239,7 @@ impl Found {
         Ok(())
     }
 
-    /// The rest of all coordinates, and the state of all that this is; large linear parts by the stiffness that was assembled.
+    /// The rest of all coordinates, and their full state; large linear parts are solved with the assembled stiffness.
     pub fn finish(
         self,
         scene: &Scene,
@@ -274,7 +275,7 @@ impl Found {
 }
 
 impl Rest {
-    /// The rest of a scene in which nothing pulls: its drawing.
+    /// The rest of a scene without loads: its drawing.
     pub fn unloaded() -> Rest {
         Rest {
             displacement: Vec::new(),
@@ -287,12 +288,12 @@ impl Rest {
         }
     }
 
-    /// Whether something shows that the rest is in its enclosure.
+    /// Whether it is proven that the rest is in its enclosure.
     pub fn is_proven(&self) -> bool {
         self.proven.is_some()
     }
 
-    /// Places the dependent ones among some coordinates of linear parts where the independent ones and the bases put them.
+    /// Moves the dependent coordinates of linear parts to where the independent ones and the bases put them.
     fn let_follow(
         &mut self,
         kinematics: &Kinematics,
@@ -319,7 +320,7 @@ impl Part {
     }
 }
 
-/// In metres or radians.
+/// A value of a coordinate in metres or radians.
 fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
     match kinematics.length_squared(coordinate) {
         Some(length_squared) if !value.is_zero() => value * &length_squared.root(),
@@ -327,7 +328,7 @@ fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Numbe
     }
 }
 
-/// In units of the coordinate's direction.
+/// A value of a coordinate in units of its direction's length.
 fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
     match kinematics.length_squared(coordinate) {
         Some(length_squared) if !value.is_zero() => value / &length_squared.root(),
@@ -335,7 +336,7 @@ fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Num
     }
 }
 
-/// The way down from the drawing; none where no force is certainly there.
+/// The descent from the drawing; none if no force is certainly unbalanced.
 fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], drawn: Vec<f64>, state: &mut State<f64>) -> Descended {
     let potential = part.potential.converted();
     let length = part.length();
@@ -347,12 +348,12 @@ fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], drawn: Vec<f64>,
 fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Descended) -> LowerError {
     let energy = &descended.energy;
     let relative = |place: usize| energy.gradient[place].abs() / energy.forces[place].max(f64::MIN_POSITIVE);
-    // What is left of balancing forces after many steps is far above their rounding.
+    // Forces that remain unbalanced after many steps are far above their rounding errors.
     let mut places: Vec<usize> = (0..energy.gradient.len()).filter(|&place| relative(place) > 1e-9).collect();
     places.sort_by(|&a, &b| relative(b).total_cmp(&relative(a)).then(a.cmp(&b)));
     let left: Vec<(Index, f64)> =
         places.iter().map(|&place| (part.coordinates[place], -energy.gradient[place])).collect();
-    // Nothing pulls the other way: it falls.
+    // Nothing acts in the opposite direction: it falls.
     let falling: Vec<(Index, f64)> =
         places.iter().zip(&left).filter(|(place, _)| relative(**place) > 0.99).map(|(_, left)| *left).collect();
     if falling.is_empty() {

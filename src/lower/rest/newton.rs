@@ -1,30 +1,30 @@
-//! The way down: from the drawing to a rest of one part, in binary64. See docs/method/rest.md.
+//! The descent: from the drawing to a rest of one part, in binary64. See docs/method/rest.md.
 //!
-//! Newton steps with a trust region ([`trust`](super::trust)). D measures angles in radians and translations in lengths of
-//! the part. Every step lowers the energy, so the way ends in a minimum; a coordinate on which nothing pulls stays where it
-//! is drawn, also on top of a hill. One on which anything pulls leaves it: the first step goes by the forces as drawn in the
-//! model's own numbers, which are not rounding however small they are.
+//! Newton steps with a trust region ([`trust`](super::trust)). D measures angles in radians and translations in lengths
+//! of the part. Every step lowers the energy, so the descent ends in a minimum. A coordinate without force stays where it
+//! is drawn, even on top of a hill. A coordinate with any force leaves it: the first step follows the forces as drawn in
+//! the model's own numbers, which are not rounding errors however small they are.
 
 use super::potential::{Detail, Energy, Potential};
 use super::trust::{Region, Shifted, Step};
 use crate::lower::kinematics::{Index, Kinematics, State};
 use crate::system::ldl::{Factors, Symmetric};
 
-/// A part of the scene on its way down.
+/// A part of the scene during the descent.
 pub struct Descent<'a> {
     pub kinematics: &'a Kinematics,
     pub coordinates: &'a [Index],
     pub local: &'a [u32],
     pub potential: Potential<f64>,
     pub state: &'a mut State<f64>,
-    /// dV/dq as drawn, each number right to its last digits.
+    /// dV/dq as drawn, each number accurate to its last digits.
     pub drawn: Vec<f64>,
     /// The longest spring or arm of the part, m.
     pub length: f64,
     pub linear: bool,
 }
 
-/// How it ended.
+/// The result of the descent.
 #[derive(Clone, Debug)]
 pub struct Descended {
     pub settled: bool,
@@ -32,18 +32,19 @@ pub struct Descended {
     pub energy: Energy<f64>,
 }
 
-/// Steps before it is given up: a step is at most half a radian or half a length of the part at first.
+/// Limit on the steps: at first, a step is at most half a radian or half a length of the part.
 pub const MAX_STEPS: u32 = 500;
-/// A step this small in the measure D changes nothing that binary64 can hold: rounding of the positions is 1e-16.
+/// A step this small in the measure D changes nothing that binary64 can resolve: positions have a rounding error of
+/// 1e-16.
 pub const STILL: f64 = 1e-13;
-/// Forces that balance to this part of their sizes: rounding of the sums of a few terms.
+/// Forces that balance up to this share of their magnitudes: rounding errors of sums of a few terms.
 pub const BALANCED: f64 = 1e-14;
 pub const FIRST_RADIUS: f64 = 0.5;
-/// Angles do not turn by more than about this in one step, so that no rest is jumped over.
+/// Angles turn by no more than about this in one step, so that no rest is skipped.
 pub const LARGEST_RADIUS: f64 = 1.0;
-/// Lengths of the part beyond which it is taken to fall.
+/// Lengths of the part beyond which it counts as falling.
 const AWAY: f64 = 1e6;
-/// A pivot that is less than this part of what it was made from is rounding.
+/// A pivot below this share of the terms it was made from is a rounding error.
 pub const LEAST_PIVOT: f64 = 1e-13;
 
 impl Descent<'_> {
@@ -65,10 +66,10 @@ impl Descent<'_> {
             let before = self.values();
             self.walk(&step.direction);
             let next = self.energy(Detail::Curvature);
-            // What rounding leaves of the energies, a few units of each.
+            // Rounding errors of the energies, a few units in the last place of each.
             let noise = 1e-15 * (energy.size + next.size);
             if step.predicted <= noise {
-                // The energies cannot tell any more: the forces do.
+                // The energies can no longer decide, so the forces do.
                 if imbalance(&next) > 0.5 * imbalance(&energy) {
                     self.put(&before);
                     return Descended { settled: true, steps, energy };
@@ -118,7 +119,7 @@ impl Descent<'_> {
         self.put(&values);
     }
 
-    /// Where it is drawn: nothing is certainly unbalanced.
+    /// The part stays as drawn, since no force is certainly unbalanced.
     pub fn stay(self) -> Descended {
         Descended { settled: true, steps: 0, energy: self.energy(Detail::Sizes) }
     }
@@ -136,13 +137,13 @@ impl Descent<'_> {
     }
 }
 
-/// The largest force that is left, relative to those that act on its coordinate.
+/// The largest unbalanced force, relative to the forces that act on its coordinate.
 fn imbalance(energy: &Energy<f64>) -> f64 {
     let relative = |(left, forces): (&f64, &f64)| if *left == 0.0 { 0.0 } else { left.abs() / forces };
     energy.gradient.iter().zip(&energy.forces).map(relative).fold(0.0, f64::max)
 }
 
-/// The second derivative, its pattern kept from step to step.
+/// The second derivative; its pattern is kept from step to step.
 #[derive(Default)]
 pub struct Matrix {
     places: Vec<(u32, u32)>,
@@ -161,35 +162,35 @@ impl Matrix {
         }
     }
 
-    /// The factors of the matrix itself, where it is positive definite.
+    /// The factors of the matrix itself, if it is positive definite.
     pub fn factor(&self) -> Option<Factors> {
         self.symmetric.as_ref()?.factor(|_| 0.0, LEAST_PIVOT).ok()
     }
 
-    /// Whether it is certainly negative along some motion.
+    /// Whether the energy certainly has negative curvature along some motion.
     fn is_a_hill(&self, measure: &[f64]) -> bool {
         let Some(symmetric) = &self.symmetric else { return false };
         let shift = 1e-10 * self.size(measure);
         symmetric.factor(|row| shift * measure[row], LEAST_PIVOT).is_err()
     }
 
-    /// The largest entry of its diagonal, measured by D.
+    /// The largest entry of the diagonal, measured by D.
     fn size(&self, measure: &[f64]) -> f64 {
         let sizes = self.symmetric.as_ref().map_or(Vec::new(), Symmetric::diagonal);
         sizes.iter().zip(measure).map(|(size, weight)| size.abs() / weight).fold(0.0, f64::max)
     }
 
-    /// `None` where no shift makes a step: numbers beyond binary64.
+    /// `None` if no shift yields a step: numbers are outside the range of binary64.
     fn step(&self, gradient: &[f64], noise: &[f64], measure: &[f64], radius: f64) -> Option<Step> {
         let symmetric = self.symmetric.as_ref()?;
         let pulls = gradient.iter().zip(measure).map(|(pull, weight)| pull.abs() / weight.sqrt()).fold(0.0, f64::max);
-        // Where nothing is stiff the force itself sets the scale: a step of the radius.
+        // If nothing is stiff, the force itself sets the scale: a step as long as the radius.
         let scale = self.size(measure).max(pulls / radius);
         Region { gradient, noise, measure, scale, radius }.step(&Measured { symmetric, measure })
     }
 }
 
-/// A matrix with the measure in which it is shifted.
+/// A matrix with the measure by which it is shifted.
 struct Measured<'a> {
     symmetric: &'a Symmetric,
     measure: &'a [f64],

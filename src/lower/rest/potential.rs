@@ -1,12 +1,12 @@
-//! The potential energy of loads and springs at any state, with first and second derivatives: in binary64 for the search,
-//! in [`Number`](crate::base::Number) for what is kept. See docs/method/rest.md.
+//! The potential energy of loads and springs in any state, with first and second derivatives: in binary64 for the search,
+//! in [`Number`](crate::base::Number) for results. See docs/method/rest.md.
 
 use crate::base::Number;
 use crate::elements::{DeadForce, Scalar, Spring, Stretch, Vector};
 use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
 use crate::lower::loads::{self, Between};
 
-/// What gives a set of coordinates its energy.
+/// The sources of potential energy of a set of coordinates.
 #[derive(Clone, Debug)]
 pub struct Potential<S> {
     pub springs: Vec<(Spring<S>, Between<S>)>,
@@ -22,21 +22,21 @@ impl<S> Default for Potential<S> {
     }
 }
 
-/// Energy and derivatives at a state, over the coordinates of one part of the scene in local numbers.
+/// Energy and derivatives in a state, over the coordinates of one part of the scene with local indices.
 #[derive(Clone, Debug)]
 pub struct Energy<S> {
     pub value: S,
     pub gradient: Vec<S>,
-    /// For each coordinate, the sum of force times lever of all that acts on it: what the gradient is small against. Only
-    /// with `Detail::Sizes` or more.
+    /// For each coordinate, the sum of force times lever arm over everything that acts on it, to compare the gradient
+    /// with. Only with `Detail::Sizes` or more.
     pub forces: Vec<f64>,
-    /// Sum of the sizes of all energies, for what rounding leaves of their sum.
+    /// Sum of the magnitudes of all energies, for the rounding error of their sum.
     pub size: f64,
-    /// Entries of the second derivative, places in a fixed order; each pair once, places may repeat.
+    /// Entries of the second derivative in a fixed order of places; each pair in one order only, places may repeat.
     pub curvature: Vec<(u32, u32, S)>,
 }
 
-/// How much of an energy is asked for.
+/// Which parts of an energy to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
     Gradient,
@@ -44,7 +44,7 @@ pub enum Detail {
     Curvature,
 }
 
-/// Global to local numbers: the place of each coordinate in its own part; `ELSEWHERE` for prescribed ones.
+/// The local index of a coordinate that is in no part, such as a prescribed one.
 pub const ELSEWHERE: u32 = u32::MAX;
 
 impl Potential<Number> {
@@ -85,7 +85,7 @@ impl<S: Scalar> Potential<S> {
     }
 }
 
-/// A sum in progress.
+/// A sum of energies in progress.
 pub struct Sum<'a, S> {
     kinematics: &'a Kinematics,
     state: &'a State<S>,
@@ -175,7 +175,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
         }
     }
 
-    /// Force times lever on every coordinate of the way in `reach`.
+    /// Adds force times lever arm to every coordinate of the path in `reach`.
     fn sizes(&mut self, force: &Vector<S>) {
         if self.detail < Detail::Sizes {
             return;
@@ -210,7 +210,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
         }
     }
 
-    /// curvature += force . grad^2 of the way in `reach`.
+    /// curvature += force . grad^2 of the path in `reach`.
     fn curvature(&mut self, force: &Vector<S>) {
         let (local, entries) = (self.local, &mut self.energy.curvature);
         self.reach.curvature(force, |i, j, value| {

@@ -1,10 +1,10 @@
-//! What shows that a scene rests where it is reported to rest. A [`Proven`] is made by these tests alone, so that nothing says
-//! `proven` by itself.
+//! Proofs that a scene rests where it is reported to rest. A [`Proven`] is made only by these tests, so that nothing can
+//! claim to be proven without one.
 //! See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and docs/method/rest.md#large-linear-parts.
 
 use crate::base::Number;
 
-/// The rest lies in the enclosure told. Only the tests of this file make one.
+/// Proof that the rest lies in the enclosure reported. Only the tests in this file make one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Proven(());
 
@@ -14,32 +14,32 @@ impl Proven {
         forces.into_iter().all(Number::is_zero).then_some(Proven(()))
     }
 
-    /// An operator that has its fixed points at the rests maps a box into its interior: bounds of how far from the middle
-    /// the image reaches, and the radii of the box.
+    /// An operator whose fixed points are the rests maps a box into its interior: bounds of the distance of the image
+    /// from the middle, and the radii of the box.
     pub fn inclusion(mapped: &[f64], radii: &[f64]) -> Option<Proven> {
         let inside = |(mapped, radius): (&f64, &f64)| mapped < radius && radius.is_finite();
         (mapped.len() == radii.len() && mapped.iter().zip(radii).all(inside)).then_some(Proven(()))
     }
 
-    /// The energy rises everywhere on a sphere: `force` bounds the gradient at its middle from above, `least` the curvature
-    /// within from below.
+    /// The energy rises everywhere on a sphere: `force` is an upper bound of the gradient at its centre, `least` a lower
+    /// bound of the curvature inside.
     pub fn convexity(force: f64, least: f64, radius: f64) -> Option<Proven> {
         let rises = least > 0.0 && radius.is_finite() && force <= least * radius * (1.0 - 1e-15);
         rises.then_some(Proven(()))
     }
 
-    /// A linear system is regular: K w > 0 for some w > 0 where K has no positive entry off its diagonal.
+    /// A linear system is regular: K w > 0 for some w > 0, and K has no positive entry off its diagonal.
     pub fn positivity(w: &[f64], least_of_kw: &[f64]) -> Option<Proven> {
         let positive = |x: &[f64]| x.iter().all(|x| *x > 0.0 && x.is_finite());
         (w.len() == least_of_kw.len() && positive(w) && positive(least_of_kw)).then_some(Proven(()))
     }
 
-    /// A linear system is regular: `least` bounds its eigenvalues from below.
+    /// A linear system is regular: `least` is a lower bound of its eigenvalues.
     pub fn definiteness(least: f64) -> Option<Proven> {
         (least > 0.0 && least.is_finite()).then_some(Proven(()))
     }
 
-    /// Both of two parts are.
+    /// Both of two parts are proven.
     pub fn and(first: Option<Proven>, second: Option<Proven>) -> Option<Proven> {
         first.and(second)
     }

@@ -1,4 +1,4 @@
-//! The rest of a part with constraints, known: coordinates and multipliers together.
+//! The rest of a part with constraints: coordinates and multipliers are found together.
 //! See docs/method/rest.md#closed-loops.
 //!
 //! The equations are grad V + G^T lambda = 0 and g = 0 in z = (q, lambda), with the symmetric derivative
@@ -28,7 +28,7 @@ pub struct Balance<'a> {
 }
 
 impl Balance<'_> {
-    /// Refines the state from these values in binary64 and encloses the rest.
+    /// Refines the state, starting from these values in binary64, and encloses the rest.
     pub fn run(mut self, values: &[f64]) -> Refined {
         let n = values.len();
         let mut middle: Vec<Dd> = values.iter().copied().map(Dd::from).collect();
@@ -43,7 +43,7 @@ impl Balance<'_> {
 
     fn refine_and_prove(&mut self, middle: &mut [Dd]) -> Option<Proven> {
         if middle.len() > 2 * MAX_DENSE {
-            // The search in binary64 stops where a step is 1e-13 of an angle or a length.
+            // The search in binary64 stops at steps of 1e-13 of an angle or a length.
             let sizes: Vec<f64> = middle.iter().map(|at| at.hi.abs().max(1.0)).collect();
             self.place(middle, &|i| 1e-12 * sizes[i]);
             return None;
@@ -57,17 +57,17 @@ impl Balance<'_> {
         let last = inverse.refine(self, middle);
         let proven = inverse.prove(self, middle);
         if proven.is_none() {
-            // An estimate: another step would gain as many digits as the last one did.
+            // An estimate: another step would gain as many digits as the last one.
             let radius = |i: usize| last * middle[i].hi.abs().max(NEAR);
             self.place(middle, &radius);
         }
-        // Along a motion that nothing holds there is a choice of rests.
+        // If nothing restrains some motion, there is a choice of rests along it.
         let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
         self.is_exactly_rational(known).or(proven)
     }
 
-    /// Whether everything balances exactly at the simplest fractions within the relative distance `known`; leaves the state
-    /// there then.
+    /// Whether everything balances exactly at the simplest fractions within the relative distance `known`; if so, leaves
+    /// the state there.
     fn is_exactly_rational(&mut self, known: f64) -> Option<Proven> {
         let fraction = |ball: Ball| if ball.contains_zero() { Some(Rational::ZERO) } else { simplest(ball, known) };
         let balls: Vec<Ball> = self.coordinates.iter().map(|i| self.state.value(*i).to_ball()).collect();
@@ -95,7 +95,7 @@ impl Balance<'_> {
         self.state.set(self.kinematics, coordinate, value);
     }
 
-    /// In binary64, the multipliers that leave the least of the forces.
+    /// The multipliers that minimise the remaining forces, in binary64.
     fn least_multipliers(&self) -> Vec<f64> {
         let (n, m) = (self.coordinates.len(), self.equations.len());
         let gradient = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
@@ -110,7 +110,7 @@ impl Balance<'_> {
         square.lu().solve(&-(&rows * gradient)).map_or(vec![0.0; m], |found| found.iter().copied().collect())
     }
 
-    /// g and its gradient over places in the part.
+    /// g and its gradient over the places of the part.
     fn measured(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
         let mut reach = Reach::default();
         let of = |equation: &&Equation<Number>| {
@@ -121,13 +121,13 @@ impl Balance<'_> {
         self.equations.iter().map(of).collect()
     }
 
-    /// The largest force that is left, relative to the largest that acts, reactions included.
+    /// The largest unbalanced force, relative to the largest that acts, including reactions.
     fn residual(&self) -> f64 {
         let n = self.coordinates.len();
         let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Sizes);
         let mut sizes = energy.forces;
         if sizes.iter().all(|size| *size == 0.0) {
-            // Nothing acts: the reactions are rounding of zero.
+            // Nothing acts: the reactions are rounding errors of zero.
             return 0.0;
         }
         for ((_, row), multiplier) in self.measured().iter().zip(&self.multipliers) {
@@ -182,8 +182,8 @@ impl Equations for Balance<'_> {
     }
 }
 
-/// Factors of rows and columns that make the largest entry of each about 1: a few rounds of D. Ruiz, *A scaling algorithm to
-/// equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034.
+/// Scale factors for rows and columns that bring the largest entry of each to about 1: a few iterations of D. Ruiz, *A
+/// scaling algorithm to equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034.
 pub fn equilibrium(matrix: &DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scale = vec![1.0; n];

@@ -1,14 +1,14 @@
-//! Rests without any tension: a body that floats on a spring, parts that nothing but their own springs hold. In: a part near
-//! such a rest; out: a rest that is proven, in which every spring is exactly slack. See docs/method/rest.md#proof.
+//! Rests without any tension: a body that floats on a spring, or parts held only by their own springs. In: a part near
+//! such a rest. Out: a proven rest in which every spring is exactly slack. See docs/method/rest.md#proof.
 //!
-//! Where nothing pulls but springs, every place at which all of them have their free lengths is a rest, and where they leave
-//! motions free there are many: no operator contracts onto one of them. The one nearest to the drawing is unique (or, if
-//! that is not found, the one nearest to where the search ended): with e the stretches beyond the free lengths, D the
-//! measure of [`newton`](super::newton) and q0 the place that it is near to, it solves
+//! If springs are the only loads, every position in which all of them have their free lengths is a rest. If such rests
+//! leave motions free, there are many, and no operator contracts to one of them. The one nearest to the drawing is unique
+//! (or, if that is not found, the one nearest to where the search ended): with e the stretches beyond the free lengths, D
+//! the measure of [`newton`](super::newton) and q0 the position it is to be near, it solves
 //!
 //!   D (q - q0) + sum lambda_e grad e = 0,   e(q) = 0,
 //!
-//! which is enclosed as in [`krawczyk`]. A solution in the box is a place without tension, whatever its lambda are.
+//! which is enclosed as in [`krawczyk`]. A solution in the box is a position without tension, whatever its lambda are.
 
 use super::krawczyk::{self, Equations, Inverse};
 use super::potential::{Detail, ELSEWHERE, Potential};
@@ -24,12 +24,12 @@ use nalgebra::DMatrix;
 /// The coordinates of parts that rest without any tension.
 #[derive(Clone, Debug, Default)]
 pub struct Slack {
-    /// Empty where there are none.
+    /// Empty if there are none.
     of: Vec<bool>,
 }
 
 impl Slack {
-    /// Whether a spring has no tension at rest, exactly.
+    /// Whether a spring has exactly no tension at rest.
     pub fn has(&self, kinematics: &Kinematics, between: &Between<Number>) -> bool {
         let of = |i: Index| self.of.get(i as usize) == Some(&true);
         !self.of.is_empty()
@@ -43,15 +43,15 @@ impl Slack {
     }
 }
 
-/// Numbers of coordinates and springs together, for dense matrices.
+/// Limit on the number of coordinates plus springs, for dense matrices.
 const MAX_DENSE: usize = 300;
-/// Newton steps that gain sixteen digits each at the end; more of them where the way is bent.
+/// Limit on the Newton steps: each gains sixteen digits at the end, but more of them are needed on a curved path.
 const MAX_STEPS: usize = 20;
-/// Relative size of a step after which the next one would change nothing.
+/// Relative size of a step after which another would change nothing.
 const STILL: f64 = 1e-20;
 
-/// Puts the part at a rest without tension near the values found in binary64, and proves it; leaves the state where it was
-/// if it cannot.
+/// Moves the part to a rest without tension near the values found in binary64, and proves it; if it cannot, leaves the
+/// state where it was.
 pub fn prove(
     kinematics: &Kinematics,
     part: &Part,
@@ -83,7 +83,7 @@ pub fn prove(
     proven
 }
 
-/// The equations of the module's text.
+/// The equations in the text of this module.
 struct Nearest<'a> {
     kinematics: &'a Kinematics,
     part: &'a Part,
@@ -114,7 +114,7 @@ impl Nearest<'_> {
         Number::Ball(Ball::from(1.0) / Ball::from(self.units[place]) / Ball::from(self.units[place]))
     }
 
-    /// What gives the gradient sum lambda grad e: each spring with a tension of its own and without stiffness.
+    /// The potential with the gradient sum lambda grad e: each spring has a tension but no stiffness.
     fn pulls(&self) -> Potential<Number> {
         let pull = |((spring, between), multiplier): (&(Spring<Number>, Between<Number>), &Number)| {
             let (stretch, preload) = (spring.stretch.clone(), multiplier.clone());
@@ -124,7 +124,7 @@ impl Nearest<'_> {
         Potential { springs, ..Potential::default() }
     }
 
-    /// The stretch of each spring beyond its free length, and its gradient over places in the part.
+    /// The stretch of each spring beyond its free length, and its gradient over the places of the part.
     fn stretches(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
         let (mut reach, mut row) = (Reach::default(), Vec::new());
         let of = |(spring, between): &(Spring<Number>, Between<Number>)| {

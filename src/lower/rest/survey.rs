@@ -1,8 +1,8 @@
-//! Which coordinates are coupled, which of those sets are loaded, and how: so that only what moves is searched for.
-//! See docs/method/rest.md.
+//! A survey of the sets of coupled coordinates: which of them are loaded, and how, so that the search is limited to what
+//! moves. See docs/method/rest.md.
 //!
-//! Two coordinates are coupled where one spring feels both, or where a slide turns with an angle. A set is linear where
-//! its energy is quadratic: no loaded arm turns and every spring acts along a fixed direction.
+//! Two coordinates are coupled if the same spring depends on both, or if a slide turns with an angle. A set is linear if
+//! its energy is quadratic: no loaded arm turns, and every spring acts along a fixed direction.
 
 use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
 use crate::base::Number;
@@ -12,17 +12,17 @@ use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
 use crate::lower::loads::{self, Between, Load};
 use crate::model::scene::Scene;
 
-/// A set of coordinates that are coupled, with a load on at least one of them.
+/// A set of coupled coordinates with a load on at least one of them.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Ascending.
     pub coordinates: Vec<Index>,
-    /// Empty for a large linear set, whose stiffness the matrices hold.
+    /// Empty for a large linear set, whose stiffness is in the matrices.
     pub potential: Potential<Number>,
     pub linear: bool,
-    /// Numbers of the constraints on its coordinates.
+    /// Indices of the constraints on its coordinates.
     pub constraints: Vec<u32>,
-    /// Whether a force on it is certainly not zero.
+    /// Whether some force on it is certainly not zero.
     pub unbalanced: bool,
 }
 
@@ -30,18 +30,18 @@ pub struct Part {
 #[derive(Clone, Debug)]
 pub struct Survey {
     pub parts: Vec<Part>,
-    /// The place of each coordinate, prescribed ones included, in its own part.
+    /// The index of each coordinate, including prescribed ones, in its own part.
     pub local: Vec<u32>,
     /// dV/dq as drawn, N or N m.
     pub forces: Vec<Number>,
 }
 
-/// dV/dq of all free coordinates at a state, summed over what `loaded_only` lets through.
+/// dV/dq of all free coordinates in a state; the sum excludes what `loaded_only` leaves out.
 pub fn forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loaded_only: bool) -> Vec<Number> {
     energy(scene, kinematics, state, loaded_only, Detail::Gradient).gradient
 }
 
-/// The energy of what `loaded_only` lets through, at a state, over all free coordinates.
+/// The energy in a state, over all free coordinates; the sum excludes what `loaded_only` leaves out.
 pub fn energy(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -60,7 +60,7 @@ pub fn energy(
     sum.energy
 }
 
-/// The parts on which `forces` leave a load.
+/// The parts that are loaded according to `forces`.
 pub fn survey(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -94,7 +94,7 @@ pub fn survey(
 }
 
 impl Part {
-    /// The longest spring or arm, m; 1 m where there is none.
+    /// The longest spring or arm, m; 1 m if there is none.
     pub fn length(&self) -> f64 {
         let line = |stretch: &Stretch<Number>| match stretch {
             Stretch::Line { drawn } => drawn.norm_squared().to_f64().sqrt(),
@@ -108,7 +108,7 @@ impl Part {
 }
 
 impl Survey {
-    /// Makes a coordinate a member of a part. Parts begin in order.
+    /// Adds a coordinate to a part. New parts are added in order.
     fn join(&mut self, part: usize, coordinate: usize, linear: bool) {
         if part == self.parts.len() {
             let potential = Potential::default();
@@ -121,7 +121,7 @@ impl Survey {
         members.unbalanced |= !self.forces[coordinate].may_be_zero();
     }
 
-    /// Gives a load to the parts that it acts on, except to large linear ones.
+    /// Adds a load to the parts that it acts on, except to large linear ones.
     fn collect(&mut self, kinematics: &Kinematics, part_of: &[u32], load: Load) {
         let part = |coordinate: Index| match part_of[coordinate as usize] {
             ELSEWHERE => None,
@@ -149,13 +149,13 @@ impl Survey {
     }
 }
 
-/// What a spring feels.
+/// The coordinates that a spring depends on.
 fn coordinates<'a>(kinematics: &'a Kinematics, between: &'a Between<Number>) -> impl Iterator<Item = Index> + 'a {
     let way = between.path.coordinates(kinematics).flat_map(|(coordinate, angle)| [Some(coordinate), angle]);
     way.flatten().chain(between.angles.into_iter().flatten())
 }
 
-/// Sets of free coordinates (union-find by halving paths; the least member stands for all).
+/// Sets of free coordinates (union-find with path halving; the least member represents the set).
 struct Sets<'a> {
     kinematics: &'a Kinematics,
     parents: Vec<u32>,
@@ -216,7 +216,7 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// A fixed force feels each group on its own, a slide in a turning group together with its angle.
+    /// A fixed force acts on each group separately, and on a slide in a turning group together with its angle.
     fn tie_way(&mut self, path: &Path<Number>) {
         if path.is_straight() {
             return;
@@ -234,7 +234,7 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// What a constraint holds is coupled; returns a coordinate of each constraint that displaced bases leave open.
+    /// The coordinates of a constraint are coupled; returns a coordinate of each constraint that displaced bases violate.
     fn tie_constraints(&mut self, constraints: &Constraints, state: &State<Number>) -> Vec<usize> {
         let n = self.parents.len();
         let kinematics = self.kinematics;
@@ -257,7 +257,7 @@ impl<'a> Sets<'a> {
         displaced
     }
 
-    /// For each root its number among the loaded ones, in the order of their least coordinates.
+    /// For each root, its index among the loaded sets, in the order of their least coordinates.
     fn loaded(&mut self, forces: &[Number], displaced: &[usize]) -> Vec<u32> {
         let mut loaded = vec![false; self.parents.len()];
         let forced = (0..forces.len()).filter(|&i| !forces[i].is_zero());

@@ -1,45 +1,46 @@
-//! One step of a trust region: p that makes g . p + p . H p / 2 least for |p|_D <= radius. In: a matrix that can be factored
-//! with a shift s D, the gradient; out: the step and what it promises. See docs/method/rest.md#search.
+//! One step of a trust region: p that minimises g . p + p . H p / 2 for |p|_D <= radius. In: a matrix that can be
+//! factored with a shift s D, and the gradient. Out: the step and the predicted decrease. See docs/method/rest.md#search.
 //!
-//! p = -(H + s D)^-1 g with the least s >= 0 for which H + s D is positive definite and p fits (J. J. Moré, D. C. Sorensen,
-//! *Computing a trust region step*, SIAM J. Sci. Stat. Comput. 4 (1983) 553-572). Where H is not positive definite the step
-//! reaches the edge of the region, however small g is: near the top of a hill the way down is long. If g hardly feels the
-//! direction z in which H is negative, p is led to the edge along z, downhill; where g does not feel it at all, as far as
-//! its rounding tells, z stays out: a coordinate on which nothing pulls stays where it is drawn, also on top of a hill.
+//! p = -(H + s D)^-1 g with the least s >= 0 for which H + s D is positive definite and |p|_D is at most the radius (J.
+//! J. Moré, D. C. Sorensen, *Computing a trust region step*, SIAM J. Sci. Stat. Comput. 4 (1983) 553-572). If H is not
+//! positive definite, the step reaches the edge of the region, however small g is: near the top of a hill the way down is
+//! long. If g has hardly any component along the direction z of negative curvature, p is continued along z to the edge,
+//! downhill. If that component is zero up to rounding, z is not used: a coordinate without force stays where it is drawn,
+//! even on top of a hill.
 
-/// H + s D in factors.
+/// H + s D in factored form.
 pub trait Shifted {
     type Factors;
 
-    /// `None` where the matrix with the shift is not positive definite to working precision.
+    /// `None` if the shifted matrix is not positive definite to working precision.
     fn factor(&self, shift: f64) -> Option<Self::Factors>;
 
     /// x <- (H + s D)^-1 x.
     fn solve(&self, factors: &Self::Factors, x: &mut [f64]);
 }
 
-/// A step and what it promises.
+/// A step and the predicted decrease.
 pub struct Step {
     pub direction: Vec<f64>,
     /// |p|_D
     pub length: f64,
-    /// What a quadratic energy would fall by.
+    /// The decrease of the quadratic model of the energy.
     pub predicted: f64,
 }
 
-/// What a step is looked for with.
+/// The trust region: gradient, measure and radius.
 pub struct Region<'a> {
     pub gradient: &'a [f64],
-    /// What rounding may make of each entry of the gradient, besides a few units of its own last place.
+    /// Bound of the rounding error of each entry of the gradient, besides a few units in its last place.
     pub noise: &'a [f64],
     /// The diagonal of D.
     pub measure: &'a [f64],
-    /// What the entries of H, and of the gradient over the radius, are measured in: their largest.
+    /// The largest of the entries of H, and of the gradient over the radius: the unit in which they are measured.
     pub scale: f64,
     pub radius: f64,
 }
 
-/// The longest step so far of a matrix that is not positive definite.
+/// The longest step so far for a matrix that is not positive definite.
 struct Short<F> {
     shift: f64,
     factors: F,
@@ -47,20 +48,20 @@ struct Short<F> {
 }
 
 const MAX_TRIALS: usize = 200;
-/// The least shift, as a part of the scale: what is less negative than that is rounding.
+/// The least shift, as a share of the scale: smaller negative curvature is a rounding error.
 const LEAST_SHIFT: f64 = 1e-10;
-/// A step that ends this much beyond the edge is in the region.
+/// A step that ends beyond the edge by up to this factor counts as inside the region.
 const BEYOND: f64 = 1.1;
-/// One that reaches this part of the way to the edge is long enough where H is not positive definite.
+/// A step that reaches this share of the way to the edge is long enough if H is not positive definite.
 const FAR_ENOUGH: f64 = 0.1;
-/// Shifts this close to each other are one: the factors cannot tell.
+/// Shifts this close to each other count as equal: the factors cannot distinguish them.
 const TOGETHER: f64 = 1e-12;
-/// The part of a step that rounding leaves distinguishable from zero.
+/// The share of a step below which rounding makes it indistinguishable from zero.
 const ROUNDING: f64 = 1e-13;
 const INVERSE_STEPS: usize = 3;
 
 impl Region<'_> {
-    /// `None` where no shift makes a step: numbers beyond binary64.
+    /// `None` if no shift yields a step: numbers are outside the range of binary64.
     pub fn step<M: Shifted>(&self, matrix: &M) -> Option<Step> {
         // A shift for which H + s D is not positive definite.
         let mut low: Option<f64> = None;
@@ -117,11 +118,11 @@ impl Region<'_> {
         (step.length / self.radius - 1.0) * step.length * step.length / dot(&response, &weighted)
     }
 
-    /// A short step, and from there along the direction in which H is most negative, to the edge; the step as it is where
-    /// the gradient does not tell which way is down.
+    /// A short step, continued along the direction of most negative curvature to the edge; the step itself if the
+    /// gradient does not show which way is downhill.
     fn led_downhill<M: Shifted>(&self, matrix: &M, short: Short<M::Factors>) -> Step {
         let Short { shift, factors, step } = short;
-        // Any start that is not orthogonal by some symmetry.
+        // A start that is not orthogonal to z because of some symmetry.
         let start = |(i, weight): (usize, &f64)| (1.0 + 0.1 * (i % 7) as f64) / weight.sqrt();
         let mut z: Vec<f64> = self.measure.iter().enumerate().map(start).collect();
         // z . (H + s D) z
@@ -137,7 +138,8 @@ impl Region<'_> {
         }
         let length = self.norm(&z);
         z.iter_mut().for_each(|z| *z /= length);
-        // The part of p along z is -(g . z) / above: so near the pole it is large beside what z has of other directions.
+        // The part of p along z is -(g . z) / above: so near the pole it is large compared with z's contamination by
+        // other directions.
         let along = dot(&self.weighted(&z), &step.direction);
         let noise: f64 = self.noise.iter().zip(&z).map(|(noise, z)| noise * z.abs()).sum();
         let is_told = along.abs() > ROUNDING * step.length + noise / above;
@@ -164,7 +166,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A number between two, nearer to their ratio's middle where they are far apart.
+/// A number between two; their geometric mean if they are far apart.
 fn between(low: f64, high: f64) -> f64 {
     if high > 4.0 * low && low > 0.0 { low.sqrt() * high.sqrt() } else { 0.5 * (low + high) }
 }
@@ -203,7 +205,7 @@ mod tests {
         assert!((step.predicted - 0.045).abs() < 1e-15);
     }
 
-    /// From the top of a hill the way is long, however little it leans: down to a slope of 1e-300.
+    /// From the top of a hill the step is long, however small the slope is: down to 1e-300.
     #[test]
     fn on_a_hill_the_step_reaches_the_edge() {
         for slope in [1e-1, 1e-7, -1e-9, 1e-12, -1e-15, 1e-40, 1e-300] {
@@ -214,7 +216,7 @@ mod tests {
         }
     }
 
-    /// What nothing pulls at stays on top of its hill, and so does what only rounding pulls at.
+    /// A coordinate without force stays on top of its hill, and so does one whose force is only a rounding error.
     #[test]
     fn without_a_slope_there_is_no_way_down() {
         for (slope, noise) in [(0.0, 0.0), (1e-16, 1e-15)] {
