@@ -1,5 +1,5 @@
-//! Answers as one value: what the stages and the questions found out about a model; and the reports of them, for back ends to
-//! lay out. Nothing is computed or rounded here. See docs/method/report.md.
+//! Answers as values: the results of the stages and the questions about a model, and the reports on them, for back ends
+//! to lay out. Nothing is computed or rounded here. See docs/method/report.md.
 
 pub mod report;
 #[cfg(test)]
@@ -11,7 +11,7 @@ use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Sensitivity, Solved};
 use crate::system::{Coordinate, LinearSystem};
 
-/// All that a modal report says.
+/// The contents of a modal report.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ModalAnswer {
@@ -22,14 +22,14 @@ pub struct ModalAnswer {
     pub modes: Modes,
     pub poles: Poles,
     pub stability: Verdict,
-    /// Where gravity, tensions or reactions take stiffness away.
+    /// Set if gravity, tensions or reactions reduce the stiffness.
     pub buckling: Option<Buckling>,
-    /// What was kept of the model and what was left out, where that was asked for.
+    /// What was kept of the model and what was left out, if requested.
     pub account: Option<Account>,
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
-    /// Where they were asked for.
+    /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
 }
 
@@ -41,12 +41,12 @@ impl ModalAnswer {
         own.chain(dependent)
     }
 
-    /// The poles as motions, counted from 1: of a complex pair the one in the upper half plane.
+    /// The poles as motions, counted from 1: of a complex pair, only the one in the upper half plane.
     pub fn motions(&self) -> impl Iterator<Item = (usize, &Pole)> {
         (1..).zip(self.poles.list.iter().filter(|pole| !pole.is_lower_half()))
     }
 
-    /// Claims of the report that are not proved: that the list of poles is complete, and the verdict on the rest.
+    /// Claims in the report that are not proved: that the list of poles is complete, and the verdict on the rest.
     pub fn not_proved(&self) -> impl Iterator<Item = &'static str> {
         let count = self.poles.is_uncounted().then_some("that these are all poles, and each is there once");
         let verdict = Some(self.stability.reason().not_proved()).filter(|claim| !claim.is_empty());

@@ -1,4 +1,4 @@
-//! Answers made by hand, for the tests of this folder and of the back ends.
+//! Hand-made answers for the tests of this folder and of the back ends.
 
 use super::ModalAnswer;
 use crate::analysis::{
@@ -64,7 +64,7 @@ pub fn cart() -> ModalAnswer {
     }
 }
 
-/// Two free carts tied by a spring: a rigid motion and an oscillation.
+/// Two free carts connected by a spring: a rigid-body mode and an oscillation.
 pub fn free_pair() -> ModalAnswer {
     let mut words = Words::new();
     let coordinates = vec![
@@ -104,7 +104,7 @@ pub fn free_pair() -> ModalAnswer {
     }
 }
 
-/// An upright rod on a soft hinge spring, found leaning by 0.01 rad: it falls.
+/// An upright rod on a soft hinge spring, at rest leaning by 0.01 rad: it falls.
 pub fn upright_rod() -> ModalAnswer {
     let mut answer = cart();
     let gravity = answer.system.k.source_of(1).name;
@@ -130,7 +130,7 @@ pub fn upright_rod() -> ModalAnswer {
     answer
 }
 
-/// Poles that are counted.
+/// A complete, counted list of poles.
 fn all(list: Vec<Pole>) -> Poles {
     Poles { count: Some(PoleCount::sample(list.len(), 0)), list, ..Poles::default() }
 }

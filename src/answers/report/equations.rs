@@ -1,10 +1,10 @@
-//! The coordinates and, where they fit, the matrices.
+//! The coordinates and, if small enough, the matrices.
 
 use super::{Block, Line, Matrices, Options, Section, coordinate, first_of, line, listed, unit};
 use crate::answers::ModalAnswer;
 use crate::system::{Form, LinearSystem};
 
-/// Matrices of more coordinates are shown on demand only.
+/// The matrices of larger systems are shown on demand only.
 const MOST: usize = 8;
 const DIGITS: usize = 5;
 
@@ -25,7 +25,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     Section::new("Equations of motion", blocks)
 }
 
-/// `q = (block.x [m], rod.angle [rad])`; the first and the last of many.
+/// `q = (block.x [m], rod.angle [rad])`; of many, only the first and the last.
 fn coordinates(system: &LinearSystem) -> Line {
     const ENDS: usize = 6;
     let n = system.n();
@@ -44,7 +44,7 @@ fn coordinates(system: &LinearSystem) -> Line {
     line!["q = (", names, ")"]
 }
 
-/// The coordinates that closed loops and couplings leave no choice.
+/// The coordinates that are determined by closed loops and couplings.
 fn dependent(answer: &ModalAnswer) -> Option<Line> {
     const MOST: usize = 8;
     let names = answer.rest.dependent.iter().map(|dependent| coordinate(&answer.system, &dependent.coordinate).into());

@@ -1,10 +1,10 @@
-//! A report as a value: sections of sentences, tables and matrices, whose numbers keep their enclosures and whose names keep
-//! their places in the model. It is built once; text, Markdown and pages only lay it out. What a report tells and leaves out,
-//! in which order, under which names and to how many digits, is decided here. See docs/method/report.md.
+//! A report as a value: sections of sentences, tables and matrices, whose numbers keep their enclosures and whose names
+//! keep their places in the model. It is built once; text, Markdown and pages only lay it out. The content of a report,
+//! its order, names and number of digits are decided here. See docs/method/report.md.
 //!
-//! The JSON of `analyze` is not laid out from it: a program wants every entry under a stable key, a reader wants the twenty
-//! largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
-//! [`super::ModalAnswer`]), so that none of them computes, bounds or judges a number of its own.
+//! The JSON of `analyze` is not laid out from it: a program needs every entry under a stable key, a reader wants the
+//! twenty largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
+//! [`super::ModalAnswer`]), so that neither computes, bounds or judges a number of its own.
 
 mod equations;
 mod modes;
@@ -29,34 +29,34 @@ use crate::base::{Ball, Number, Rounded, Span, Unproven};
 use crate::system::{Coordinate, CoordinateKind, LinearSystem, Source};
 use std::borrow::Cow;
 
-/// What a modal report is to hold.
+/// Options for the contents of a modal report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     pub normalise: Normalise,
-    /// The matrices, however large.
+    /// Show the matrices, however large.
     pub matrices: bool,
-    /// Digits of frequencies and poles, as many of them as are certain; a handful without it.
+    /// Number of digits of frequencies and poles, if that many are certain; without it, a handful.
     pub digits: Option<u32>,
 }
 
 impl Options {
-    /// Digits of a number that shows `usual` of them unless more are asked for.
+    /// Number of digits to show for a number that usually has `usual`, unless another number is requested.
     fn digits(&self, usual: usize) -> usize {
         self.digits.map_or(usual, |digits| digits as usize)
     }
 }
 
-/// A report, to be laid out.
+/// A report, ready to be laid out.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub title: Line,
     pub sections: Vec<Section>,
 }
 
-/// A part of a report under a heading of its own.
+/// A part of a report with its own heading.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// For layouts that show headings; a section's first block says what follows without it.
+    /// For layouts that show headings; in others, the section's first block introduces it.
     pub heading: &'static str,
     pub blocks: Vec<Block>,
 }
@@ -64,7 +64,7 @@ pub struct Section {
 #[derive(Clone, Debug)]
 pub enum Block {
     Line(Line),
-    /// Belongs to the line before it.
+    /// A detail of the line before it.
     Item(Line),
     Table(Table),
     Matrices(Matrices),
@@ -74,13 +74,14 @@ pub enum Block {
 #[derive(Clone, Debug)]
 pub struct Matrices {
     pub list: Vec<(&'static str, Vec<Vec<Number>>)>,
-    /// Asked for: shown even where they do not fit beside each other.
+    /// Requested explicitly: shown even if they do not fit side by side.
     pub wanted: bool,
     /// Significant digits of an entry.
     pub digits: usize,
 }
 
-/// Words, names and numbers in a row: a sentence, or what stands in a cell. A no-break space stands where a line is not to end.
+/// Words, names and numbers in sequence: a sentence, or the content of a cell. A no-break space marks where a line must
+/// not break.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     pub parts: Vec<Part>,
@@ -90,19 +91,19 @@ pub struct Line {
 pub enum Part {
     /// The report's own words.
     Words(&'static str),
-    /// Text of the model: a layout makes sure that it steers nothing.
+    /// Text from the model: a layout makes sure that it cannot act as a control sequence or markup.
     Named(Named),
     Figure(Figure),
 }
 
-/// A name of the model and, where it is known, the place that declares it.
+/// A name from the model and, if known, the place that declares it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
     pub text: String,
     pub place: Option<Span>,
 }
 
-/// A number with its unit; the unit is empty where the column of a table has it.
+/// A number with its unit; the unit is empty if the table's column shows it.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub value: Value,
@@ -111,21 +112,21 @@ pub struct Figure {
 
 #[derive(Clone, Debug)]
 pub enum Value {
-    /// Shown to at most so many digits, those that its radius settles.
+    /// Shown with at most `digits` digits, and only those that its radius determines.
     Enclosed {
         number: Number,
         digits: usize,
     },
-    /// A level or an angle: shown with two digits after the decimal point.
+    /// A level or an angle, shown with two digits after the decimal point.
     Hundredths(Ball),
-    /// Without a proven bound.
+    /// A number without a proven bound.
     Unproven {
         number: Unproven,
         digits: usize,
     },
-    /// A share of a whole, shown in per cent.
+    /// A share of a whole, shown as a percentage.
     Share(Unproven),
-    /// An upper bound, shown in one digit, rounded up.
+    /// An upper bound, shown with one digit, rounded up.
     Bound(f64),
     Count(usize),
 }
@@ -143,7 +144,7 @@ impl Section {
 }
 
 impl Line {
-    /// The line with another part at its end.
+    /// Appends a part to the line.
     fn and(mut self, part: impl Into<Line>) -> Line {
         self.parts.extend(part.into().parts);
         self
@@ -166,7 +167,7 @@ impl From<&'static str> for Line {
     }
 }
 
-/// Any text that is put together may hold names of the model.
+/// Text that is composed at run time may contain names from the model.
 impl From<String> for Line {
     fn from(text: String) -> Line {
         Line::from(Named { text, place: None })
@@ -224,9 +225,9 @@ impl Figure {
         Figure::of(Value::Share(part))
     }
 
-    /// Settled to no digit at all, so that its bound is what is shown.
+    /// Whether not even one digit is certain, so that its bound is shown instead.
     fn is_bound(&self) -> bool {
-        /// What one digit asks for.
+        /// The relative error at which one digit is still certain.
         const ONE_DIGIT: f64 = 0.05;
         match &self.value {
             Value::Enclosed { number, .. } => !number.is_zero() && number.to_ball().relative_error() > ONE_DIGIT,
@@ -234,12 +235,12 @@ impl Figure {
         }
     }
 
-    /// With its unit behind it.
+    /// The figure with this unit.
     fn unit(self, unit: impl Into<Cow<'static, str>>) -> Figure {
         Figure { unit: unit.into(), ..self }
     }
 
-    /// The binary64 number that stands for an enclosed one, and its bound.
+    /// The binary64 number that represents an enclosed one, and its bound.
     pub fn rounded(&self) -> Option<Rounded> {
         match &self.value {
             Value::Enclosed { number, .. } => Rounded::of_number(number),
@@ -297,7 +298,7 @@ fn listed(items: impl IntoIterator<Item = Line>) -> Line {
     items.into_iter().fold(Line::default(), separated)
 }
 
-/// Items of which only some are shown: `a, b, 12 more`. One more is shown rather than counted.
+/// Items of which only some are shown: `a, b, 12 more`. If only one would be left out, it is shown too.
 fn first_of(items: Vec<Line>, most: usize) -> Line {
     match items.len().checked_sub(most) {
         Some(more) if more > 1 => {
@@ -318,19 +319,19 @@ fn coordinate(system: &LinearSystem, coordinate: &Coordinate) -> Named {
     Named { text: system.display(coordinate.name), place: Some(coordinate.span) }
 }
 
-/// The largest shares by name, worded longer and shorter: `block 61 %, rod 39 %`. What is left is counted (`8 more 63 %`),
-/// unless it is a single one, which is named.
+/// The largest shares by name, in a longer and a shorter wording: `block 61 %, rod 39 %`. The rest is counted (`8 more 63
+/// %`), unless it is a single share, which is named.
 fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
-    /// Named until the shares cover this much, and no more of them than so many.
+    /// Shares are named until they cover this much, and at most `MOST` of them.
     const COVERED: f64 = 0.98;
     const MOST: usize = 3;
-    /// Where no share reaches this much, naming a few of them says nothing.
+    /// If no share reaches this much, naming a few of them is not informative.
     const WORTH_NAMING: f64 = 0.05;
     let named = |share: &Share<Source>| line![system.display(share.of), "\u{a0}", Figure::share(share.part)];
     let sum = |shares: &[Share<Source>]| shares.iter().map(|share| share.part.0).sum::<f64>();
     let Some(largest) = shares.first() else { return Cell::default() };
     if largest.part.0.abs() < WORTH_NAMING {
-        // Of very many only the largest are in the list.
+        // If there are very many, the list holds only the largest.
         let all = (1.0 - sum(shares)).abs() < 0.01;
         let parts = if all { line![shares.len()] } else { line!["many"] };
         return line![
@@ -364,12 +365,13 @@ fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
     Cell::wordings(all_named.into_iter().chain((1..=few).rev()).map(wording))
 }
 
-/// `≤ 3e-16`, and `?` where nothing is proven.
+/// `≤ 3e-16`, or `?` if nothing is proven.
 fn error(proven: bool, bound: f64) -> Line {
     if proven { line!["≤ ", Figure::bound(bound)] } else { "?".into() }
 }
 
-/// At a rest that is not proven no bound is shown: it would be about a place that may be no rest. `column`: that of the bound.
+/// At a rest that is not proven, no bound is shown: it would refer to a position that may not be a rest. `column` is the
+/// bound's.
 fn bound_only_if(proven: bool, cells: &mut [Cell], column: usize) {
     for (at, cell) in cells.iter_mut().enumerate().filter(|_| !proven) {
         if at == column || matches!(&cell.longest().parts[..], [Part::Figure(figure)] if figure.is_bound()) {

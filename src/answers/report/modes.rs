@@ -1,4 +1,4 @@
-//! The undamped modes: their frequencies and shapes, and which mode is which.
+//! The undamped modes: their frequencies, shapes, and which parts take part in them.
 
 use super::table::{Align, Cell, Table};
 use super::{
@@ -10,13 +10,13 @@ use crate::answers::ModalAnswer;
 use crate::base::Unproven;
 use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 
-/// Modes that are listed; the JSON has all.
+/// Number of modes that are listed; the JSON has all.
 pub const MOST: usize = 20;
 const DIGITS: usize = 7;
 const SHAPE_DIGITS: usize = 5;
-/// Entries of a shape that are named where a column for each does not fit.
+/// Number of a shape's entries that are named if there is no room for a column for each.
 const LARGEST: usize = 3;
-/// Coordinates that may have a column each.
+/// Limit on the coordinates for a column each.
 const MOST_COLUMNS: usize = 10;
 
 pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
@@ -36,7 +36,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     Section::new("Undamped modes", blocks)
 }
 
-/// Motions that have no frequency.
+/// Motions without a frequency.
 fn without_inertia(count: usize) -> Option<Line> {
     match count {
         0 => None,
@@ -56,7 +56,8 @@ fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {
     }
 }
 
-/// The table with a column for each coordinate, where these are few, and with the largest entries in one.
+/// The table with a column for each coordinate, if there are few, and a narrower one with the largest entries in a single
+/// column.
 fn table(answer: &ModalAnswer, options: &Options) -> Table {
     let short = filled(answer, options, false);
     if answer.system.n() > MOST_COLUMNS {
@@ -99,11 +100,11 @@ fn filled(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
 /// The column of the bound in [`frequency_cells`].
 const BOUND: usize = 4;
 
-/// Number, f, omega, T and the bound; for a divergence its growth rate in the place of omega.
+/// Number, f, omega, T and the bound; for a divergence, its growth rate in place of omega.
 fn frequency_cells(number: usize, mode: &Mode, options: &Options) -> Vec<Cell> {
     let ball = |value, usual| Figure::ball(value, options.digits(usual));
     let (f, omega) = (mode.frequency().map(|f| ball(f, DIGITS)), ball(mode.omega, DIGITS));
-    // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
+    // Digits beyond binary64 come from the enclosures, and so do the bounds beside them.
     let bound = if options.digits.is_some() { mode.enclosure_error() } else { mode.error_bound() };
     let bound = Cell::from(Figure::bound(bound));
     let period = mode.period().map(|period| ball(period, SHAPE_DIGITS));
@@ -121,9 +122,9 @@ fn frequency_cells(number: usize, mode: &Mode, options: &Options) -> Vec<Cell> {
     vec![number.into(), f, omega, period, bound]
 }
 
-/// An entry of a shape. Shapes carry no bound: binary64 gives them to more digits than are shown.
+/// An entry of a shape. Shapes have no bound: binary64 gives them to more digits than are shown.
 fn displacement(entry: Unproven, largest: f64) -> Figure {
-    /// Below this part of the largest entry it is rounding, no motion (docs/method/report.md#numbers).
+    /// Entries below this share of the largest are rounding errors, not motion (docs/method/report.md#numbers).
     const NOTHING: f64 = 1e-12;
     let number = if entry.0.abs() <= NOTHING * largest { Unproven(0.0) } else { entry };
     Figure::of(Value::Unproven { number, digits: SHAPE_DIGITS })
@@ -149,7 +150,7 @@ fn more(answer: &ModalAnswer) -> Option<Line> {
     Some(line!["... and ", list.len() - MOST, " modes more, up to ", highest, " (--format json has all)"])
 }
 
-/// The modes that were not asked for, or not computed because they are too many.
+/// The modes that were not requested, or not computed because there are too many.
 fn left_out(answer: &ModalAnswer) -> Option<Line> {
     let (below, above) = (answer.modes.before.count(), answer.modes.after);
     let modes = |count| counted(count, "mode", "modes");
@@ -163,7 +164,7 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
     Some(line![empty, "not computed: ", which, " (--modes N and --band FROM..TO ask for others)"])
 }
 
-/// Close frequencies: their difference keeps the digits that the two numbers share.
+/// Close frequencies: their difference keeps the digits that cancel in the two numbers.
 fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item = Line> + use<'a> {
     let (digits, proven) = (options.digits(DIGITS), answer.rest.is_proven());
     let shown = answer.modes.before.count() + MOST;
@@ -182,7 +183,7 @@ fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item =
     splits(&answer.modes).into_iter().filter(move |split| split.lower < shown).map(beat)
 }
 
-/// Modes that are certified together only.
+/// Modes that are certified only together.
 fn clusters(answer: &ModalAnswer) -> Vec<Line> {
     let (list, below) = (&answer.modes.list, answer.modes.before.count());
     let mut lines = Vec::new();
@@ -212,7 +213,7 @@ fn range(first: usize, last: usize) -> Line {
     line![first, if last == first + 1 { " and " } else { " to " }, last]
 }
 
-/// Frequencies that the model's numbers do not fix as well as they are computed.
+/// Frequencies that the model's numbers determine less accurately than they are computed.
 fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
     const WORTH_TELLING: f64 = 100.0;
     let factors = answer.modes.numbered().filter_map(|(number, mode)| Some((number, mode.input_condition?)));
@@ -227,7 +228,7 @@ fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
     })
 }
 
-/// Which mode is which: what moves in it, and what holds it.
+/// A description of each mode: what moves in it, and what holds it.
 pub fn shares(answer: &ModalAnswer) -> Section {
     const HEADING: &str = "Which mode is which";
     if answer.system.n() < 2 || answer.modes.list.is_empty() {

@@ -1,5 +1,5 @@
-//! What a model was taken for: its independent parts with the modes of each, and, where it is asked for, what was kept of it,
-//! what was left out, and why.
+//! The parts of a model: its independent parts with the modes of each and, on request, what was kept of it, what was left
+//! out, and why.
 
 use super::table::{Align, Table};
 use super::{Block, Line, Report, Section, coordinate, first_of, line, listed};
@@ -8,14 +8,14 @@ use crate::answers::ModalAnswer;
 use crate::lower::{Account, Remark};
 use crate::system::LinearSystem;
 
-/// Parts and remarks that are listed; the JSON has all.
+/// Number of parts and remarks that are listed; the JSON has all.
 const MOST: usize = 12;
-/// Numbers of modes that are listed of a part, and names of coordinates.
+/// Number of modes, and of coordinates' names, that are listed for a part.
 const MOST_MODES: usize = 6;
 const MOST_NAMES: usize = 3;
 const HEADING: &str = "Independent parts";
 
-/// The independent parts, where there is more than one: a row for each.
+/// The independent parts, if there is more than one, with a row for each.
 pub fn section(answer: &ModalAnswer) -> Section {
     let nets = nets(&answer.system);
     if nets.len() < 2 {
@@ -66,7 +66,7 @@ fn names(system: &LinearSystem, net: &Net) -> Line {
     }
 }
 
-/// What was kept and what was left out.
+/// An account of what was kept and what was left out.
 pub fn explained(account: &Account, system: &LinearSystem) -> Section {
     let mut blocks = remarks("kept", &account.kept);
     if account.left_out.is_empty() {
@@ -80,7 +80,7 @@ pub fn explained(account: &Account, system: &LinearSystem) -> Section {
     Section::new("What was kept of the model", blocks)
 }
 
-/// What was kept of a model and what was left out, with its parts, where there is no more to report.
+/// What was kept of a model and what was left out, with its parts, if there is no other report.
 pub fn explanation(model: &str, account: &Account, system: &LinearSystem) -> Report {
     let mut section = explained(account, system);
     let nets = nets(system);

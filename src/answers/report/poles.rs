@@ -1,4 +1,4 @@
-//! The damped motion: each pole, a complex pair once.
+//! The damped motion: each pole, with a complex pair listed once.
 
 use super::modes::MOST;
 use super::table::{Align, Cell, Table};
@@ -18,7 +18,7 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     if answer.poles.list.is_empty() && !undamped {
         return left_out(answer).map(Block::from).into_iter().collect();
     }
-    // A damping ratio of all modes of a large system is in no C.
+    // For a large system, a common damping ratio of all modes is not in C.
     let by_modes = answer.poles.list.iter().any(|pole| pole.route == Route::Decoupled);
     if undamped && !by_modes {
         let growth = if answer.stability == Stability::Unstable { ", or ± its growth" } else { "" };
@@ -52,7 +52,7 @@ fn table(shown: &[(usize, &Pole)], options: &Options, proven: bool) -> Table {
     table
 }
 
-/// Poles that are equal or are certified only together.
+/// Poles that are equal, or certified only together.
 fn clusters(shown: &[(usize, &Pole)]) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut seen = Vec::new();
@@ -98,7 +98,7 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
     })
 }
 
-/// What follows without inertia has no pole of its own.
+/// Motions without inertia have no finite pole.
 fn infinite(answer: &ModalAnswer) -> Option<Line> {
     match answer.poles.infinite().unwrap_or(0) {
         0 => None,
@@ -107,7 +107,7 @@ fn infinite(answer: &ModalAnswer) -> Option<Line> {
     }
 }
 
-/// That the list has them all is a claim of its own.
+/// The completeness of the list is a claim of its own.
 fn not_proved(answer: &ModalAnswer) -> Option<Line> {
     if !answer.poles.is_uncounted() {
         return None;
@@ -128,7 +128,7 @@ fn cells(number: usize, pole: &Pole, options: &Options) -> Vec<Cell> {
     let digits = options.digits(DIGITS);
     let figure = |value| Figure::ball(value, digits);
     let few = |value| Figure::ball(value, FEW);
-    // Digits beyond binary64 are those of the enclosures: so are the bounds beside them.
+    // Digits beyond binary64 come from the enclosures, and so do the bounds beside them.
     let bound = if options.digits.is_some() { pole.relative_error } else { pole.error_bound() };
     let complex = pole.is_complex();
     let decay = match pole.decay_time() {
@@ -149,7 +149,7 @@ fn cells(number: usize, pole: &Pole, options: &Options) -> Vec<Cell> {
     ]
 }
 
-/// The kind; how fast it grows, where it does.
+/// The kind of a pole and, if it grows, how fast.
 fn kind(pole: &Pole) -> Line {
     match pole.doubling_time() {
         Some(time) => line![pole.kind.name(), ", doubles in ", Figure::ball(time, FEW).unit("s")],

@@ -1,11 +1,11 @@
-//! What was solved for, and how the requirements stand.
+//! Solved parameters, and whether the requirements hold.
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
 use crate::base::{Ball, Number, Unproven};
 use crate::questions::answer::{Derivative, Others, Requirement, Shown, Solved};
 
-/// Digits of what was solved for: all that a double holds.
+/// Digits of solved parameters: all that a double holds.
 const MOST: usize = 16;
 const DIGITS: usize = 6;
 const FEW: usize = 3;
@@ -41,7 +41,7 @@ pub fn solved(list: &[Solved]) -> Section {
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
 }
 
-/// What is not proven of the range that a value was looked for in.
+/// What is not proven about the range in which a value was searched for.
 fn others(solved: &Solved) -> Option<Line> {
     let name = solved.parameter.clone();
     match &solved.others {
@@ -56,7 +56,7 @@ fn others(solved: &Solved) -> Option<Line> {
     }
 }
 
-/// An enclosed derivative to the digits that are certain; one that is not proven to few, and marked.
+/// An enclosed derivative with its certain digits; one that is not proven with few digits, and marked.
 pub fn derivative(derivative: &Derivative, digits: usize) -> Line {
     match derivative {
         Derivative::Enclosed(ball) => Figure::ball(*ball, digits).into(),
@@ -77,7 +77,7 @@ pub fn required(list: &[Requirement]) -> Section {
     Section::new(HEADING, [Block::Line("requirements".into())].into_iter().chain(blocks(list)))
 }
 
-/// How the requirements of a file stand, below its name; nothing where it has none.
+/// Whether the requirements of a file hold, below its name; nothing if it has none.
 pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
     let section = Section::new("Requirements", blocks(list));
     (!list.is_empty()).then(|| Report::new(line![file.to_string()], [section]))
@@ -88,7 +88,7 @@ fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
     [Block::Table(table(list))].into_iter().chain(followed.map(Block::from))
 }
 
-/// How long `peak` and `rms` follow the motion, where one of them is asked.
+/// The simulated time for `peak` and `rms`, if one of them is used.
 fn followed(until: Option<&Number>) -> Option<Line> {
     let until = Figure::number(until?.clone(), DIGITS).unit("s");
     Some(line!["peak and rms are those of the motion up to ", until, " (--until)"])

@@ -1,4 +1,4 @@
-//! Where the rest is, and what it does when disturbed.
+//! The position of the rest, and what happens when it is disturbed.
 
 use super::modes::mode_named;
 use super::table::{Align, Table};
@@ -10,7 +10,7 @@ use crate::base::{Ball, Number, Rounded};
 use crate::lower::Tension;
 use crate::system::{Coordinate, CoordinateKind};
 
-/// Displaced coordinates that are listed; the largest ones.
+/// Number of displaced coordinates that are listed: the largest.
 const MOST: usize = 12;
 const DIGITS: usize = 6;
 const DISTANCE: usize = 3;
@@ -61,7 +61,7 @@ fn smaller(count: usize) -> Option<Line> {
     (count > 0).then(|| line!["... and ", count, " smaller ones (--format json has all)"])
 }
 
-/// The largest translation and the largest turn: `0.0245 m and 1.4°`.
+/// The largest translation and the largest rotation: `0.0245 m and 1.4°`.
 fn farthest(answer: &ModalAnswer) -> Line {
     let largest = |kind: CoordinateKind| {
         let values = answer.displacements().filter(|(coordinate, _)| coordinate.kind == kind).map(|(_, value)| value);
@@ -76,7 +76,7 @@ fn farthest(answer: &ModalAnswer) -> Line {
     }
 }
 
-/// The drawing is the rest: what holds it there, where that was found.
+/// The drawing is the rest; with the tensions that hold it, if these were found.
 fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     let rest = &answer.rest;
     let trust = if rest.is_proven() && rest.residual == 0.0 { Line::default() } else { trust(answer) };
@@ -115,13 +115,14 @@ fn trust(answer: &ModalAnswer) -> Line {
     line![proven, left]
 }
 
-/// A line with what belongs to it; nothing where nothing does.
+/// A line with its items; nothing if there are no items.
 fn with_items(line: &'static str, items: Vec<Line>) -> Vec<Block> {
     let line = (!items.is_empty()).then(|| Block::Line(line.into()));
     line.into_iter().chain(items.into_iter().map(Block::Item)).collect()
 }
 
-/// Each way in which the scene leaves its rest: the modes, and how fast. Damping changes that, so the poles tell it then.
+/// Each way in which the scene leaves its rest: the modes, and their growth. Damping changes the growth, so in that case
+/// it is given for the poles.
 fn unstable(answer: &ModalAnswer) -> Vec<Block> {
     let damped = !answer.system.c.is_empty();
     let mut items = Vec::new();
@@ -148,7 +149,7 @@ fn of_kind(answer: &ModalAnswer, kind: ModeKind) -> impl Iterator<Item = (usize,
     answer.modes.numbered().filter(move |(_, mode)| mode.kind == kind)
 }
 
-/// What may grow or not: what was certified does not tell.
+/// Modes and poles that may or may not grow: the certified bounds do not decide it.
 fn undetermined(answer: &ModalAnswer) -> Vec<Block> {
     let (mut items, proven) = (Vec::new(), answer.rest.is_proven());
     let bound = |words: &'static str, bound: Figure| if proven { line![words, bound] } else { Line::default() };
@@ -169,7 +170,8 @@ fn undetermined(answer: &ModalAnswer) -> Vec<Block> {
     with_items("UNDETERMINED: whether the scene stays at this rest could not be certified", items)
 }
 
-/// How far gravity, tensions and reactions are from taking all stiffness away, or by how much they have.
+/// By how much the loads may grow before gravity, tensions and reactions remove all stiffness, or by how much they exceed
+/// that.
 fn buckling(answer: &ModalAnswer, options: &Options) -> Option<Line> {
     let found = answer.buckling.as_ref()?;
     let digits = options.digits(DIGITS);
@@ -194,7 +196,7 @@ fn growth(rate: Ball) -> Line {
     line!["grows at ", grows, ", doubles in ", doubles]
 }
 
-/// The motions that nothing holds back.
+/// The motions that nothing restrains.
 fn neutral(answer: &ModalAnswer) -> Vec<Block> {
     let below = answer.modes.before.rigid;
     let below = (below > 0).then(|| line![counted(below, "rigid motion", "rigid motions"), " below those listed"]);

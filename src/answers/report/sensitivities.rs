@@ -1,4 +1,4 @@
-//! What moves the frequencies and damping ratios: a row for each parameter.
+//! The sensitivities of frequencies and damping ratios: a row for each parameter.
 
 use super::questions::derivative;
 use super::table::{Align, Cell, Table};
@@ -7,9 +7,9 @@ use crate::answers::ModalAnswer;
 use crate::base::Number;
 use crate::questions::answer::{Sensitivity, Slope};
 
-/// Frequencies and ratios that have a column.
+/// Number of frequencies and of ratios that have a column.
 const MOST_COLUMNS: usize = 5;
-/// Parameters that have a row.
+/// Number of parameters that have a row.
 const MOST_ROWS: usize = 40;
 const DIGITS: usize = 4;
 const VALUE: usize = 6;
@@ -51,7 +51,7 @@ fn worded(slope: &Option<Slope>) -> Line {
         Some(Slope::NotComputed) => "-".into(),
         Some(Slope::Undefined) => "none".into(),
         Some(Slope::Smooth { relative, .. }) if relative.is_finite() => derivative(relative, DIGITS),
-        // Of what is zero there is no percentage.
+        // A change from zero has no percentage.
         Some(Slope::Smooth { absolute, .. }) => if absolute.to_f64() == 0.0 { "0" } else { "from 0" }.into(),
     }
 }

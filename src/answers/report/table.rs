@@ -7,14 +7,14 @@ use super::{Figure, Line, Named};
 pub struct Table {
     pub columns: Vec<Column>,
     pub rows: Vec<Vec<Cell>>,
-    /// The same in fewer columns, for where these do not fit.
+    /// A table with the same content in fewer columns, in case these do not fit.
     pub narrower: Option<Box<Table>>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Column {
     pub title: Line,
-    /// In brackets below the title, or behind it; may be empty.
+    /// In brackets below the title, or after it; may be empty.
     pub unit: &'static str,
     pub align: Align,
 }
@@ -27,7 +27,7 @@ pub enum Align {
     Point,
 }
 
-/// What stands in a row and a column, in one wording or in several, the longest first: a layout takes the first that fits.
+/// The content of a cell, in one or more wordings, the longest first: a layout takes the first that fits.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     pub wordings: Vec<Line>,
@@ -54,12 +54,12 @@ impl Table {
 }
 
 impl Cell {
-    /// The longest first.
+    /// A cell with several wordings, the longest first.
     pub(super) fn wordings(wordings: impl IntoIterator<Item = Line>) -> Cell {
         Cell { wordings: wordings.into_iter().collect() }
     }
 
-    /// All that there is to say.
+    /// The most complete wording.
     pub fn longest(&self) -> Line {
         self.wordings.first().cloned().unwrap_or_default()
     }
@@ -101,7 +101,7 @@ impl From<usize> for Cell {
     }
 }
 
-/// An empty cell where there is no such number.
+/// `None` gives an empty cell.
 impl From<Option<Figure>> for Cell {
     fn from(figure: Option<Figure>) -> Cell {
         figure.map_or_else(Cell::default, Cell::from)

@@ -1,5 +1,5 @@
-//! Transfer functions: the peaks, antiresonances and half-power widths of each pair of input and output, or the rows that were
-//! asked for.
+//! Transfer functions: the peaks, antiresonances and half-power widths of each pair of input and output, or the rows of a
+//! requested grid.
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, Value, line, listed};
@@ -9,9 +9,9 @@ use crate::system::LinearSystem;
 
 /// Significant digits of a value.
 const DIGITS: usize = 6;
-/// Rows that are shown of a grid that was asked for.
+/// Number of rows that are shown of a requested grid.
 const MOST_ROWS: usize = 40;
-/// Intervals that are named where something is not proved.
+/// Number of intervals that are named if something is not proved.
 const MOST_INTERVALS: usize = 3;
 
 /// A report for each pair of an input and an output.
@@ -83,7 +83,7 @@ fn points(extrema: &Extrema, table: &analysis::Table, input: usize, output: usiz
     points
 }
 
-/// Where there may be more than what is listed.
+/// The intervals in which there may be more than is listed.
 fn not_proved(extrema: &Extrema) -> Option<Line> {
     if extrema.complete.is_some() {
         return None;
@@ -108,7 +108,7 @@ fn rows(table: &analysis::Table, input: usize, output: usize) -> Vec<Block> {
     [list.into()].into_iter().chain(more).collect()
 }
 
-/// The gain, its level, its phase and the bound.
+/// The gain, its level in dB, its phase and the bound.
 fn values(gain: Gain) -> [Cell; 4] {
     let none = Cell::default;
     match gain {
