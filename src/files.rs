@@ -1,4 +1,4 @@
-//! The files of a run: every text that it reads, within limits, and results that are written whole or not at all.
+//! The files of a run: reads every text within limits, and writes results completely or not at all.
 //! See docs/cli.md#streams-and-exit-status.
 
 use crate::cli::{MessageFormat, Messages, OverrideOptions};
@@ -25,7 +25,7 @@ pub struct Unreadable {
     error: io::Error,
 }
 
-/// Everything that a run reads, unless a file that it writes is among it.
+/// Reads all input of a run; an error if the run would write one of these files.
 pub fn open<'a>(
     model: &Path,
     overrides: &OverrideOptions,
@@ -37,7 +37,7 @@ pub fn open<'a>(
     Ok(input)
 }
 
-/// Refuses to write over what a run reads.
+/// Refuses to overwrite a file that the run reads.
 pub fn spare<'a>(
     input: &Input,
     model: &Path,
@@ -46,7 +46,8 @@ pub fn spare<'a>(
 ) -> Result<(), Status> {
     for output in outputs {
         let Ok(target) = fs::canonicalize(output) else { continue };
-        // A name that is no text stands in the sources as it can be shown; tables stand there alone.
+        // A name that is not valid text is in the sources only in displayable form, so the paths are compared too; tables
+        // are only in the sources.
         let named = input.sources.files().map(|file| Path::new(&file.name));
         let mut inputs = std::iter::once(model).chain(overrides.settings_file.as_deref()).chain(named);
         if target.is_file() && inputs.any(|input| fs::canonicalize(input).is_ok_and(|input| input == target)) {
@@ -75,7 +76,7 @@ pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unre
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
 }
 
-/// The tables that a model names; what cannot be read is told at its place in the model.
+/// Reads the tables that a model names; a file that cannot be read is reported at its place in the model.
 fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
     for written in vibc::table_files(sources, model) {
         let name = sources.file(model).beside(&written);
@@ -87,12 +88,12 @@ fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
     }
 }
 
-/// The files of tables. A model may come from a stranger: what it names is read below certain folders alone, and no more of
-/// it than fits.
+/// The files of tables. A model may come from a stranger, so the files it names are read only below certain folders, and
+/// only up to a limit.
 pub struct Tables {
-    /// `""` is the folder that the program was started in.
+    /// `""` is the working directory.
     folders: Vec<PathBuf>,
-    /// What is said of a file elsewhere.
+    /// The reason given for a file in any other folder.
     outside: &'static str,
     /// Bytes that may still be read.
     room: usize,
@@ -103,7 +104,7 @@ impl Tables {
         Tables { folders, outside, room: limits::TABLES }
     }
 
-    /// A plain file; a pipe or a device may have no end, or wait for ever. Links count as what they lead to.
+    /// Reads a regular file; a pipe or a device may have no end, or block for ever. Links count as their targets.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
         let told = |error: io::Error| error.to_string();
         let path = fs::canonicalize(path).map_err(told)?;
@@ -139,21 +140,21 @@ pub fn read(path: &Path, kind: SourceKind) -> Result<SourceFile, Unreadable> {
     Ok(SourceFile::decode(kind, name, bytes))
 }
 
-/// One byte more than a model may have is enough to refuse it.
+/// Reads up to one byte more than a model may have, which is enough to refuse it.
 fn read_limited(from: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     from.take(limits::FILE as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// The `--set` arguments as a file, one a line.
+/// The `--set` arguments as a file, one per line.
 fn arguments(settings: &[String]) -> SourceFile {
     let text: String = settings.iter().map(|setting| format!("{setting}\n")).collect();
     SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", text) }
 }
 
 impl Unreadable {
-    /// In the form of the diagnostics, with the code `io`.
+    /// Reports it like a diagnostic, with the code `io`.
     pub fn report(&self, messages: &Messages) -> Status {
         let (name, error) = (self.path.to_string_lossy(), &self.error);
         let name = diagnostics::readable(&name);
@@ -167,14 +168,14 @@ impl Unreadable {
     }
 }
 
-/// The result, to standard output or whole into a file.
+/// Writes the result to standard output, or completely into a file.
 pub fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
     match path {
         Some(path) if path != Path::new("-") => replace_file(path, text),
         _ => {
             let mut stdout = io::stdout().lock();
             match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-                // Whoever read the output has seen enough.
+                // Whoever reads the output has stopped reading; that is not an error.
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
                 result => result,
             }
@@ -182,8 +183,8 @@ pub fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
     }
 }
 
-/// The new content under the old name, or the old content: written beside it, then renamed. What is no plain file (a
-/// device, a pipe) is written to as it is; the target of a link is replaced, not the link.
+/// Replaces the content of a file completely or not at all: writes a new file beside it, then renames it. Anything but a
+/// regular file (a device, a pipe) is written to directly; for a link, its target is replaced, not the link.
 fn replace_file(path: &Path, text: &str) -> io::Result<()> {
     let existing = fs::metadata(path);
     if existing.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
@@ -199,9 +200,9 @@ fn replace_file(path: &Path, text: &str) -> io::Result<()> {
     written
 }
 
-/// Where a name leads that has no file yet: a link may say where it is to be.
+/// The path that a name without a file leads to: a link may point to a file that does not exist yet.
 fn led_to(path: &Path) -> io::Result<PathBuf> {
-    /// As many as systems follow.
+    /// The same number of links that systems follow.
     const LINKS: usize = 40;
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -213,7 +214,7 @@ fn led_to(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a link that leads back to itself"))
 }
 
-/// A new file in the same directory, under a name that nobody uses: another run may have left one of ours behind.
+/// Creates a new file in the same directory under an unused name; another run may have left one of ours behind.
 fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     const TRIES: u32 = 1000;
     let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
@@ -221,7 +222,7 @@ fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     options.write(true).create_new(true);
     #[cfg(unix)]
     if is_private {
-        // Until it has the permissions of the file that it replaces.
+        // Private until it gets the permissions of the file that it replaces.
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     }
     let mut tries = 0..TRIES;
@@ -246,7 +247,8 @@ fn write_new(mut file: File, text: &str, replaced: Option<fs::Metadata>) -> io::
     file.sync_all()
 }
 
-/// Files can be given to others by the superuser alone, and to a group by its members: whoever else writes owns the file.
+/// Only the superuser can give files to other users, and only members of a group to that group; otherwise the writer owns
+/// the file.
 #[cfg(unix)]
 fn keep_owner(file: &File, replaced: &fs::Metadata) {
     use std::os::unix::fs::{MetadataExt, fchown};

@@ -1,5 +1,5 @@
-//! A model as far as the stages come before any analysis, with what each of them made: for editors, which show what is known
-//! of a model that has errors too.
+//! A model taken through the stages before any analysis, with the result of each stage: for editors, which also show what
+//! is known about a model with errors.
 
 use crate::base::{Diagnostics, FileId, Sources};
 use crate::dynamics;
@@ -10,30 +10,30 @@ use crate::questions::{Requirement, Solved};
 use crate::reading::{self, Reading};
 use crate::syntax::tree::Tree;
 
-/// What each stage made of a model.
+/// The result of each stage for a model.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Inspection {
-    /// `None` where a file is no text.
+    /// `None` if a file is not text.
     pub tree: Option<Tree>,
-    /// With what the model solves for, where that was looked for.
+    /// With the values of solved parameters, if these were searched for.
     pub scene: Option<CheckedScene>,
-    /// With all of its damping, where nothing was left out.
+    /// With all of its damping, unless something was left out.
     pub lowered: Option<Lowered>,
-    /// What `solve` lines found, and the values that the parameters have by them.
+    /// The results of `solve` lines, and the values that they give to parameters.
     pub solved: Vec<Solved>,
     pub settings: Vec<Setting>,
     pub requirements: Vec<Requirement>,
     pub diagnostics: Diagnostics,
-    /// Nothing was left out.
+    /// Whether nothing was left out.
     pub is_whole: bool,
 }
 
-/// How far a model is taken.
+/// How far a model is processed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Whole where the scene as declared has at most this many coordinates; else as it is declared: what takes many runs or
-    /// all modes (`solve`, `require`, `damping modal`) is left out.
+    /// Completely if the scene as declared has at most this many coordinates; otherwise only as it is declared, without
+    /// what takes many runs or all modes (`solve`, `require`, `damping modal`).
     UpTo(usize),
     Whole,
 }
@@ -61,7 +61,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
             lowered.as_ref().is_none_or(|lowered| lowered.system.n() <= most)
         }
     };
-    // What is found of the scene as declared holds for the whole one, unless unknowns of it get other values.
+    // Findings about the scene as declared hold for the complete one, unless its unknowns get other values.
     let solves = !reading.scene.scene().solves.is_empty();
     if is_whole && (effort == Effort::Whole || solves) {
         if reading.settle(diagnostics).is_none() {
@@ -70,7 +70,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
         found = Diagnostics::new();
         lowered = dynamics::lowered(&reading.scene, &mut found);
     } else if is_whole {
-        // No unknowns: only a time to follow motions for.
+        // No unknowns: only the simulation time has to be found.
         reading.settle(diagnostics);
     }
     diagnostics.extend(found);

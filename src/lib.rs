@@ -20,26 +20,26 @@
 //! println!("{}", vibc::report(&answer, &Default::default()));
 //! ```
 //!
-//! Functions that take a model through the stages return an [`Outcome`]: an answer, and what there is to say about the model.
-//! [`analyze`] finds modes and poles, [`dynamics()`] what transfer functions are made of, [`simulate`] motions, [`discrete`] the
-//! system that emitted code runs; [`check`] only looks for errors.
+//! Functions that take a model through the stages return an [`Outcome`]: an answer, and the diagnostics for the model.
+//! [`analyze`] finds modes and poles, [`dynamics()`] the basis of transfer functions, [`simulate`] motions, [`discrete`]
+//! the system that emitted code runs; [`check`] only looks for errors.
 //!
 //! # Steps
-//! 1. `syntax`: text to syntax tree
-//! 2. `model`: tree to checked scene
-//! 3. `dynamics`: scene to damped linear system about its rest; `lower` is the larger part of it
-//! 4. `analysis`: system to answers, each with its error bound
-//! 5. `questions`: what the model asks of them, `solve` and `require`; it goes through the steps before as often as needed
-//! 6. `answers`: what was found out, as one value
-//! 7. `backend`: answers and systems to text, JSON, CSV, code
+//! 1. `syntax`: from text to a syntax tree
+//! 2. `model`: from the tree to a checked scene
+//! 3. `dynamics`: from the scene to a damped linear system about its rest; `lower` is the larger part of it
+//! 4. `analysis`: from the system to answers, each with its error bound
+//! 5. `questions`: the model's own questions, `solve` and `require`; they repeat the steps before as often as needed
+//! 6. `answers`: all results as one value
+//! 7. `backend`: from answers and systems to text, JSON, CSV, code
 //!
 //! # Features
-//! `program` (on by default) builds the program `vibc` and names these layers for it and for the tests. They are no part of the
-//! interface: a library takes `default-features = false`.
+//! `program` (on by default) builds the program `vibc` and makes these layers public for it and for the tests. They are
+//! not part of the interface: use the library with `default-features = false`.
 
 // The program and the tests use more of the layers than the interface does.
 #![cfg_attr(not(feature = "program"), allow(dead_code, unused_imports))]
-// Tests compare with the platform's functions to a few digits.
+// Tests compare with the platform's functions to a few digits only.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod inspection;
@@ -147,7 +147,7 @@ pub use reading::table_files;
 // Numbers, exact or with bounds that hold.
 pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
 
-// What is said about a model.
+// Diagnostics about a model.
 pub use backend::diagnostics::{
     HumanStyle, human as diagnostics_text, json as diagnostics_json, short as diagnostics_short,
 };
@@ -197,12 +197,12 @@ use dynamics::{Damped, WrittenOut};
 use lower::Lowered;
 use reading::Reading;
 
-/// What a run found out about a model.
+/// The result of a run on a model.
 #[derive(Clone, Debug)]
 pub struct Outcome<T> {
-    /// `None` where an error stopped a stage.
+    /// `None` if an error stopped a stage.
     pub answer: Option<T>,
-    /// Of every stage, sorted by place.
+    /// From all stages, sorted by place.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -213,7 +213,7 @@ impl<T> Outcome<T> {
         Outcome { answer, diagnostics: diagnostics.sorted() }
     }
 
-    /// `None` where nothing failed; the model where errors disagree.
+    /// `None` if nothing failed; `Failure::Model` if the errors differ in kind.
     pub fn failure(&self) -> Option<Failure> {
         let errors = self.diagnostics.iter().filter(|diagnostic| diagnostic.is_error());
         let mut failures = errors.map(|error| error.code.failure());
@@ -222,7 +222,7 @@ impl<T> Outcome<T> {
     }
 }
 
-/// From the text of a model to its modal report, as is usual for its size.
+/// From the text of a model to its modal report, with the usual number of modes for its size.
 ///
 /// ```
 /// use vibc::{Failure, Overrides, SourceFile, Sources, Stability};
@@ -243,22 +243,22 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     analyze_as(sources, model, overrides, &Request { which: Which::Usual, ..Request::default() })
 }
 
-/// From the text of a model to a modal report of what is asked for. Where an accuracy that was asked for is not reached, the
-/// answer is there all the same, with the bounds that were.
+/// From the text of a model to a modal report as requested. If a requested accuracy is not reached, there is an answer
+/// all the same, with the bounds that were reached.
 pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
     analyze_with(sources, model, overrides, request, &Study::default())
 }
 
-/// What is asked besides the modal report.
+/// Requests in addition to the modal report.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Study<'a> {
-    /// How long `peak` and `rms` follow the motion, s; from the poles and signals where it is not given.
+    /// Simulated time for `peak` and `rms`, s; if not given, it follows from the poles and signals.
     pub until: Option<&'a Number>,
-    /// The derivatives of frequencies and damping ratios by each parameter.
+    /// Compute the derivatives of frequencies and damping ratios with respect to each parameter.
     pub sensitivity: bool,
 }
 
-/// [`analyze_as`], with what is asked besides.
+/// Like [`analyze_as`], with additional requests.
 pub fn analyze_with(
     sources: &Sources,
     model: FileId,
@@ -273,7 +273,8 @@ pub fn analyze_with(
     })
 }
 
-/// [`analyze_with`], and what was kept of the model: part of the answer, or apart where the model is too large to be analysed.
+/// Like [`analyze_with`], with an account of what was kept of the model: part of the answer, or separate if the model is
+/// too large to be analysed.
 pub fn analyze_and_explain(
     sources: &Sources,
     model: FileId,
@@ -303,7 +304,7 @@ pub fn analyze_and_explain(
     (outcome, explained)
 }
 
-/// The modal report of a model. Where there is none, its system is handed back.
+/// The modal report of a model. If there is none, its system is returned.
 fn reported(
     reading: Reading,
     mut damped: Damped,
@@ -348,12 +349,12 @@ pub struct Dynamics {
     /// The model's name.
     pub model: String,
     pub system: LinearSystem,
-    /// `None` where there are more coordinates than modes or poles are computed of: a table does without them where its
-    /// range is given.
+    /// `None` if there are too many coordinates to compute modes or poles; a table works without them if its range is
+    /// given.
     pub spectrum: Option<(Modes, Poles)>,
 }
 
-/// From the text of a model to what transfer functions are computed from.
+/// From the text of a model to the basis of its transfer functions.
 ///
 /// ```
 /// use vibc::{Frequency, Number, Overrides, SourceFile, Sources, Transfer};
@@ -398,7 +399,7 @@ pub struct Motion {
     pub model: String,
     pub system: LinearSystem,
     pub history: History,
-    /// What repeats for ever, for each frequency of the harmonic signals.
+    /// The steady state for each frequency of the harmonic signals.
     pub steady: Vec<analysis::Steady>,
 }
 
@@ -492,7 +493,7 @@ pub fn discrete(
     })
 }
 
-/// From the text of a model to its linear system as a function of one parameter; the inner error tells why there is none.
+/// From the text of a model to its linear system as a function of one parameter; the inner error says why there is none.
 pub fn parameterised(
     sources: &Sources,
     model: FileId,
@@ -514,7 +515,7 @@ pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcom
     })
 }
 
-/// What a model was taken for: kept, left out, and why.
+/// An account of a model: what was kept, what was left out, and why.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Explained {
@@ -525,7 +526,8 @@ pub struct Explained {
 }
 
 impl Explained {
-    /// The system is shown as the analyses take it, where it fits; a scene that hangs deeper is explained all the same.
+    /// The system is shown in the form that analyses use, if it fits; a scene that hangs deeper is explained all the
+    /// same.
     fn new(model: String, mut lowered: Lowered, account: Account) -> Explained {
         let _ = lowered.flatten();
         Explained { model, system: lowered.system, account }
@@ -543,7 +545,7 @@ pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Out
     })
 }
 
-/// From the text of a model to what was kept of it; no analysis is needed for that.
+/// From the text of a model to an account of what was kept of it, which needs no analysis.
 pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Explained> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
@@ -553,7 +555,7 @@ pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     })
 }
 
-/// Speed against error of a model: its name, and every method for its answers. `clock` tells the time in s.
+/// Speed against error for a model: its name, and every method for its answers. `clock` returns the time in s.
 pub fn bench(
     sources: &Sources,
     model: FileId,
@@ -572,7 +574,7 @@ pub fn bench(
     })
 }
 
-/// A uniform chain of so many masses, as a model's text would give it.
+/// A uniform chain with this many masses, lowered from the text of a model.
 fn chain(masses: usize) -> Option<LinearSystem> {
     let text = format!(
         "body m[1] {{ mass = 1 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = 1 kN/m }}\nrepeat i in 2..{masses} {{\n\
@@ -583,14 +585,14 @@ fn chain(masses: usize) -> Option<LinearSystem> {
     Some(linear(&sources, model, &Overrides::default()).answer?.1)
 }
 
-/// What a figure shows besides the scene as it is drawn.
+/// What a figure shows in addition to the scene as drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
     /// The scene at rest.
     pub rest: bool,
-    /// This mode over the rest, counted from 1.
+    /// This mode, superposed on the rest; counted from 1.
     pub mode: Option<u32>,
-    /// Values beside names.
+    /// Show values beside names.
     pub values: bool,
 }
 
@@ -633,7 +635,7 @@ pub fn draw(
 /// Digits of values in figures.
 const FIGURE_DIGITS: usize = 4;
 
-/// The text of a model in its one layout; no answer where it is not in the grammar.
+/// The text of a model in the standard layout; no answer if it does not match the grammar.
 ///
 /// ```
 /// let mut sources = vibc::Sources::new();
@@ -649,7 +651,7 @@ pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     })
 }
 
-/// The diagnostics, and how the model's requirements stand.
+/// The diagnostics for a model, and whether its requirements hold.
 pub fn check(
     sources: &Sources,
     model: FileId,
@@ -660,12 +662,12 @@ pub fn check(
         let reading = reading::settled(sources, model, overrides, until, diagnostics)?;
         let scene = reading.scene.scene();
         if scene.requires.is_empty() && scene.damping.is_none() {
-            // No number is asked for: a scene may hang deeper than analyses take.
+            // No number is requested, so the scene may hang deeper than analyses allow.
             dynamics::lowered(&reading.scene, diagnostics)?;
             return Some(Vec::new());
         }
         let damped = dynamics::damped(&reading.scene, diagnostics)?;
-        // Where it cannot be written out, each requirement says so.
+        // If it cannot be written out, each requirement reports that.
         let system = damped.written_out(&mut Diagnostics::new());
         Some(reading.requirements(system.as_ref(), None, diagnostics))
     })

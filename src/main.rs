@@ -26,7 +26,7 @@ use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
 use vibc::editor::server::{self, Leave};
 use vibc::kinds;
 
-/// What the process ends with.
+/// The exit status of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Done = 0,
@@ -57,8 +57,8 @@ fn main() -> ExitCode {
     ExitCode::from(status as u8)
 }
 
-/// Help, or what is wrong with the command line. clap repeats arguments as they are, so what in them would steer the
-/// terminal is made visible before.
+/// Shows help, or the errors of the command line. clap repeats arguments as they are, so characters that would control
+/// the terminal are made visible first.
 fn refuse(error: &clap::Error) -> ! {
     let arguments: Vec<String> = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     if arguments.iter().all(|argument| diagnostics::readable(argument) == *argument) {
@@ -68,7 +68,7 @@ fn refuse(error: &clap::Error) -> ! {
     if let Err(error) = Cli::try_parse_from(shown) {
         error.exit();
     }
-    // It was the very character that is wrong.
+    // The error was that character itself.
     let lines: Vec<String> = error.to_string().lines().map(|line| diagnostics::readable(line).into_owned()).collect();
     write_to(&mut io::stderr().lock(), &(lines.join("\n") + "\n"));
     std::process::exit(error.exit_code())
@@ -89,7 +89,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     let status = failure(analysis.failure());
     show(&input.sources, std::mem::take(&mut analysis.diagnostics), messages);
     let Some(answer) = &analysis.answer else {
-        // A model that is too large to be analysed can be explained all the same.
+        // A model that is too large to be analysed can still be explained.
         if let Some(explained) = explained.filter(|_| options.format == Format::Text) {
             let text = backend::report::explanation(
                 &explained.model,
@@ -111,7 +111,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Format::Markdown => backend::markdown::markdown(&report::modal(answer, &wanted)),
         Format::Json => backend::json::json(answer, &wanted),
     };
-    // An accuracy that was not reached, or a requirement that fails, is told beside the answer.
+    // An accuracy that was not reached, or a requirement that fails, is reported in addition to the answer.
     deliver(options.output.as_deref(), &text).max(status)
 }
 
@@ -169,7 +169,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     drawn.max(deliver(options.output.as_deref(), &text))
 }
 
-/// The places of the names asked for, or of all names.
+/// The indices of the requested names, or of all names.
 fn chosen(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Err(format!("the model declares no {what}"));
@@ -386,7 +386,7 @@ fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language,
     }
 }
 
-/// Writes files into a folder, which is made where it is missing, unless one of them is read.
+/// Writes files into a folder, which is created if necessary, unless one of the files is also read.
 fn deliver_all(folder: &Path, files: &[backend::emit::File], options: &Emit, input: &Input) -> Status {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
     if let Err(status) = spare(input, &options.file, &options.overrides, &paths) {
@@ -421,7 +421,7 @@ fn bench(options: &Bench, messages: &Messages) -> Status {
     drawn.max(deliver(options.output.as_deref(), &text))
 }
 
-/// Writes a result, and tells what went wrong.
+/// Writes a result, and reports errors.
 fn deliver(output: Option<&Path>, text: &str) -> Status {
     match write_result(output, text) {
         Ok(()) => Status::Done,
@@ -476,18 +476,18 @@ fn format_one(path: &Path, source: SourceFile, check: bool, messages: &Messages)
             Ok(()) => Status::Errors,
             Err(_) => Status::Io,
         },
-        // A file that is laid out already keeps its date.
+        // A file that is already formatted keeps its modification time.
         false if !changed && !stream => Status::Done,
         false => deliver((!stream).then_some(path), &text),
     }
 }
 
-/// Answers an editor until it says goodbye.
+/// Serves an editor until it disconnects.
 fn language_server() -> Status {
-    // As many messages as pile up while a text goes through the stages; whoever sends more waits.
+    // Room for the messages that arrive while a text goes through the stages; a client that sends more has to wait.
     let (incoming, receiver) = crossbeam_channel::bounded(64);
     let (sender, outgoing) = crossbeam_channel::unbounded();
-    // Reading ends with `exit` or with the stream, or with the process.
+    // Reading ends with `exit`, with the stream, or with the process.
     thread::spawn(move || transport::receive_all(&mut io::stdin().lock(), &incoming, || io::stdout().lock()));
     let writer = thread::spawn(move || transport::send_all(&outgoing, || io::stdout().lock()));
     let connection = lsp_server::Connection { sender, receiver };
@@ -495,10 +495,10 @@ fn language_server() -> Status {
     let outside = "it lies outside the folder that is open";
     let read = |path: &str, below: &[String]| Tables::new(folders(below), outside).read(Path::new(path));
     let leave = server::serve(&connection, &read);
-    // The thread that writes ends with the last sender.
+    // The writing thread ends with the last sender.
     drop(connection);
     match (leave, writer.join()) {
-        // As the protocol asks for.
+        // As the protocol requires.
         (Leave::Announced, Ok(Ok(()))) => Status::Done,
         (Leave::Unannounced, Ok(Ok(()))) => Status::Errors,
         _ => {
@@ -508,21 +508,21 @@ fn language_server() -> Status {
     }
 }
 
-/// What completes the command line in a shell.
+/// Prints a completion script for a shell.
 fn completions(shell: clap_complete::Shell) -> Status {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "vibc", &mut script);
     deliver(None, &String::from_utf8_lossy(&script))
 }
 
-/// A page for `man`, from the same words as `--help`.
+/// Prints a page for `man`, with the same text as `--help`.
 fn manual_page(command: Option<&str>) -> Status {
     let mut program = Cli::command();
     program.build();
     let page = match command {
         None => program,
         Some(name) => match program.find_subcommand(name).filter(|command| !command.is_hide_set()) {
-            // Its page is `vibc-analyze`, as git's are.
+            // Its page is `vibc-analyze`, as in git.
             Some(command) => command.clone(),
             None => {
                 complain(&format!("there is no command `{}`", diagnostics::readable(name)));
@@ -537,7 +537,7 @@ fn manual_page(command: Option<&str>) -> Status {
     }
 }
 
-/// The page of a diagnostic or of a keyword; without either, all codes.
+/// The page of a diagnostic or a keyword; without an argument, all codes.
 fn explain(asked: Option<&str>) -> Status {
     let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
     if let Some(declaration) = kinds::declaration(asked) {
@@ -562,7 +562,7 @@ fn failure(failure: Option<vibc::Failure>) -> Status {
     }
 }
 
-/// Diagnostics, on standard error.
+/// Writes diagnostics to standard error.
 fn show(sources: &Sources, mut findings: Vec<Diagnostic>, messages: &Messages) {
     findings.retain(|finding| !messages.quiet || finding.is_error());
     if findings.is_empty() {
@@ -581,39 +581,40 @@ fn style(colour: Colour) -> diagnostics::HumanStyle {
     let colour = match colour {
         Colour::Always => true,
         Colour::Never => false,
-        // NO_COLOR, CLICOLOR, TERM and whether it is a terminal at all.
+        // NO_COLOR, CLICOLOR, TERM, and whether it is a terminal at all.
         Colour::Auto => anstream::AutoStream::choice(&stream) != anstream::ColorChoice::Never,
     };
     diagnostics::HumanStyle { colour, ascii: stream.is_terminal() && !locale_is_unicode() }
 }
 
-/// A terminal whose locale names another encoding gets plain characters; files always get the same bytes.
+/// Whether the locale is Unicode. A terminal with another encoding gets plain characters; files always get the same
+/// bytes.
 fn locale_is_unicode() -> bool {
     let named =
         ["LC_ALL", "LC_CTYPE", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|v| !v.is_empty()));
     named.is_none_or(|name| name.to_ascii_lowercase().replace('-', "").contains("utf8"))
 }
 
-/// The columns of a text report: those asked for, those of the terminal that it is shown on, or those of a page.
+/// The width of a text report in columns: as requested, that of the terminal it is shown on, or that of a page.
 fn columns(page: &Page, output: Option<&Path>) -> usize {
     let shown = output.is_none_or(|path| path == Path::new("-"));
     let terminal = || terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| usize::from(width.0));
     let asked = page.width.map(|width| width as usize);
-    // A window of a few columns is none that anyone reads in.
+    // A window of a few columns is too narrow to read.
     asked.or_else(|| terminal().filter(|width| shown && *width >= 40)).unwrap_or(backend::report::WIDTH)
 }
 
-/// Nothing can be told about a failure to write to standard error.
+/// A failure to write to standard error cannot be reported anywhere.
 fn write_to(stream: &mut impl Write, text: &str) {
     let _ = stream.write_all(text.as_bytes());
 }
 
-/// In one line that begins as those about the command line do, whatever names of files and arguments it repeats.
+/// Writes an error in a single line, like those about the command line, whatever names of files and arguments it repeats.
 fn complain(text: &str) {
     write_to(&mut io::stderr().lock(), &format!("error: {}\n", diagnostics::readable(text)));
 }
 
-/// A panic is a defect of the program, whatever the input: say so, and what helps to mend it.
+/// A panic is a defect of the program, whatever the input: reports it, and asks for what helps to fix it.
 fn report_defect(panic: &std::panic::PanicHookInfo) {
     let version = env!("CARGO_PKG_VERSION");
     let text = format!(

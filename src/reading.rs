@@ -1,5 +1,5 @@
-//! What every run begins with: the text of a model to its checked scene, with everything that it solves for at the values that
-//! were found. In: the texts; out: a [`Reading`], of which the rest of the run is asked.
+//! The start of every run: from the text of a model to its checked scene, with everything it solves for at the values
+//! found. In: the texts. Out: a [`Reading`], which the rest of the run uses.
 
 use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameterised};
 use crate::analysis::{Modes, Poles};
@@ -12,20 +12,20 @@ use crate::syntax;
 use crate::syntax::tree::Tree;
 use crate::system::LinearSystem;
 
-/// A model that was read.
+/// A model that has been read.
 pub(crate) struct Reading<'a> {
     sources: &'a Sources,
     overrides: &'a Overrides,
-    /// How long the motion in time is followed, where that is given, s.
+    /// Simulated time, s, if given.
     until: Option<Number>,
     pub tree: Tree,
     pub scene: CheckedScene,
-    /// The values that parameters have by `solve` lines.
+    /// The values that `solve` lines give to parameters.
     pub settings: Vec<Setting>,
     pub solved: Vec<Solved>,
 }
 
-/// The tree of a text, and its scene unless there are errors. `None` where a file is no text.
+/// The tree of a text, and its scene unless there are errors. `None` if a file is not text.
 pub(crate) fn checked(
     sources: &Sources,
     model: FileId,
@@ -36,7 +36,7 @@ pub(crate) fn checked(
     checked_by(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
 }
 
-/// The same by a check that finds something more.
+/// Like [`checked`], with a check that returns something in addition.
 fn checked_by<T>(
     sources: &Sources,
     model: FileId,
@@ -52,13 +52,13 @@ fn checked_by<T>(
     let parsed = syntax::parse(sources, model);
     let broken = parsed.errors.has_errors();
     diagnostics.extend(parsed.errors);
-    // A broken declaration does not hide what is wrong with the others.
+    // A broken declaration does not hide the errors of the others.
     let (checked, more) = check(&parsed.tree);
     diagnostics.extend(checked.diagnostics);
     Some((parsed.tree, checked.scene.filter(|_| !broken), more))
 }
 
-/// The scene and what its numbers were written as, with every unknown of its `solve` lines at its value.
+/// The scene and the expressions of its numbers, with every unknown of its `solve` lines at its value.
 pub(crate) fn written(
     sources: &Sources,
     model: FileId,
@@ -77,7 +77,7 @@ pub(crate) fn written(
     Some((checked.scene?, written?))
 }
 
-/// The scene with every `solve` settled.
+/// The scene with every `solve` line evaluated.
 pub(crate) fn settled<'a>(
     sources: &'a Sources,
     model: FileId,
@@ -98,7 +98,7 @@ impl<'a> Reading<'a> {
         Reading { sources, overrides, until: None, tree, scene, settings: Vec::new(), solved: Vec::new() }
     }
 
-    /// Finds a time to follow motions for, and what the model solves for. `None` after an error.
+    /// Finds the simulation time and the parameters that the model solves for. `None` after an error.
     pub fn settle(&mut self, diagnostics: &mut Diagnostics) -> Option<()> {
         if self.until.is_none() {
             self.until = self.text().usual_time(&self.scene);
@@ -124,13 +124,13 @@ impl<'a> Reading<'a> {
         self.scene.scene().name.clone()
     }
 
-    /// What questions are asked of.
+    /// The text that questions are evaluated on.
     pub fn text(&self) -> Text<'_> {
         let Reading { sources, overrides, until, tree, .. } = self;
         Text { sources, tree, overrides, until: until.as_ref() }
     }
 
-    /// How the requirements stand. The system and its modes and poles are not computed again where they are known.
+    /// Whether the requirements hold. The system, modes and poles are not computed again if they are known.
     pub fn requirements(
         &self,
         system: Option<&WrittenOut>,
@@ -147,7 +147,7 @@ impl<'a> Reading<'a> {
         list
     }
 
-    /// The linear system over a parameter.
+    /// The linear system as a function of a parameter.
     pub fn over_parameter(&self, name: &str) -> Result<Parameterised, String> {
         if !self.scene.scene().solves.is_empty() {
             return Err("the model solves for parameters, which would move with it".into());
@@ -173,7 +173,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// The files of tables that a model names, each once, as written: who calls adds them to the sources (see
+/// The files of tables that a model names, each once, as written. The caller adds them to the sources (see
 /// [`crate::base::SourceFile::beside`]) before any other step. A model that names none is not even parsed.
 pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
     let mut files: Vec<String> = Vec::new();
@@ -189,15 +189,15 @@ pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
     files
 }
 
-/// Different tables of one model; a run has room for 256 files.
+/// Limit on the different tables of one model; a run has room for 256 files.
 const MOST_TABLES: usize = 200;
 
-/// A byte that belongs to no character: the file is no text at all, most likely.
+/// A byte that is not part of any character: most likely the file is not text at all.
 const NOT_UTF8: Code = Code::model("vib::file::not_utf8");
 
 pub(crate) fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
     let (offset, byte) = sources.file(file).first_bad_byte?;
-    // What stands for the byte is three bytes long.
+    // The replacement character for the byte is three bytes long.
     let span = Span::new(file, offset, offset + 3);
     let diagnostic = Diagnostic::error(NOT_UTF8, span, "this file is not UTF-8 text")
         .label(format!("byte 0x{byte:02x} belongs to no character"))

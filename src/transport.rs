@@ -1,8 +1,8 @@
-//! The language server's messages from a stream and back, whatever the stream holds: what is no message is reported to the client, and
-//! the next one is read. See docs/editors.md.
+//! The language server's messages from and to a stream, whatever the stream contains: bytes that are not a message are
+//! reported to the client, and the next message is read. See docs/editors.md.
 //!
-//! A message is a header with the line `Content-Length: N`, an empty line, and N bytes of JSON. Where a header makes no
-//! sense the bytes behind it cannot be counted off: the next such line is looked for.
+//! A message is a header with the line `Content-Length: N`, an empty line, and N bytes of JSON. If a header makes no
+//! sense, the length of what follows is unknown, so the next such line is searched for.
 
 use crossbeam_channel::{Receiver, Sender};
 use lsp_server::{ErrorCode, Message, RequestId};
@@ -10,33 +10,34 @@ use serde_json::Value;
 use std::io::{self, BufRead, Read, Write};
 use vibc::syntax::limits;
 
-/// Bytes of a message: a text of the largest size, half of whose bytes are escaped.
+/// Limit on the bytes of a message: a text of the largest size with half of its bytes escaped.
 const MESSAGE: u64 = 2 * limits::FILE as u64;
 
-/// Bytes of a header that are looked at in one go.
+/// Bytes of a header that are read at once.
 const LINE: u64 = 1 << 16;
 
 const LENGTH: &[u8] = b"content-length:";
 
-/// What came from a stream.
+/// An item received from a stream.
 #[derive(Debug)]
 enum Received {
     Message(Message),
     Refused(Refused),
 }
 
-/// Bytes that are no message.
+/// Bytes that are not a message.
 #[derive(Debug)]
 struct Refused {
-    /// Of the request that was meant, where that can be seen.
+    /// The id of the request that was meant, if it can be recognised.
     id: Option<RequestId>,
     code: ErrorCode,
     why: String,
 }
 
-/// Hands the messages of a stream on until the client takes leave or is gone; `answers` is where it reads what was wrong.
+/// Forwards the messages of a stream until the client leaves or is gone; errors are sent to `answers`, which the client
+/// reads.
 pub fn receive_all<W: Write>(stream: &mut impl BufRead, to: &Sender<Message>, answers: impl Fn() -> W) {
-    // A stream that cannot be read is one that has ended.
+    // A stream that cannot be read counts as ended.
     while let Ok(Some(received)) = receive(stream) {
         let message = match received {
             Received::Message(message) => message,
@@ -59,14 +60,14 @@ pub fn send_all<W: Write>(messages: &Receiver<Message>, stream: impl Fn() -> W) 
     messages.iter().try_for_each(|message| message.write(&mut stream()))
 }
 
-/// The next message, or what stands in its place; `None` at the end.
+/// The next message, or the error in its place; `None` at the end.
 fn receive(stream: &mut impl BufRead) -> io::Result<Option<Received>> {
     let length = match length(stream)? {
         None => return Ok(None),
         Some(Err(why)) => return Ok(Some(refused(None, ErrorCode::InvalidRequest, why))),
         Some(Ok(length)) => length,
     };
-    // Grows with what comes, not with what was promised.
+    // The buffer grows with the bytes received, not with the length announced.
     let mut body = Vec::new();
     stream.take(length).read_to_end(&mut body)?;
     let is_whole = body.len() as u64 == length;
@@ -77,7 +78,7 @@ fn refused(id: Option<RequestId>, code: ErrorCode, why: impl Into<String>) -> Re
     Received::Refused(Refused { id, code, why: why.into() })
 }
 
-/// The length that the next header gives, or why it is none; `None` at the end of the stream.
+/// The length given by the next header, or why it is not valid; `None` at the end of the stream.
 fn length(stream: &mut impl BufRead) -> io::Result<Option<Result<u64, String>>> {
     let mut found = None;
     let mut line = Vec::new();
@@ -88,13 +89,13 @@ fn length(stream: &mut impl BufRead) -> io::Result<Option<Result<u64, String>>> 
         }
         match found {
             Some(length) if line.trim_ascii().is_empty() => return Ok(Some(length)),
-            // Other fields, an empty line too many, what is left of a message that was refused.
+            // Other fields, a surplus empty line, or the remains of a message that was refused.
             _ => found = length_of(&line).or(found),
         }
     }
 }
 
-/// The number behind the last `Content-Length:` of a line: before it there may be the end of a message that was refused.
+/// The number after the last `Content-Length:` of a line; before it there may be the end of a message that was refused.
 fn length_of(line: &[u8]) -> Option<Result<u64, String>> {
     let at = line.windows(LENGTH.len()).rposition(|word| word.eq_ignore_ascii_case(LENGTH))?;
     let number = line[at + LENGTH.len()..].trim_ascii();
@@ -126,7 +127,8 @@ fn message(body: &[u8]) -> Received {
     }
 }
 
-/// Half a character of two, as JavaScript writes one that was cut in the middle (`\ud83d`), becomes `\ufffd`.
+/// Replaces half of a surrogate pair, as JavaScript writes it for a character that was cut in the middle (`\ud83d`), by
+/// `\ufffd`.
 fn whole(text: &str) -> String {
     let unit = |at: usize| {
         let digits = text.get(at..)?.strip_prefix("\\u")?.get(..4)?;
@@ -144,14 +146,14 @@ fn whole(text: &str) -> String {
                 6
             }
             Some(_) => 6,
-            // The backslash and what it stands before.
+            // The backslash and the character it escapes.
             None => 1 + text[at + 1..].chars().next().map_or(0, char::len_utf8),
         };
     }
     whole + &text[done..]
 }
 
-/// Tells the client what was wrong, as an answer to the request that was meant, or to none.
+/// Reports an error to the client, as an answer to the request that was meant, or to none.
 fn refuse(stream: &mut impl Write, Refused { id, code, why }: Refused) -> io::Result<()> {
     let error = serde_json::json!({ "code": code as i32, "message": why });
     let answer = serde_json::json!({ "jsonrpc": "2.0", "id": id, "error": error }).to_string();
@@ -163,7 +165,7 @@ fn refuse(stream: &mut impl Write, Refused { id, code, why }: Refused) -> io::Re
 mod tests {
     use super::*;
 
-    /// What comes of a stream: the methods of its messages, and the codes of what was refused.
+    /// The results of reading a stream: the methods of its messages, and the codes of what was refused.
     fn heard(stream: &[u8]) -> Vec<String> {
         let mut stream = stream;
         let mut heard = Vec::new();
