@@ -1,10 +1,13 @@
-//! The load factor to buckling: by how much gravity, tensions and reactions could grow before a motion loses its stiffness.
+//! The buckling load factor: by how much gravity, tensions and reactions can grow before some motion loses its
+//! stiffness.
 //!
-//! K = K_p + K_g: what the model gives as stiffness, and what its loads make of the geometry. In: a linear system. Out: the
-//! least alpha > 0 for which K_p + alpha K_g is singular, below 1 for what has buckled already.
+//! K = K_p + K_g: the stiffness that the model gives, and the geometric stiffness due to its loads. In: a linear
+//! system. Out: the least alpha > 0 for which K_p + alpha K_g is singular; it is below 1 if the system has buckled
+//! already.
 //!
 //! - K_p positive definite: -K_g x = mu K_p x, alpha = 1 / mu for the largest mu.
-//! - Else, if K is: K_g x = rho K x, alpha = 1 - 1 / rho for the least rho, which has to be negative.
+//! - Otherwise, if K is positive definite: K_g x = rho K x, alpha = 1 - 1 / rho for the least rho, which must be
+//!   negative.
 //!
 //! Both are eigenproblems like that of the modes, with its bounds. See docs/method/modes.md#buckling.
 
@@ -18,7 +21,7 @@ use crate::system::{Form, LinearSystem, Nature, Term};
 /// Relative accuracy that a load factor should have.
 const TOLERANCE: f64 = 1e-12;
 
-/// How far a system is from buckling.
+/// The load factor to buckling, and the motion that buckles.
 #[derive(Clone, Debug)]
 pub struct Buckling {
     pub load_factor: Ball,
@@ -26,8 +29,8 @@ pub struct Buckling {
     pub shape: Vec<Unproven>,
 }
 
-/// The least load factor of all parts; `None` where no load softens anything, where it is not defined (a motion without any
-/// stiffness), or where it could not be certified.
+/// The least load factor over all parts. `None` if no load softens anything, if the factor is not defined (some motion
+/// has no stiffness at all), or if it could not be certified.
 pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
     let softened = |term: &Term| term.nature == Nature::Geometric && term.weight.is_negative();
     if !system.k.terms().iter().any(softened) || system.is_chained() {
@@ -76,7 +79,7 @@ fn positive(pair: &Pair) -> Option<Ball> {
     ball.is_positive().then_some(ball)
 }
 
-/// The terms that `choose` takes, negated where it says so.
+/// The terms for which `choose` returns a value, negated if that value is `true`.
 fn weighted(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
     let mut result = Form::new();
     for term in form.terms() {
@@ -95,7 +98,7 @@ mod tests {
     use crate::base::Number;
     use crate::system::CoordinateId;
 
-    /// Two rods that a spring joins; what the model gives and what gravity makes of each, N m/rad.
+    /// Two rods joined by a spring: the stiffnesses that the model gives, and those due to gravity, N m/rad.
     fn rods(given: [&Number; 2], gravity: [&Number; 2], joined: &str) -> LinearSystem {
         let mut system = blank(2);
         let label = system.coordinates[0].name;
@@ -132,8 +135,8 @@ mod tests {
         check(&rods([&five, &two], [&-&down, &-&up], "0.1"), roots(5.0, 2.0, -9.81, -0.4905)[0]);
     }
 
-    /// A rod that hangs in spite of a negative spring: without its weight it would not stand, with 4.28 times as much of it
-    /// the other one falls.
+    /// A rod that hangs in spite of a negative spring: it would not stand without its weight, and at 4.28 times the
+    /// weight the other rod falls.
     #[test]
     fn what_stands_by_its_loads_alone_buckles_under_more_of_them() {
         let [one, two, hangs, stands] = ["1", "2", "9.81", "0.4905"].map(Number::from);
@@ -143,14 +146,14 @@ mod tests {
         check(&system, roots[1]);
     }
 
-    /// Neither stands without its loads, nor with them: there is no factor.
+    /// Neither rod stands, with or without its loads: there is no factor.
     #[test]
     fn what_has_fallen_has_no_factor() {
         let [one, two, stands] = ["1", "2", "0.4905"].map(Number::from);
         assert!(buckling(&rods([&-&one, &-&two], [&-&stands, &-&stands], "0.1")).is_none());
     }
 
-    /// Rods side by side: the one that falls first counts.
+    /// Rods side by side: the one that buckles first decides.
     #[test]
     fn of_several_parts_the_weakest_buckles() {
         let mut system = blank(2);

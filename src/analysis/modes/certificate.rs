@@ -1,4 +1,4 @@
-//! Bounds of the eigenvalues of K x = lambda M x that hold, from any approximate eigenvectors.
+//! Certified bounds of the eigenvalues of K x = lambda M x, from any approximate eigenvectors.
 //!
 //! In: the stiffness and the inertia in the basis of the approximate modes, K^ = X^T K X and M^ = X^T M X, with error bounds
 //! ([`Gram`]). Out: for each k an interval that contains the k-th eigenvalue.
@@ -12,8 +12,8 @@
 //!   e = max_i |K^_ii - lambda^_i M^_ii| + ||T_CC off the diagonal||_F + sum_(i in C, j in R) T_ij^2 / (g_j (1 - q)),
 //!
 //! and by Weyl's inequality the k-th eigenvalue lies within delta = e / min M^_ii of the k-th lambda^. The bound is
-//! quadratic in the errors of the modes, and it counts: nothing is missed, nothing is found twice. The quotients of a group
-//! are evaluated in triple words. X is regular because ||M^ off the diagonal||_F < min M^_ii.
+//! quadratic in the errors of the modes, and it counts: no eigenvalue is missed and none is found twice. The quotients
+//! of a group are evaluated in triple words. X is regular because ||M^ off the diagonal||_F < min M^_ii.
 //! See docs/method/modes.md#certificate; compare Parlett, The Symmetric Eigenvalue Problem (1998), chapters 10 and 11.
 
 use crate::analysis::modes::gram::{Gram, SLACK};
@@ -29,7 +29,7 @@ pub struct Enclosure {
     /// Column of X that approximates its mode.
     pub column: usize,
     pub lambda: Triple,
-    /// |lambda - true|; infinite where nothing could be certified.
+    /// |lambda - true|; infinite if nothing could be certified.
     pub radius: f64,
 }
 
@@ -50,7 +50,7 @@ struct Pencil<'a> {
     m_size: Matrix<f64>,
 }
 
-/// The radius is found at the second trial unless the modes are poor.
+/// The second trial usually succeeds; more are needed only if the modes are poor.
 const MAX_TRIALS: usize = 12;
 
 /// Encloses every eigenvalue, ascending; see the module.
@@ -115,7 +115,7 @@ impl<'a> Pencil<'a> {
         (self.lambda[j] - self.lambda[i]).hi()
     }
 
-    /// Neighbours that are closer than their coupling and their residuals go together.
+    /// Neighbours whose distance is comparable to their coupling and residuals form a group.
     fn groups(&self) -> Vec<(usize, usize)> {
         let n = self.lambda.len();
         let near = |i: usize, j: usize| {
@@ -147,7 +147,8 @@ impl<'a> Pencil<'a> {
             if found <= assumed {
                 return found;
             }
-            // The dependence on the assumption is weak: one part in a thousand leaves room unless the modes are poor.
+            // The result depends weakly on the assumption: one part in a thousand leaves room unless the modes are
+            // poor.
             assumed = if assumed == 0.0 { 1.001 * found } else { 2.0 * found };
         }
         f64::INFINITY
@@ -167,8 +168,8 @@ impl<'a> Pencil<'a> {
         (sum.sqrt() * SLACK, slope.sqrt() * SLACK)
     }
 
-    /// The delta of the module's text, valid if it comes out not above `assumed`: s runs over the group's lambda^, widened
-    /// by `assumed`.
+    /// The delta of the module's text, with s running over the group's lambda^ widened by `assumed`. Valid if the
+    /// result is at most `assumed`.
     fn radius_assuming(&self, start: usize, end: usize, inner: (f64, f64), assumed: f64) -> f64 {
         let n = self.lambda.len();
         let span = (self.distance(start, end - 1).abs() + assumed) * SLACK;
@@ -217,7 +218,7 @@ fn quotient(k: &Gram, m: &Gram, i: usize) -> (usize, Triple, f64) {
     let rest = energy.value - Triple::from(first) * inertia.value;
     let correction = rest.hi() / inertia.value.hi();
     let lambda = Triple::from(first) + Triple::from(correction);
-    // The correction is 2^-100 of the quotient at most and rounded at 2^-52 of itself.
+    // The correction is at most 2^-100 of the quotient, with a relative rounding error of 2^-52.
     let size = energy.value.hi().abs() + (first.hi * inertia.value.hi()).abs();
     let rounding = 8.0 * Triple::ERROR * size + rest.hi().abs() * (4.0 * f64::EPSILON);
     (i, lambda, SLACK * (energy.radius + first.hi.abs() * SLACK * inertia.radius + rounding))
@@ -229,7 +230,8 @@ fn compare(a: Triple, b: Triple) -> Ordering {
 
 /// The square root of a certified number in double-double, with its radius.
 pub fn root(x: Triple, radius: f64) -> Ball {
-    // Squares of numbers far from one lose their low words: the root is taken near one, and scaled back without rounding.
+    // Squares of numbers far from one lose their low words, so the root is taken near one and scaled back without
+    // rounding.
     match exponent(x.hi()).map(|e| e / 2) {
         Some(half) if half.abs() > 200 => {
             let near_one = root_of_ordinary(x.by_power(-2 * half), by_power(radius, -2 * half).next_up());
@@ -242,7 +244,7 @@ pub fn root(x: Triple, radius: f64) -> Ball {
 
 fn root_of_ordinary(x: Triple, radius: f64) -> Ball {
     if x.hi() <= 0.0 {
-        // The number may be negative by its radius only.
+        // The number may be negative, but only within its radius.
         return Ball::new(Dd::ZERO, ((x.hi().abs() + radius) * SLACK).sqrt() * SLACK);
     }
     let first = x.dd().sqrt();
@@ -260,7 +262,7 @@ pub fn unknown_root(x: Ball) -> Ball {
     Ball::new(Dd::ZERO, x.magnitude().sqrt() * SLACK)
 }
 
-/// A certified number as a ball.
+/// A certified number as a [`Ball`].
 pub fn ball(x: Triple, radius: f64) -> Ball {
     let (mid, dropped) = x.split();
     Ball::new(mid, (radius + dropped.abs()) * SLACK)
@@ -290,7 +292,7 @@ mod tests {
         enclose(&Gram::of(&k, x), &Gram::of(&m, x))
     }
 
-    /// The modes, each entry off by `slip` one way or the other.
+    /// The modes, with each entry off by `slip` in one direction or the other.
     fn modes(slip: f64) -> Matrix<Triple> {
         let middle = 2f64.sqrt();
         let columns = [[1.0, middle, 1.0], [1.0, 0.0, -1.0], [1.0, -middle, 1.0]];
@@ -311,13 +313,13 @@ mod tests {
                     error <= found.radius + 1e-31 && found.radius <= 100.0 * slip * slip + 1e-28,
                     "{slip:e}: {error:e}"
                 );
-                // Quotients err by the square of the vectors' error: a bound without it would not hold.
+                // The error of a quotient is the square of that of the vectors: a smaller bound would not hold.
                 assert!(slip < 1e-6 || error > 1e-3 * slip * slip, "{slip:e}: {error:e}");
             }
         }
     }
 
-    /// The same vector twice says nothing of the third eigenvalue, however well it fits.
+    /// Two equal vectors give no information about the third eigenvalue, however well they fit.
     #[test]
     fn vectors_that_depend_on_each_other_certify_nothing() {
         let modes = modes(0.0);
@@ -328,7 +330,7 @@ mod tests {
     #[test]
     fn roots_are_enclosed_over_the_whole_range() {
         for e in [-300, -250, -100, 0, 100, 250, 300] {
-            // (10^(e/2) (1 + 2^-60))^2, less what three words leave.
+            // (10^(e/2) (1 + 2^-60))^2, less what does not fit into three words.
             let root = Triple::from(10f64.powi(e / 2)) + Triple::from(10f64.powi(e / 2) * 2f64.powi(-60));
             let near_one = root.by_power(-exponent(root.hi()).expect("not zero"));
             let square = near_one.square().by_power(2 * exponent(root.hi()).expect("not zero"));
@@ -340,7 +342,7 @@ mod tests {
         }
     }
 
-    /// 4 +- 1: the roots of 3 and of 5 are held.
+    /// The root of 4 +- 1 contains the roots of 3 and of 5.
     #[test]
     fn the_root_of_an_uncertain_number_holds_its_ends() {
         let found = root(Triple::from(4.0), 1.0);
@@ -352,7 +354,7 @@ mod tests {
     /// Two coordinates as pairs of what a term adds: (w, coordinate, other end).
     type Squares<'a> = &'a [(&'a str, usize, Option<usize>)];
 
-    /// Every radius holds the eigenvalue of its place, or nothing is reported.
+    /// Checks that every radius encloses the eigenvalue at its position, or that nothing is reported.
     fn check(k: Squares, m: Squares, x: &Matrix<Triple>, truth: &[f64]) -> Vec<Enclosure> {
         let mut system = blank(truth.len());
         m.iter().for_each(|&(w, i, j)| push(&mut system.m, w, i, j));
@@ -381,7 +383,7 @@ mod tests {
         assert!(found.iter().all(|found| found.radius == f64::INFINITY), "{found:?}");
     }
 
-    /// A mass of 1 +- 2 may be negative: what is divided by its lower bound is no radius.
+    /// A mass of 1 +- 2 may be negative: dividing by its lower bound does not give a radius.
     #[test]
     fn a_mass_that_may_be_negative_certifies_nothing() {
         let mut system = blank(1);
@@ -394,7 +396,8 @@ mod tests {
         assert_eq!(found[0].radius, f64::INFINITY, "{found:?}");
     }
 
-    /// Eigenvalues 1 and 1.000001, from vectors half of one and half of the other: both quotients are 1.0000005.
+    /// Eigenvalues 1 and 1.000001, from vectors that are half of one mode and half of the other: both quotients are
+    /// 1.0000005.
     #[test]
     fn the_coupling_of_close_modes_is_in_their_radius() {
         let k = [("1", 0, None), ("1.000001", 1, None), ("9", 2, None)];
@@ -403,8 +406,8 @@ mod tests {
         assert!(found[0].radius >= 5e-7 && found[0].radius < 1e-5, "{found:?}");
     }
 
-    /// Eigenvalues 1, 10 and 12, the first and the last from vectors half of each: both quotients are 6.5, so that the exact
-    /// one of 10 would be counted as the third.
+    /// Eigenvalues 1, 10 and 12; the first and last vectors are half of each mode. Both quotients are 6.5, so the exact
+    /// quotient of 10 would be counted as the third.
     #[test]
     fn modes_beside_poor_ones_are_not_counted() {
         let k = [("1", 0, None), ("10", 1, None), ("12", 2, None)];
@@ -412,9 +415,9 @@ mod tests {
         check(&k, &UNIT_MASSES, &x, &[1.0, 10.0, 12.0]);
     }
 
-    /// K = [2 -0.3; -0.3 1] and M = [1 -0.2; -0.2 1], with the axes as vectors: at the upper quotient, 2, the coupling is 0.1 and
-    /// would tell 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the coupling is larger. The same with a
-    /// hundredth and with a hundred times the stiffness.
+    /// K = [2 -0.3; -0.3 1] and M = [1 -0.2; -0.2 1], with the axes as vectors: at the upper quotient, 2, the coupling
+    /// is 0.1 and would give a radius of 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the
+    /// coupling is larger. Repeated with a hundredth and with a hundred times the stiffness.
     #[test]
     fn a_radius_holds_over_all_that_was_assumed() {
         let m = [("0.2", 0, Some(1)), ("0.8", 0, None), ("0.8", 1, None)];

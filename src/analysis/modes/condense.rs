@@ -1,6 +1,6 @@
-//! Motions without inertia are eliminated exactly: they follow the others without force of their own.
+//! Exact elimination of motions without inertia: they follow the others without any force of their own.
 //!
-//! In: M, K and independent exact null vectors of M. Out: forms M', K' on as many coordinates less, and the way back.
+//! In: M, K and independent exact null vectors of M. Out: forms M', K' on fewer coordinates, and the way back.
 //!
 //! With q = q' + sum v_i s_i, where coordinate f_i of q' is fixed at zero (v_i is 1 there), M does not see s. The condition
 //! that s moves without force is a minimum (or saddle) of the strain energy sum w_t (p_t s + r_t . q')^2 over one s after the
@@ -8,10 +8,10 @@
 //!
 //!   min_s sum_t w_t (p_t s + r_t . q')^2 = sum_(t < u) (w_t w_u / W) ((p_t r_u - p_u r_t) . q')^2:
 //!
-//! again a sum of squares, positive where the terms are. For springs this is the star-mesh transformation. Each step makes as
-//! many squares as there are pairs, so squares of proportional rows are added up when they have become twice as many; where
-//! exact squares are still more than the entries of a symmetric matrix, Lagrange's reduction writes their sum with one for each
-//! coordinate at most. See docs/method/modes.md#motions-without-inertia.
+//! again a sum of squares, positive if the terms are. For springs this is the star-mesh transformation. Each step
+//! creates one square for each pair of terms, so squares of proportional rows are added up whenever their number has
+//! doubled; if exact squares still outnumber the entries of a symmetric matrix, Lagrange's reduction rewrites their sum
+//! with at most one square for each coordinate. See docs/method/modes.md#motions-without-inertia.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Dd, Number, Rational};
@@ -25,13 +25,13 @@ type Row = Vec<(usize, Number)>;
 pub struct Condensed {
     pub m: Form,
     pub k: Form,
-    /// The coordinates that are left, ascending.
+    /// The remaining coordinates, ascending.
     pub kept: Vec<usize>,
     steps: Vec<Step>,
     vectors: Vec<(usize, Vec<Number>)>,
 }
 
-/// s = -sum w_t p_t (r_t . q') / W as a row; none if no term holds s.
+/// s = -sum w_t p_t (r_t . q') / W as a row; none if no term restrains s.
 struct Step {
     at: usize,
     row: Option<Row>,
@@ -44,18 +44,19 @@ struct Square {
     row: Row,
 }
 
-/// Why motions cannot be eliminated: at the coordinate that stands for one of them.
+/// Why motions cannot be eliminated; each variant names the coordinate that stands for one of them.
 pub enum Stuck {
-    /// It cannot be eliminated by itself.
+    /// The coordinate cannot be eliminated on its own.
     Undetermined(usize),
-    /// It would leave more squares than [`MOST_SQUARES`].
+    /// Its elimination would leave more squares than [`MOST_SQUARES`].
     TooManyTerms(usize),
 }
 
-/// Squares that a step may leave: some hundred megabytes of them. A node without mass between n others makes n² / 2.
+/// The most squares that a step may leave, some hundred megabytes. A node without mass between n others makes n² / 2 of
+/// them.
 pub const MOST_SQUARES: usize = 1_000_000;
 
-/// Eliminates the motions `vectors` (in reduced form: each has a one at a coordinate where the others have zero).
+/// Eliminates the motions `vectors`, given in reduced form: each has a one at a coordinate where the others have zero.
 pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Result<Condensed, Stuck> {
     let vectors = with_own_coordinates(vectors);
     let mut is_own = vec![false; n];
@@ -87,7 +88,7 @@ pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Resu
 }
 
 impl Condensed {
-    /// Massless motions that no term of K holds, each over all n coordinates.
+    /// Massless motions that no term of K restrains, each over all n coordinates.
     pub fn loose_motions(&self, n: usize) -> Vec<Vec<Number>> {
         let loose = self.steps.iter().enumerate().filter(|(_, step)| step.row.is_none());
         loose.map(|(index, step)| self.loose_motion(n, index, step.at)).collect()
@@ -137,7 +138,7 @@ impl Condensed {
     }
 }
 
-/// For each vector the coordinate at which it alone is not zero.
+/// For each vector, the coordinate at which it alone is not zero.
 fn with_own_coordinates(vectors: &[Vec<Rational>]) -> Vec<(usize, Vec<Number>)> {
     let alone = |i: usize, at: usize| {
         vectors[i][at].is_one() && vectors.iter().enumerate().all(|(j, other)| j == i || other[at].is_zero())
@@ -151,7 +152,7 @@ fn with_own_coordinates(vectors: &[Vec<Rational>]) -> Vec<(usize, Vec<Number>)> 
         .collect()
 }
 
-/// The row a on q' and s: entries of own coordinates become a . v.
+/// The row a in terms of q' and s: entries at the vectors' own coordinates become a . v.
 fn in_new_coordinates(k: &Form, term: &crate::system::Term, vectors: &[(usize, Vec<Number>)]) -> Square {
     let row = k.row(term);
     let kept = row.iter().filter(|(i, _)| vectors.iter().all(|(at, _)| *at != i.index()));
@@ -193,8 +194,8 @@ fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Stuck> {
     Ok(Step { at, row: Some(row) })
 }
 
-/// The same sum with squares of proportional rows added up, as far as rows are exact; with Lagrange's reduction where that
-/// leaves more squares than a symmetric matrix has entries.
+/// Adds up squares of proportional rows, as far as rows are exact; applies Lagrange's reduction if that leaves more
+/// squares than a symmetric matrix has entries.
 fn joined(squares: Vec<Square>) -> Vec<Square> {
     let mut of_row: BTreeMap<Vec<(usize, Rational)>, Number> = BTreeMap::new();
     let mut joined = Vec::new();
@@ -215,8 +216,8 @@ fn joined(squares: Vec<Square>) -> Vec<Square> {
     if joined.len() <= entries { joined } else { reduced(&joined, &coordinates).unwrap_or(joined) }
 }
 
-/// Lagrange's reduction of a sum of exact squares: one square for each pivot on the diagonal, in order. `None` where a number
-/// is not exact, or a pivot vanishes and its row does not.
+/// Lagrange's reduction of a sum of exact squares: one square for each pivot on the diagonal, in order. `None` if a
+/// number is not exact, or if a pivot vanishes but its row does not.
 fn reduced(squares: &[Square], coordinates: &BTreeSet<usize>) -> Option<Vec<Square>> {
     let mut matrix: BTreeMap<(usize, usize), Number> = BTreeMap::new();
     for square in squares {
@@ -255,7 +256,7 @@ fn reduced(squares: &[Square], coordinates: &BTreeSet<usize>) -> Option<Vec<Squa
 }
 
 impl Square {
-    /// The exact row by ascending coordinates with 1 as its first entry, and the weight that belongs to it.
+    /// The exact row, sorted by coordinate and scaled so that its first entry is 1, and the matching weight.
     fn in_normal_form(&self) -> Option<(Vec<(usize, Rational)>, Number)> {
         let exact = |(i, a): &(usize, Number)| Some((*i, a.exact()?.clone()));
         let mut row = self.row.iter().map(exact).collect::<Option<Vec<_>>>()?;
@@ -267,7 +268,7 @@ impl Square {
     }
 }
 
-/// A square w (p s + r . q')^2, taken apart.
+/// A square w (p s + r . q')^2, split into its parts.
 struct Split {
     weight: Number,
     factor: Number,
@@ -282,7 +283,7 @@ impl Split {
     }
 }
 
-/// a x + b y of sparse rows, without entries that are exactly zero.
+/// a x + b y for sparse rows, without entries that are exactly zero.
 fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Row {
     let mut sum: Row = x.iter().map(|(i, x)| (*i, a * x)).collect();
     for (i, y) in y {
@@ -296,7 +297,7 @@ fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]
     sum
 }
 
-/// A form of nameless terms: sources are determined from the whole motion, not from these.
+/// A form of unnamed terms: sources are determined from the motion over all coordinates, not from these.
 fn form(like: &Form, terms: impl Iterator<Item = (Number, Vec<(CoordinateId, Number)>)>) -> Form {
     let mut form = Form::new();
     if like.source_count() > 0 {

@@ -4,10 +4,10 @@
 //!
 //!   W_ij = -(K^_ij - lambda_j M^_ij) / (K^_ii - lambda_j M^_ii),   i != j,
 //!
-//! so the errors of the modes are squared (Ogita and Aishima 2018 in the form for a pencil). The entries of K^ come from the
-//! terms, so W has full relative accuracy however small it is: it takes a soft mode's spurious stretch of a stiff spring away,
-//! which is below the last bit of its displacements. Modes too close for the formula are turned among themselves until their
-//! block is diagonal. See docs/method/modes.md#refinement.
+//! so the errors of the modes are squared (Ogita and Aishima 2018 in the form for a pencil). The entries of K^ come
+//! from the terms, so W has full relative accuracy however small it is: it removes a soft mode's spurious stretch of a
+//! stiff spring even if that is below the last bit of its displacements. Modes too close for the formula are rotated
+//! among themselves until their block is diagonal. See docs/method/modes.md#refinement.
 
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
@@ -15,17 +15,17 @@ use crate::analysis::numeric::jacobi;
 use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
 
-/// Beyond this a step is not small: such modes are treated as a group.
+/// A step larger than this is not small: such modes are treated as a group.
 const SMALL: f64 = 1e-4;
 
-/// The pencil's diagonal quotients.
+/// The Rayleigh quotients K^_ii / M^_ii.
 pub fn quotients(k: &Gram, m: &Gram) -> Vec<Dd> {
     (0..k.mid.columns()).map(|i| k.mid[(i, i)] / m.mid[(i, i)]).collect()
 }
 
-/// How much the couplings still change the eigenvalues, relative to them: max_i sum_j T_ij^2 / |lambda_i - lambda_j| |lambda_i|,
-/// a cluster's members by the coupling itself. An estimate that steers, not a bound. The first `rigid` columns have no
-/// eigenvalue to be relative to.
+/// How much the couplings still change the eigenvalues, relative to them: max_i sum_j T_ij^2 / |lambda_i - lambda_j|
+/// |lambda_i|; for members of a cluster, the coupling itself. An estimate for steering, not a bound. The first `rigid`
+/// columns have no eigenvalue to be relative to.
 pub fn distance_from_diagonal(k: &Gram, m: &Gram, rigid: usize) -> f64 {
     let lambda: Vec<f64> = quotients(k, m).iter().map(|x| x.hi).collect();
     let n = lambda.len();
@@ -42,8 +42,8 @@ pub fn distance_from_diagonal(k: &Gram, m: &Gram, rigid: usize) -> f64 {
     worst
 }
 
-/// The step. `estimates`, if given, are eigenvalues known better than by X (relative to themselves): then couplings that are
-/// out of proportion wait for the next step.
+/// One Newton step. `estimates`, if given, are eigenvalues known better (relative to themselves) than the quotients of
+/// X; disproportionately large couplings then wait for the next step.
 pub fn improved(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f64]>) -> Matrix<Triple> {
     let n = x.columns();
     let lambda = match estimates {
@@ -81,9 +81,10 @@ pub fn improved(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f64]
 /// A step that changes X by no more than this is computed to all digits of double-double in binary64.
 const TINY: f64 = 4.0 * f64::EPSILON;
 
-/// X with what one more step would change, for those who need its own digits: the eigenvalues, whose errors are the squares of
-/// those of X, have theirs already. Costs little, for couplings so small need no more than binary64; larger ones are of modes
-/// too close for the formula, and stay. What is exactly still stays so.
+/// X plus the change that one more step would make, for callers that need the digits of X itself; the eigenvalues,
+/// whose errors are the squares of those of X, need no such step. It is cheap, because binary64 is enough for such
+/// small couplings; larger ones belong to modes too close for the formula, and are left alone. Entries that are exactly
+/// zero stay zero.
 pub fn polished(x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
     let (n, lambda) = (x.columns(), quotients(k, m));
     let light = x.map(|x| x.hi());
@@ -104,7 +105,7 @@ pub fn polished(x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
     result
 }
 
-/// Modes that are turned among themselves.
+/// Groups of modes that are rotated among themselves.
 struct Groups {
     members: Vec<Vec<usize>>,
     group: Vec<usize>,
@@ -161,7 +162,8 @@ fn turn(result: &mut Matrix<Triple>, x: &Matrix<Triple>, k: &Gram, m: &Gram, mem
     }
 }
 
-/// Columns that the positive definite `m` makes orthonormal: Gram and Schmidt's on the unit vectors, twice.
+/// Columns that are orthonormal with respect to the positive definite `m`: Gram-Schmidt on the unit vectors, applied
+/// twice.
 fn orthonormal(m: &Matrix<Dd>) -> Matrix<Dd> {
     let n = m.columns();
     let mut z = Matrix::identity(n);

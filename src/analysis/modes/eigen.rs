@@ -1,10 +1,10 @@
-//! The eigenproblem K x = lambda M x of one part: terms in, all eigenvalues with certified enclosures out.
+//! The eigenproblem K x = lambda M x of one part. In: terms. Out: all eigenvalues with certified enclosures.
 //!
-//! 1. What is rigid is decided exactly ([`structure`]).
+//! 1. Which motions are rigid is decided exactly ([`structure`]).
 //! 2. Approximate modes by the cheapest method that suits the terms ([`start`]).
 //! 3. Newton steps for all of them at once, with K and M from the terms in double-double ([`correction`]).
-//! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, again from 2 with
-//!    the next precision.
+//! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, steps 2 to
+//!    4 are repeated with the next precision.
 //!
 //! See docs/method/modes.md#definition, docs/method/modes.md#rigid-body-modes and docs/method/modes.md#certificate.
 
@@ -24,14 +24,14 @@ use crate::base::{Dd, larger};
 use crate::system::Form;
 use std::cmp::Ordering;
 
-/// Up to this many coordinates all digits of double-double are computed; beyond, what the tolerance asks.
+/// Up to this many coordinates all digits of double-double are computed; beyond, as many as the tolerance asks for.
 const ALL_DIGITS: usize = 30;
-/// From here on reductions of whole matrices come first: they are faster from some 20 coordinates on, and give the digits that
-/// the tolerance asks for.
+/// From here on, reductions of whole matrices are tried first: they are faster from some 20 coordinates on, and give
+/// the digits that the tolerance asks for.
 const MIN_DENSE: usize = ALL_DIGITS + 1;
 /// Up to this many coordinates the methods of small problems take seconds.
 const MAX_SLOW: usize = 400;
-/// A change that triple words do not show any more.
+/// A change too small to show in triple words.
 const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
 const MAX_STEPS: usize = 8;
 
@@ -44,7 +44,7 @@ pub struct Pair {
     pub route: Route,
 }
 
-/// Displacements, in three words where the stretches of stiff springs need them.
+/// Displacements; in three words if the stretches of stiff springs need them.
 #[derive(Clone, Debug)]
 pub enum Displacements {
     Precise(Vec<Triple>),
@@ -66,7 +66,7 @@ impl Displacements {
         }
     }
 
-    /// Those that are known to more than binary64, in double-double.
+    /// The displacements in double-double, if they are known to more than binary64.
     pub fn precise(&self) -> Option<Vec<Dd>> {
         match self {
             Displacements::Precise(x) => Some(x.iter().map(|x| x.dd()).collect()),
@@ -103,22 +103,24 @@ fn spread<T: Copy>(x: Vec<T>, coordinates: &[u32], n: usize, zero: T) -> Vec<T> 
 pub enum Eigenvalue {
     /// Zero, exactly.
     Zero,
-    /// Within `radius` of `value`; infinite where nothing could be certified. `positive` if that is known without it.
+    /// Within `radius` of `value`; the radius is infinite if nothing could be certified. `positive` if the sign is
+    /// known independently of the radius.
     Near { value: Triple, radius: f64, positive: bool },
 }
 
-/// Why there are none.
+/// Why there are no eigenpairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// M is not positive definite: found at this coordinate.
+    /// M is not positive definite; detected at this coordinate.
     Mass(usize),
-    /// Infinities came up.
+    /// Numbers overflowed to infinity.
     Range,
     /// M is too nearly singular for binary64, and too large for more digits.
     Size,
 }
 
-/// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance where that can be.
+/// All eigenvalues of the pencil of two forms on n coordinates, ascending, to a relative tolerance if it can be
+/// reached.
 pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pair>, Failure> {
     let (stiffness, masses) = (Terms::of(k), Terms::of(m));
     let Some(scale) = Scale::of(&stiffness, &masses) else {
@@ -169,7 +171,7 @@ pub fn eigenpairs_of(
     problem.solved().ok_or(Failure::Range)
 }
 
-/// What the modes are computed from.
+/// The input from which the modes are computed.
 struct Problem<'a> {
     n: usize,
     form: &'a Form,
@@ -180,7 +182,7 @@ struct Problem<'a> {
     tolerance: f64,
 }
 
-/// Approximate modes with their pencil and its certificate.
+/// Approximate modes with the pencil in their basis and its certificate.
 struct Candidate<'a> {
     start: Start,
     k: Gram<'a>,
@@ -189,8 +191,8 @@ struct Candidate<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// The methods one after the other until one is certified to the tolerance; else the best of them. `None` if numbers ran
-    /// out of range.
+    /// Tries one method after another until one is certified to the tolerance; otherwise returns the best result.
+    /// `None` if numbers overflowed.
     fn solved(&self) -> Option<Vec<Pair>> {
         let mut best: Option<(f64, Candidate)> = None;
         for method in [Problem::first, Problem::second] {
@@ -229,7 +231,7 @@ impl<'a> Problem<'a> {
         start::mixed(self.stiffness, positive, self.rigid.vectors.len())
     }
 
-    /// In double-double.
+    /// Starts in double-double.
     fn second(&self) -> Start {
         if self.stiffness.all_positive() {
             start::positive_in_double_double(self.stiffness, &self.inertia, &self.rigid)
@@ -242,7 +244,7 @@ impl<'a> Problem<'a> {
         self.rigid.dimension == self.rigid.vectors.len()
     }
 
-    /// Newton steps until the couplings do not matter or do not shrink any more, then the certificate.
+    /// Newton steps until the couplings are negligible or stop shrinking, then the certificate.
     fn refined(&self, mut start: Start) -> Candidate<'a> {
         let target = if self.n <= ALL_DIGITS { NEGLIGIBLE } else { (self.tolerance * 1e-3).max(NEGLIGIBLE) };
         let (mut k, mut m) = self.pencil(&start.x);
@@ -254,7 +256,7 @@ impl<'a> Problem<'a> {
             let x = correction::improved(&start.x, &k, &m, start.estimates.as_deref());
             let (next_k, next_m) = self.pencil(&x);
             let next = self.distance(&next_k, &next_m);
-            // A first step from estimates may have to bring the quotients into order before they improve.
+            // A first step from estimates may have to put the quotients into order before they improve.
             let stuck = next.is_nan() || (next > 0.25 * distance && start.estimates.is_none());
             if stuck {
                 break;
@@ -283,12 +285,12 @@ impl<'a> Problem<'a> {
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
     }
 
-    /// All eigenvalues. The first columns of X are rigid motions, which are exact. If the other eigenvalues that may be zero
-    /// are no more than the dimension of the null space leaves, then all of those are exactly zero as well. If they are more,
-    /// which of them is the k-th is not certain: each lies in the union of the enclosures of all of these.
+    /// All eigenvalues. The first columns of X are rigid motions, which are exact. If the other eigenvalues that may be
+    /// zero are no more than the dimension of the null space leaves, all of them are exactly zero as well. If they are
+    /// more, it is not certain which of them is the k-th: each lies in the union of all their enclosures.
     fn pairs(&self, candidate: &Candidate) -> Vec<Pair> {
         let known = self.rigid.vectors.len();
-        // That no further motion is without stiffness is known only where all numbers are.
+        // That no further motion is without stiffness is known only if all numbers are known.
         let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known() && self.rigid.exact;
         let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
@@ -332,7 +334,7 @@ impl Eigenvalue {
     }
 }
 
-/// By midpoint.
+/// Compares by midpoint.
 pub fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
     (a.midpoint() - b.midpoint()).hi().partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }

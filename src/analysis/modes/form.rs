@@ -1,9 +1,10 @@
-//! The modes of a system as a basis that diagonalises M and K to double-double. In: M, K and modes as they were computed. Out:
-//! their shapes, refined where they have fewer digits, and X^T M X and X^T K X as enclosures. Whatever takes the damping of a
-//! system apart by its modes begins here: transfer functions, motions, emitted code. See docs/method/transfer.md.
+//! The modes of a system as a basis that diagonalises M and K to double-double. In: M, K and computed modes. Out: their
+//! shapes, refined if they have fewer digits, and X^T M X and X^T K X as enclosures. Every computation that decomposes
+//! the damping of a system by its modes starts here: transfer functions, motions, emitted code. See
+//! docs/method/transfer.md.
 //!
 //! A step X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order squares the error (Ogita and
-//! Aishima 2018): 1e-16 becomes 1e-31 in two. Shapes that come in double-double need none.
+//! Aishima 2018): two steps turn 1e-16 into 1e-31. Shapes that come in double-double need none.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
@@ -12,10 +13,10 @@ use crate::analysis::numeric::fused::fused;
 use crate::base::{Ball, Dd, larger};
 use crate::system::LinearSystem;
 
-/// The modes in coordinates of their own.
+/// The system in modal coordinates.
 #[derive(Clone, Debug)]
 pub(in crate::analysis) struct ModalForm {
-    /// X, a column a mode, mass-normalised.
+    /// X, mass-normalised, one column a mode.
     pub shapes: Matrix<Dd>,
     /// X^T M X
     pub m: Matrix<Ball>,
@@ -23,14 +24,14 @@ pub(in crate::analysis) struct ModalForm {
     pub k: Matrix<Ball>,
 }
 
-/// Newton steps at most: 1e-16 becomes 1e-31.
+/// The most Newton steps: they turn 1e-16 into 1e-31.
 const STEPS: usize = 2;
-/// Nothing here is known better: a basis that is off by no more is not refined.
+/// The accuracy limit of this computation: a basis with a smaller error is not refined.
 pub(in crate::analysis) const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
 const UP: f64 = 1.0 + 1e-12;
 
 impl ModalForm {
-    /// `gram` computes X^T A X. `None` where modes are missing.
+    /// `gram` computes X^T A X. `None` if modes are missing.
     pub fn of(
         system: &LinearSystem,
         modes: &Modes,
@@ -133,13 +134,13 @@ pub(in crate::analysis) fn least_stiffness(kinds: &[ModeKind], k: &[Dd]) -> f64 
     others.map(|(_, k)| k.hi.abs()).fold(f64::INFINITY, f64::min)
 }
 
-/// Magnitudes, not below a floor; all zero where that is infinite.
+/// Magnitudes, raised to a floor; all zero if the floor is infinite.
 pub(in crate::analysis) fn sizes(values: &[Dd], floor: f64) -> Vec<f64> {
     values.iter().map(|x| if floor.is_finite() { x.hi.abs().max(floor) } else { 0.0 }).collect()
 }
 
-/// X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order; close frequencies are made
-/// orthogonal only.
+/// X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order; modes of close frequencies
+/// are only made orthogonal.
 fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
     let n = x.columns();
     let mut next = x.clone();
@@ -151,7 +152,7 @@ fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
             } else {
                 let gap = k[(i, i)] - k[(j, j)];
                 let numerator = k[(j, j)] * e - k[(i, j)];
-                // A step above 1e-4 would not be a correction.
+                // A step above 1e-4 would not be a small correction.
                 if gap.hi.abs() * 1e-4 > numerator.hi.abs() { numerator / gap } else { -e * 0.5 }
             };
             add_scaled(next.column_mut(j), z, x.column(i));
@@ -183,7 +184,8 @@ fused! {
     }
 }
 
-/// The largest |G_ij| / sqrt(s_i s_j) off the diagonal, and of what the diagonal is uncertain by (or off one by).
+/// The largest |G_ij| / sqrt(s_i s_j), where on the diagonal the radius (or, with `unit`, the distance from one) is
+/// taken instead of |G_ii|.
 pub(in crate::analysis) fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit: bool) -> f64 {
     let mut largest = 0.0f64;
     for j in 0..gram.columns() {
@@ -217,7 +219,7 @@ mod tests {
         system
     }
 
-    /// Shapes that come in double-double are a basis as they are; the same from binary64 takes steps to it.
+    /// Shapes that come in double-double are a basis as they are; shapes from binary64 need steps.
     #[test]
     fn precise_shapes_need_no_step() {
         let system = chain(20);
@@ -237,7 +239,7 @@ mod tests {
         }
     }
 
-    /// A mode keeps its sign in both forms of its shape.
+    /// A mode has the same sign in both representations of its shape.
     #[test]
     fn both_forms_of_a_shape_agree() {
         for mode in modes(&chain(7)).expect("modes").list {

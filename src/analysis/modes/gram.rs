@@ -1,8 +1,8 @@
-//! X^T (sum w a a^T) X from the terms, with a bound of every entry's error: in double-double as a whole, in triple words
-//! where it is asked for.
+//! X^T (sum w a a^T) X from the terms, with a bound of every entry's error: all entries in double-double, single ones
+//! in triple words on request.
 //!
-//! With b_t = a_t^T X the entry is sum_t w_t b_ti b_tj. Let w = w' + dw, b = b' + db be what is true and what was computed,
-//! |dw| <= v, |db| <= r. Then, by Cauchy and Schwarz with the weights |w'|,
+//! With b_t = a_t^T X the entry is sum_t w_t b_ti b_tj. Let w = w' + dw and b = b' + db, where w' and b' are the
+//! computed values of the true w and b, |dw| <= v, |db| <= r. Then, by Cauchy and Schwarz with the weights |w'|,
 //!
 //!   |computed - true| <= gamma S_i S_j + S_i R_j + R_i S_j + R_i R_j + D_i D_j,
 //!   S_i^2 = sum |w'| b'_i^2,   R_i^2 = sum |w'| r_i^2,   D_i^2 = sum v (|b'_i| + r_i)^2,
@@ -15,7 +15,7 @@ use crate::analysis::numeric::dense::{Matrix, dot};
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
 
-/// Covers the roundings of sums of up to a million non-negative binary64 numbers.
+/// Covers the rounding errors of sums of up to a million non-negative binary64 numbers.
 pub const SLACK: f64 = 1.0 + 1e-9;
 /// u^2 = 2^-106.
 const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
@@ -26,13 +26,13 @@ const UNDERFLOW: f64 = 1e-318;
 #[derive(Clone, Debug)]
 pub struct Gram<'a> {
     terms: &'a Terms,
-    /// b = a . x: one row a term, one column a column of X.
+    /// b = a . x: one row for each term, one column for each column of X.
     stretches: Matrix<Precise>,
     pub mid: Matrix<Dd>,
     gamma: f64,
     norms: Vec<Norms>,
     floor: f64,
-    /// What the form may differ by besides: the product of two columns' numbers.
+    /// A further uncertainty of the form: entry (i, j) may be off by the product of the numbers of columns i and j.
     slips: Vec<f64>,
 }
 
@@ -63,7 +63,7 @@ impl Gram<'_> {
                 mid[(j, i)] = entry;
             }
         }
-        // What double-double leaves of triple words is at most 2^-105 of them.
+        // Rounding triple words to double-double loses at most 2^-105 of them.
         let norms = (0..n).map(|j| Norms::of(terms, stretches.column(j), 2.0 * UNIT_SQUARED)).collect();
         let largest = (0..n).flat_map(|j| b.column(j)).fold(0.0, |m: f64, b| m.max(b.hi.abs()));
         let floor = count as f64 * UNDERFLOW * (1.0 + largest) * (1.0 + largest);
@@ -115,7 +115,7 @@ impl Gram<'_> {
 }
 
 impl Norms {
-    /// The norms of a column of stretches, each number known to `relative` besides its own radius.
+    /// The norms of a column of stretches, each known to `relative` in addition to its own radius.
     fn of(terms: &Terms, column: &[Precise], relative: f64) -> Norms {
         let (mut size, mut slip, mut doubt) = (0.0, 0.0, 0.0);
         for (w, b) in terms.weights.iter().zip(column) {
@@ -142,7 +142,8 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::base::{Number, Rational};
 
-    /// Entries of X^T K X against exact fractions, for weights that no binary number is and vectors that are taken as they are.
+    /// Entries of X^T K X against exact fractions, for weights that are not binary numbers and vectors that are taken
+    /// as exact.
     #[test]
     fn entries_are_within_their_radii() {
         let mut system = blank(3);

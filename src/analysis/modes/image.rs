@@ -1,5 +1,5 @@
-//! The numbers of a form modulo a prime: what is rational as it is, a square root as a root modulo the prime, what is known
-//! only by its enclosure as an independent unknown, equal ones as the same unknown.
+//! The numbers of a form modulo a prime: a rational number is mapped exactly, a square root to a root modulo the prime,
+//! and a number known only by its enclosure to an independent unknown (equal ones to the same unknown).
 //! See docs/method/modes.md#rigid-body-modes.
 
 use crate::analysis::numeric::residues::{Field, PRIMES, scramble};
@@ -10,13 +10,13 @@ use crate::system::Form;
 #[derive(Clone, Debug)]
 pub struct Image {
     pub field: Field,
-    /// The whole numbers below the roots of the form, with their roots modulo the prime.
+    /// The integers under the square roots of the form, with their roots modulo the prime.
     roots: Vec<(u32, u64)>,
 }
 
 impl Image {
-    /// The images of a form modulo the primes that have all of its roots. Where no prime has them, roots are unknowns like
-    /// any other number.
+    /// The images of a form modulo the primes that have all of its roots. If no prime has them, roots become unknowns
+    /// like any other number.
     pub fn all_of(form: &Form) -> Vec<Image> {
         let below = radicands(form);
         let with_roots = |field: &Field| {
@@ -27,12 +27,12 @@ impl Image {
         if images.is_empty() { PRIMES.iter().map(|field| Image::rational(*field)).collect() } else { images }
     }
 
-    /// Without any root.
+    /// An image for forms without square roots.
     pub fn rational(field: Field) -> Image {
         Image { field, roots: Vec::new() }
     }
 
-    /// Whether the image of a number holds what relations it has with others.
+    /// Whether the image of a number preserves the relations that it has with others.
     pub fn knows(&self, number: &Number) -> bool {
         match number {
             Number::Exact(_) => true,
@@ -41,7 +41,7 @@ impl Image {
         }
     }
 
-    /// `None` where a denominator is a multiple of the prime.
+    /// `None` if a denominator is a multiple of the prime.
     pub fn of(&self, number: &Number) -> Option<u64> {
         let field = self.field;
         match number {
@@ -72,13 +72,13 @@ impl Image {
     }
 }
 
-/// What tells one enclosed number from another, up to its sign: the bits of its enclosure.
+/// The bits of an enclosure up to its sign: they distinguish one enclosed number from another.
 pub fn identity(ball: &Ball) -> ([u64; 3], bool) {
     let magnitude = ball.mid.abs();
     ([magnitude.hi.to_bits(), magnitude.lo.to_bits(), ball.rad.to_bits()], ball.mid.hi < 0.0)
 }
 
-/// The whole numbers below the roots of a form, ascending.
+/// The integers under the square roots of a form, ascending.
 fn radicands(form: &Form) -> Vec<u32> {
     let numbers =
         form.terms().iter().flat_map(|term| std::iter::once(&term.weight).chain(form.row(term).iter().map(|(_, a)| a)));

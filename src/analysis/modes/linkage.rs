@@ -1,14 +1,15 @@
-//! The modes of linkages: scenes that hang deep, whose M is kept as chained rows (docs/method/system.md#deep-trees).
+//! The modes of linkages: deep open chains, whose M is kept as chained rows (docs/method/system.md#deep-trees).
 //!
-//! In the angles q of the links every link meets every one above it. In the displacements of the points by which they are
-//! held it meets its neighbours alone: where a chained motion is that of the carrier and one link's own share, z = z' + a q,
-//! z may stand for q = (z - z') / a. What hangs on a link by a second point, or in a second direction, keeps a row over these
-//! coordinates; of several chained motions of one link the one that most others hang on is taken, so that rows stay short (as
-//! heavy paths of a tree do: Sleator and Tarjan, J. Comput. Syst. Sci. 26 (1983) 362). The last link of a row stands for the
-//! motion of its centre. The change of coordinates is exact, and so are the terms: it moves no eigenvalue.
+//! In the angles q of the links, every link is coupled to every one above it. In the displacements of the points by
+//! which the links are held, each is coupled to its neighbours only: if a chained motion is that of the carrier plus
+//! one link's own contribution, z = z' + a q, then z can replace q = (z - z') / a as a coordinate. A motion that hangs
+//! on a link by a second point, or in a second direction, keeps a row over these coordinates; of several chained
+//! motions of one link, the one that carries most others is taken, so that rows stay short (compare the heavy paths of
+//! a tree: Sleator and Tarjan, J. Comput. Syst. Sci. 26 (1983) 362). For the last link of a row, the motion of its
+//! centre is taken. The change of coordinates is exact, and so are the terms: no eigenvalue changes.
 //!
-//! In: a system with chained rows. Out: M, C and K over the new coordinates, where their rows are short; modes in the angles.
-//! See docs/method/modes.md#linkages.
+//! In: a system with chained rows. Out: M, C and K over the new coordinates, if their rows are short; modes in the
+//! angles. See docs/method/modes.md#linkages.
 
 use crate::analysis::answer::Modes;
 use crate::analysis::error::{AnalysisError, place};
@@ -18,12 +19,12 @@ use crate::base::Number;
 use crate::system::chain::ChainedRow;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// More entries for each coordinate are no short rows: links that do not hang in one line.
+/// With more entries than this for each coordinate the rows are not short: the links do not hang in one line.
 const MOST_ENTRIES: usize = 24;
-/// Entries of M, C and K together that are written out where nothing else helps.
+/// The most entries of M, C and K together that are written out if no other method applies.
 const MOST_WRITTEN_OUT: u64 = 5_000_000;
 
-/// A linkage in such coordinates.
+/// A linkage in the new coordinates.
 pub struct Linkage {
     /// M, C and K over the new coordinates; without inputs and outputs.
     pub system: LinearSystem,
@@ -31,19 +32,19 @@ pub struct Linkage {
 }
 
 impl Linkage {
-    /// `None` where no coordinates are found in which the rows are short.
+    /// `None` if no coordinates are found in which the rows are short.
     pub fn of(system: &LinearSystem) -> Option<Linkage> {
         let places = Places::of(system)?;
         Some(Linkage { system: places.system(system)?, places })
     }
 
-    /// Modes of its system as modes of the one that it was made of.
+    /// Converts the modes of [`Self::system`] into modes of the original system.
     pub fn in_angles(&self, system: &LinearSystem, modes: Modes) -> Modes {
         self.places.in_angles(system, modes)
     }
 }
 
-/// The modes asked for of a system with chained rows.
+/// The requested modes of a system with chained rows.
 pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
     match Linkage::of(system) {
         Some(linkage) => modes_as(&linkage.system, request).map(|modes| linkage.in_angles(system, modes)),
@@ -57,7 +58,7 @@ pub fn written_out(system: &LinearSystem) -> Result<LinearSystem, AnalysisError>
     system.clone().flattened(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
 }
 
-/// Coordinates q and chained motions z over new coordinates p.
+/// Coordinates q and chained motions z as rows over new coordinates p.
 struct Places {
     q: Vec<ChainedRow>,
     z: Vec<ChainedRow>,
@@ -68,7 +69,7 @@ impl Places {
         let n = system.n();
         let stands_for = stands_for(system);
         let mut places = Places { q: vec![ChainedRow::new(); n], z: Vec::with_capacity(system.chain.len()) };
-        // p_j is q_j where no motion stands for it.
+        // p_j is q_j if no motion replaces it.
         for (j, row) in places.q.iter_mut().enumerate() {
             if stands_for.of_coordinate[j] == Motion::Itself {
                 row.push((CoordinateId(j as u32), Number::ONE));
@@ -101,7 +102,7 @@ impl Places {
         (known && entries <= MOST_ENTRIES * n).then_some(places)
     }
 
-    /// Coordinates of a row, but its own, whose motion comes later are solved for first.
+    /// Solves first for those coordinates of a row, other than its own, whose motion comes later.
     fn follow(
         &mut self,
         row: &[(CoordinateId, Number)],
@@ -123,7 +124,7 @@ impl Places {
         Some(())
     }
 
-    /// q_j = (p_j - the rest) / a of a row rest + a q_j that p_j stands for.
+    /// Solves for q_j = (p_j - rest) / a from the row p_j = rest + a q_j.
     fn solve(&mut self, j: usize, row: &[(CoordinateId, Number)], n: usize) -> Option<()> {
         let (_, a) = row.iter().find(|(i, _)| i.index() == j)?;
         let factor = a.recip()?;
@@ -134,7 +135,7 @@ impl Places {
         Some(())
     }
 
-    /// A row over q and z as one over p; `None` if it holds what is not known yet, or is long.
+    /// Rewrites a row over q and z as one over p; `None` if it refers to rows that are not known yet.
     fn written(&self, row: &[(CoordinateId, Number)], n: usize) -> Option<ChainedRow> {
         let mut own = ChainedRow::new();
         for (i, value) in row {
@@ -183,7 +184,7 @@ impl Places {
         Some(result)
     }
 
-    /// Modes with shapes over p, as modes of the system.
+    /// Converts modes with shapes over p into modes of the system.
     fn in_angles(&self, system: &LinearSystem, mut modes: Modes) -> Modes {
         let q = Rows::of(&self.q);
         let masses = Masses::of(system);
@@ -191,7 +192,7 @@ impl Places {
         for mode in &mut modes.list {
             let places = std::mem::take(&mut mode.shape);
             let mut shape = q.times(&places);
-            // The shape is mass-normalised: the whole is 1.
+            // The shape is mass-normalised: the total kinetic energy is 1.
             let carried = masses.energy(|i| if translates(i) { shape[i] } else { 0.0 });
             mode.leading = shape::lead(&mut shape, carried, &translates);
             mode.shape = shape;
@@ -201,17 +202,17 @@ impl Places {
     }
 }
 
-/// What a new coordinate stands for.
+/// The motion that a new coordinate represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {
     Itself,
-    /// A chained row.
+    /// The motion of a chained row.
     OfRow(u32),
-    /// The row of a term of M.
+    /// The motion of the row of a term of M.
     OfTerm(u32),
 }
 
-/// For each coordinate what stands for it, and for each chained row the coordinate for which it stands.
+/// For each coordinate the motion that replaces it, and for each chained row the coordinate that it replaces.
 struct StandsFor {
     of_coordinate: Vec<Motion>,
     by_row: Vec<Option<u32>>,
@@ -246,13 +247,13 @@ fn stands_for(system: &LinearSystem) -> StandsFor {
     found
 }
 
-/// The coordinate of a row whose own share of the motion it is: the last, for a carrier comes before.
+/// The coordinate whose own contribution a row adds to its carrier's motion: the last one, because carriers come first.
 fn own(row: &[(CoordinateId, Number)], n: usize) -> Option<u32> {
     let (j, a) = row.iter().filter(|(i, _)| i.index() < n).max_by_key(|(i, _)| *i)?;
     a.exact().is_some().then_some(j.0)
 }
 
-/// How many chained motions hang on each.
+/// For each chained motion, how many others hang on it, directly or indirectly.
 fn followers(system: &LinearSystem) -> Vec<u32> {
     let n = system.n();
     let mut followers = vec![0u32; system.chain.len()];
@@ -264,7 +265,7 @@ fn followers(system: &LinearSystem) -> Vec<u32> {
     followers
 }
 
-/// Ascending, each coordinate once, without zeros.
+/// Sorted, each coordinate once, without zeros.
 fn summed(mut row: ChainedRow) -> ChainedRow {
     row.sort_by_key(|(i, _)| *i);
     row.dedup_by(|(i, value), (last, sum)| {
@@ -363,13 +364,14 @@ mod tests {
         Number::from(format!("0.{}", 1000 + (i * 7919 + salt * 104_729) % 9000).as_str())
     }
 
-    /// Uneven rods, each hanging on the one that `carrier` names (none: the ground), at a part of that one's length.
+    /// Uneven rods, each hanging on the one that `carrier` names (none: the ground), at a fraction of that rod's
+    /// length.
     fn hanging(carriers: &[(usize, &str)]) -> LinearSystem {
         let n = carriers.len();
         hanging_with(carriers, |i| number(i, 2), |i| Number::from(format!("{}.7", 3 * (n - i)).as_str()))
     }
 
-    /// The same with these masses, and stiffnesses against the ground.
+    /// Like `hanging`, with these masses and with stiffnesses against the ground.
     fn hanging_with(
         carriers: &[(usize, &str)],
         mass: impl Fn(usize) -> Number,
@@ -380,7 +382,7 @@ mod tests {
         let source = system.m.source(system.coordinates[0].name);
         let q = |i: usize| CoordinateId(i as u32);
         let place = |row: usize| CoordinateId((n + row) as u32);
-        // The row of the point by which each rod is held.
+        // The row of the point from which each rod hangs.
         let mut held: Vec<Option<usize>> = Vec::new();
         for (i, &(carrier, part)) in carriers.iter().enumerate() {
             let own = held.get(carrier).copied().map(|above| {
@@ -438,7 +440,7 @@ mod tests {
         }
     }
 
-    /// Masses and stiffnesses over many decades, lengths of all sizes: no bound is broken, and few are wide.
+    /// Masses and stiffnesses over many decades, lengths of all sizes: every bound holds, and few are wide.
     #[test]
     fn bounds_hold_for_graded_rows_of_rods() {
         let mut seed = 11u64;
@@ -471,7 +473,7 @@ mod tests {
         );
     }
 
-    /// Shapes and shares in the angles of the links, as with rows written out.
+    /// Shapes and shares in the angles of the links agree with those of the system with rows written out.
     #[test]
     fn modes_are_told_in_the_coordinates_of_the_links() {
         let system = hanging(&row(9));
@@ -487,7 +489,7 @@ mod tests {
         }
     }
 
-    /// A damper between two links joins the modes; poles know nothing of coordinates.
+    /// A damper between two links joins the modes; poles do not depend on the coordinates.
     #[test]
     fn damped_poles_are_those_of_the_rows_written_out() {
         let mut system = hanging(&row(9));
@@ -504,7 +506,7 @@ mod tests {
         }
     }
 
-    /// Rods that carry others at several points, and springs between neighbours: rows stay short.
+    /// Rods that carry others at several points, with springs between neighbours: rows stay short.
     #[test]
     fn branches_and_springs_between_links_have_short_rows_too() {
         let n = 130;

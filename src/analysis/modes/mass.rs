@@ -1,4 +1,4 @@
-//! M = L L^T and coordinates in which M is the unit matrix.
+//! The factor of M = L L^T, and coordinates in which M is the unit matrix.
 
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
@@ -19,7 +19,8 @@ pub fn assembled(terms: &Terms, n: usize) -> Matrix<Dd> {
     matrix
 }
 
-/// A coordinate whose inertia holds not one digit: of weights and factors that may as well be zero.
+/// A coordinate whose inertia has no certain digit, because the uncertainty of weights and factors is as large as their
+/// sum.
 pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
     let (mut size, mut doubt) = (vec![0.0; n], vec![0.0; n]);
     for t in 0..terms.len() {
@@ -32,18 +33,18 @@ pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
                 weight.radius * (a + slip) * (a + slip) + weight.value.hi().abs() * slip * (2.0 * a + slip);
         }
     }
-    // An entry without any inertia is for the factorisation to find.
+    // Entries without any inertia are left to the factorisation, which detects them.
     (0..n).find(|&i| doubt[i] > 0.0 && doubt[i] >= size[i].abs())
 }
 
-/// Cholesky's factor, below the diagonal; the coordinate at which M turns out not to be positive definite to working
+/// The Cholesky factor, below the diagonal; an error with the coordinate at which M is not positive definite to working
 /// accuracy.
 pub fn factor(mut l: Matrix<Dd>) -> Result<Matrix<Dd>, usize> {
     let n = l.columns();
     let scale: Vec<f64> = (0..n).map(|j| l[(j, j)].hi).collect();
     for j in 0..n {
         let pivot = l[(j, j)];
-        // What is left of a diagonal entry after cancelling to its last bits is no number to go on with.
+        // A diagonal entry that has cancelled to its last bits is not usable as a pivot.
         if pivot.hi.is_nan() || pivot.hi <= scale[j].abs() * (n as f64 * 16.0 * Dd::EPSILON) {
             return Err(j);
         }
@@ -62,7 +63,7 @@ pub fn factor(mut l: Matrix<Dd>) -> Result<Matrix<Dd>, usize> {
     Ok(l)
 }
 
-/// L^-T, upper triangular, column by column: L^T x = e_j.
+/// L^-T, upper triangular, one column at a time from L^T x = e_j.
 pub fn inverse_transpose(lower: &Matrix<Dd>) -> Matrix<Dd> {
     let n = lower.columns();
     let mut x = Matrix::zeros(n, n);
@@ -78,7 +79,7 @@ pub fn inverse_transpose(lower: &Matrix<Dd>) -> Matrix<Dd> {
     x
 }
 
-/// Whether nothing stands beside the diagonal.
+/// Whether all entries off the diagonal are zero.
 pub fn is_diagonal(matrix: &Matrix<Dd>) -> bool {
     (0..matrix.columns()).all(|j| matrix.column(j).iter().enumerate().all(|(i, x)| i == j || x.is_zero()))
 }
@@ -105,7 +106,7 @@ mod tests {
         assert!(!is_diagonal(&m) && is_diagonal(&Matrix::identity(2)));
     }
 
-    /// Wherever the midpoint of its enclosure happens to be.
+    /// It is found wherever the midpoint of its enclosure happens to be.
     #[test]
     fn a_mass_that_may_be_zero_is_found() {
         for (mid, found) in [(1e-32, Some(1)), (-1e-32, Some(1)), (0.0, Some(1)), (1e-20, None)] {

@@ -1,7 +1,7 @@
-//! The undamped modes of M q'' + K q = 0: a linear system in, modes with certified frequencies out.
+//! The undamped modes of M q'' + K q = 0. In: a linear system. Out: modes with certified frequencies.
 //!
-//! The system is taken apart into independent parts; motions without inertia are eliminated exactly ([`condense`]); each part
-//! is an eigenproblem ([`eigen`]); the modes of all parts, over all coordinates, are put in order, scaled and signed.
+//! The system is split into independent parts; motions without inertia are eliminated exactly ([`condense`]); each part
+//! is an eigenproblem ([`eigen`]); the modes of all parts, over all coordinates, are sorted, scaled and signed.
 //!
 //! See docs/method/modes.md.
 
@@ -46,15 +46,17 @@ use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// Dense matrices of more coordinates than this would take minutes and gigabytes.
 pub const MAX_DENSE: usize = 2000;
-/// All modes of larger parts are computed where they are asked for, not by themselves, and nothing that needs all of them is.
+/// All modes of larger parts are computed only on request, and so is everything that needs all modes.
 pub const MAX_UNASKED: usize = 400;
-/// Parts larger than this give their lowest modes by sparse methods, where no more than the lowest are asked for.
+/// Larger parts use sparse methods if only their lowest modes are requested.
 pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 
-/// Every mode holds a shape and shares over all coordinates, of every part: 24 bytes a pair of mode and coordinate.
+/// The most coordinates for all modes: each mode stores a shape and shares over all coordinates of every part, 24 bytes
+/// for each pair of mode and coordinate.
 pub(in crate::analysis) const MAX_ALL: usize = 4000;
 
-/// All undamped modes, ascending in omega^2, for what needs all of them: up to [`MAX_UNASKED`] coordinates that are coupled.
+/// All undamped modes, ascending in omega^2, for analyses that need all of them: for up to [`MAX_UNASKED`] coupled
+/// coordinates.
 pub fn modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     all_modes(system, &Request::default())
 }
@@ -68,7 +70,7 @@ pub fn all_modes(system: &LinearSystem, request: &Request) -> Result<Modes, Anal
     }
 }
 
-/// The undamped modes asked for, ascending in omega^2. Rows may be chained.
+/// The requested undamped modes, ascending in omega^2. Rows may be chained.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
     if system.is_chained() {
         return linkage::modes(system, request);
@@ -99,7 +101,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     if parts.len() > 1 {
         pairs.sort_by(|a, b| ascending(&a.0.value, &b.0.value));
     }
-    // A cluster that goes on beyond the last mode asked for is one all the same.
+    // A cluster that continues beyond the last requested mode is still a cluster.
     let numbers = cluster_numbers(&pairs);
     pairs.truncate(request.which.limit());
     let after = system.n() - infinite - before.count() - pairs.len();
@@ -110,7 +112,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
 }
 
-/// The request as it is for this system.
+/// The request with [`Which::Usual`] resolved for this system.
 pub(in crate::analysis) fn which_of(system: &LinearSystem, which: Which) -> Which {
     match which {
         Which::Usual => settled(which, system.n(), &independent_undamped(system)),
@@ -118,7 +120,7 @@ pub(in crate::analysis) fn which_of(system: &LinearSystem, which: Which) -> Whic
     }
 }
 
-/// What is usual for a system of this size.
+/// Resolves [`Which::Usual`] by the size of the system.
 fn settled(which: Which, n: usize, parts: &[Part]) -> Which {
     let largest = parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
     match which {
@@ -136,14 +138,15 @@ struct Forms<'a> {
     masses: &'a Terms,
 }
 
-/// The eigenpairs of a part, at least those asked for, how many come before them, and how many of its motions have no inertia.
+/// The eigenpairs of a part (at least the requested ones), how many come before them, and how many of its motions have
+/// no inertia.
 struct PartPairs {
     pairs: Vec<Pair>,
     before: Before,
     infinite: usize,
 }
 
-/// The eigenpairs asked for of a part, by way of numbers of ordinary size.
+/// The requested eigenpairs of a part, computed from numbers scaled to ordinary size.
 fn part_pairs(
     system: &LinearSystem,
     part: &Part,
@@ -161,7 +164,7 @@ fn part_pairs(
     Ok(PartPairs { pairs: pairs.ok_or_else(out_of_range)?, ..found })
 }
 
-/// The eigenpairs asked for of a part.
+/// The requested eigenpairs of a part whose numbers are of ordinary size.
 fn ordinary_pairs(
     system: &LinearSystem,
     part: &Part,
@@ -177,7 +180,7 @@ fn ordinary_pairs(
     if n > MIN_SPARSE
         && in_part
         && let Some(Found { pairs, before }) = sparse::some(forms.stiffness, forms.masses, n, request)
-        // What may be zero is decided exactly by the other methods.
+        // Whether an eigenvalue is exactly zero is decided by the other methods.
         && (n > MAX_DENSE || !pairs.iter().any(|pair| may_be_zero(&pair.value)))
     {
         return Ok(PartPairs { pairs, before, infinite: 0 });
@@ -199,7 +202,7 @@ fn ordinary_pairs(
     Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
 }
 
-/// Error: this part, whose first coordinate is `first`, has more coordinates than all modes are computed of.
+/// Error: this part, whose first coordinate is `first`, has too many coordinates for all modes.
 pub(in crate::analysis) fn too_many(system: &LinearSystem, first: usize, count: usize) -> AnalysisError {
     AnalysisError::TooManyCoordinates { count, limit: MAX_UNASKED, at: place(system, first) }
 }
@@ -250,7 +253,7 @@ fn expanded(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
     Pair { x: Displacements::Precise(condensed.expanded(n, &pair.x.to_triple())), ..pair }
 }
 
-/// Some damper may act on the motion of the part.
+/// Whether some damper may act on this motion of the part.
 fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
     system.c.terms().iter().any(|term| {
         let stretch =
@@ -262,7 +265,7 @@ fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
     })
 }
 
-/// Numbers the modes whose enclosures overlap.
+/// Numbers the clusters of modes whose enclosures overlap.
 fn cluster_numbers(pairs: &[(Pair, usize)]) -> Vec<Option<u32>> {
     let mut numbers = vec![None; pairs.len()];
     let mut next = 0;
@@ -342,7 +345,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// `energies`: the sum of the sizes of all terms', and what each source has.
+    /// `energies`: the sum of the magnitudes of all terms' energies, and the energy of each source.
     fn elastic(&self, mode: Mode, energies: (f64, Vec<f64>), lambda: Triple, radius: f64, positive: bool) -> Mode {
         let omega_squared = certificate::ball(lambda, radius);
         let certain = if positive { lambda.hi() > 0.0 } else { !omega_squared.contains_zero() };

@@ -1,10 +1,10 @@
-//! The independent parts of a system: coordinates that no term joins move by themselves, and each part has modes and poles of
-//! its own. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
+//! The independent parts of a system: coordinates that no term couples move independently, and each part has its own
+//! modes and poles. In: a linear system. Out: the parts, each with its coordinates and the indices of its terms.
 //! See docs/method/modes.md#parts and docs/method/poles.md#parts-and-scaling.
 
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// Coordinates that are joined with one another and with nothing else, ascending, and the terms on them.
+/// Coordinates that are coupled with one another and with nothing else, ascending, and the terms on them.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
     pub coordinates: Vec<u32>,
@@ -14,7 +14,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Everything, whether it is coupled or not.
+    /// The whole system as one part, whether it is coupled or not.
     pub fn whole(system: &LinearSystem) -> Part {
         let all = |form: &Form| (0..form.terms().len() as u32).collect();
         Part { coordinates: (0..system.n() as u32).collect(), m: all(&system.m), c: all(&system.c), k: all(&system.k) }
@@ -31,7 +31,7 @@ pub fn independent(system: &LinearSystem) -> Vec<Part> {
     parts
 }
 
-/// The independent parts of M q'' + K q = 0, which dampers do not join.
+/// The independent parts of M q'' + K q = 0, which dampers do not couple.
 pub fn independent_undamped(system: &LinearSystem) -> Vec<Part> {
     let mut parts = joined_by(system.n(), &[&system.m, &system.k]);
     let number = numbers(system.n(), &parts);
@@ -40,7 +40,7 @@ pub fn independent_undamped(system: &LinearSystem) -> Vec<Part> {
     parts
 }
 
-/// The coordinates of the parts of a system whose rows may be chained; without their terms.
+/// The coordinates of the independent parts of a system whose rows may be chained, without their terms.
 pub fn independent_chained(system: &LinearSystem) -> Vec<Part> {
     let n = system.n();
     let mut joined = Joined::new(n + system.chain.len());
@@ -51,14 +51,14 @@ pub fn independent_chained(system: &LinearSystem) -> Vec<Part> {
     parts_of(joined, n)
 }
 
-/// The coordinates that the forms join.
+/// The parts that result from coupling coordinates by the terms of these forms.
 fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
     let mut joined = Joined::new(n);
     forms.iter().for_each(|form| joined.join_rows(form));
     parts_of(joined, n)
 }
 
-/// The sets of the first n members: all that follow belong to one of them.
+/// The sets of the first n members; every later member belongs to one of them.
 fn parts_of(joined: Joined, n: usize) -> Vec<Part> {
     let (number, count) = joined.numbered();
     let mut parts = vec![Part::default(); count];
@@ -92,7 +92,7 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
     }
 }
 
-/// The terms chosen, their coordinates numbered by `local`.
+/// The chosen terms, with their coordinates numbered by `local`.
 pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();
     for &index in terms {
@@ -143,7 +143,7 @@ impl Joined {
         self.above[i.max(j)] = i.min(j);
     }
 
-    /// The number of each member's set, counted in the order of first members, and how many there are.
+    /// The number of each member's set, counted in the order of first members, and the number of sets.
     fn numbered(mut self) -> (Vec<usize>, usize) {
         let mut number = vec![0; self.above.len()];
         let mut count = 0;

@@ -1,39 +1,40 @@
-//! What is asked of an analysis of modes.
+//! The request that an analysis of modes answers.
 
-/// Which modes, and how accurate.
+/// Which modes to compute, and how accurately.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     pub which: Which,
-    /// Relative bound that an omega^2 should have at most. Where it is not reached the modes come with the bounds that were.
+    /// Largest relative bound that an omega^2 should have. If it is not reached, the modes come with the bounds that
+    /// were reached.
     pub tolerance: f64,
-    /// Relative bound that a user asked for of every frequency and pole, where one did: what is above it is an error.
+    /// Relative bound that the user asked for, if any, of every frequency and pole; a larger bound is an error.
     pub asked: Option<f64>,
-    /// Solve all independent parts as one: what the parts save is measured against this, and must not change a result.
+    /// Solve all independent parts as one. Splitting must not change a result; this is what it is compared with.
     pub together: bool,
 }
 
-/// Larger bounds are reported without having been asked for.
+/// Larger bounds are reported even if no bound was asked for.
 pub const DEFAULT_TOLERANCE: f64 = 1e-12;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Which {
-    /// All of them, or the 20 lowest where all would take minutes.
+    /// All modes, or the 20 lowest if all would take minutes.
     Usual,
     All,
-    /// So many of the lowest, rigid motions included.
+    /// This many of the lowest modes, rigid ones included.
     Lowest(usize),
-    /// Those whose omega may lie in the band.
+    /// The modes whose omega may lie in the band.
     Within(Band),
 }
 
-/// From one omega to another, rad/s, ends included.
+/// A range of omega, rad/s, ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     pub from: f64,
     pub to: f64,
 }
 
-/// Modes of a large system that are computed where nothing is said.
+/// Number of modes computed for a large system if none is requested.
 pub const FEW: usize = 20;
 
 impl Default for Request {
@@ -50,12 +51,12 @@ impl Request {
 
     /// This request with up to `digits` digits computed.
     pub fn to_digits(self, digits: u32) -> Request {
-        // Half a unit in the last of them.
+        // Half a unit in the last of these digits.
         let tolerance = (0..digits).fold(0.5, |unit: f64, _| unit / 10.0);
         Request { tolerance: self.tolerance.min(tolerance), ..self }
     }
 
-    /// What the bounds are held against.
+    /// The limit that the bounds are compared with.
     pub fn limit(&self) -> f64 {
         self.asked.unwrap_or(DEFAULT_TOLERANCE)
     }

@@ -1,9 +1,10 @@
 //! Tiny and huge numbers: forms scaled by powers of two on the way into the methods, eigenpairs scaled back.
 //!
-//! The bounds of the methods hold where no product leaves the range of binary64; those of trees say so outright
-//! ([`forest`](super::tree::forest)), the others lose digits. With M' = 2^m M and K' = 2^k K the vectors stay and the
-//! eigenvalues are 2^(k-m) times as large. A power of two rounds nothing on the way in, for the numbers of the model are
-//! scaled before they are rounded; what it rounds on the way back is in the bound. See docs/method/modes.md#certificate.
+//! The bounds of the methods hold if no product leaves the range of binary64; the methods for trees report an overflow
+//! ([`forest`](super::tree::forest)), the others lose digits. With M' = 2^m M and K' = 2^k K the vectors stay the same
+//! and the eigenvalues are multiplied by 2^(k-m). A power of two causes no rounding on the way in, because the numbers
+//! of the model are scaled before they are rounded; the bound contains the rounding on the way back. See
+//! docs/method/modes.md#certificate.
 
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Band, Request, Which};
@@ -12,9 +13,9 @@ use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Number, Rational};
 use crate::system::Form;
 
-/// Squares between 2^-PLAIN and 2^PLAIN are taken as they are.
+/// Squares between 2^-PLAIN and 2^PLAIN are not scaled.
 const PLAIN: i32 = 100;
-/// Bits of a power of two that is as far away as two numbers in the range of binary64 can be.
+/// Bits of the largest power of two by which two numbers in the range of binary64 can differ.
 const MOST_BITS: u64 = 20_000;
 
 /// Exponents m and k of the module's text, both even.
@@ -25,18 +26,18 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// `None` where the numbers are of ordinary size.
+    /// `None` if the numbers are of ordinary size.
     pub fn of(stiffness: &Terms, masses: &Terms) -> Option<Scale> {
         let scale = Scale { masses: centring(masses), stiffness: centring(stiffness) };
         (scale.masses != 0 || scale.stiffness != 0).then_some(scale)
     }
 
-    /// 2^k K and 2^m M; `None` where an exponent is out of all range.
+    /// 2^k K and 2^m M; `None` if an exponent is out of range.
     pub fn forms(self, k: &Form, m: &Form) -> Option<(Form, Form)> {
         Some((times(k, self.stiffness)?, times(m, self.masses)?))
     }
 
-    /// What is asked of the scaled forms.
+    /// The request for the scaled forms.
     pub fn request(self, request: &Request) -> Request {
         let half = (self.stiffness - self.masses) / 2;
         let end = |omega: f64| match omega {
@@ -50,7 +51,8 @@ impl Scale {
         Request { which, ..*request }
     }
 
-    /// An eigenpair of the scaled forms as one of their originals; `None` where it lies outside the range of binary64.
+    /// Converts an eigenpair of the scaled forms to one of the originals; `None` if it lies outside the range of
+    /// binary64.
     pub fn unscaled(self, pair: Pair) -> Option<Pair> {
         let value = match pair.value {
             Eigenvalue::Zero => Eigenvalue::Zero,
@@ -73,7 +75,7 @@ impl Scale {
     }
 }
 
-/// The even exponent that brings the middle of all squares near 1; 0 where all are of ordinary size.
+/// The even exponent that brings the middle of all squares near 1; 0 if all are of ordinary size.
 fn centring(terms: &Terms) -> i32 {
     let exponents = (0..terms.len()).filter_map(|t| {
         let (_, factors) = terms.row(t);
@@ -90,7 +92,7 @@ fn centring(terms: &Terms) -> i32 {
     }
 }
 
-/// e for a number between 2^e and 2^(e+1), of either sign; `None` for zero and what is no number.
+/// e for a number between 2^e and 2^(e+1) in magnitude; `None` for zero and for numbers that are not finite.
 pub fn exponent(x: f64) -> Option<i32> {
     if x == 0.0 || !x.is_finite() {
         return None;
@@ -100,7 +102,7 @@ pub fn exponent(x: f64) -> Option<i32> {
     Some((x.to_bits() >> 52 & 0x7ff) as i32 - 1023 - less)
 }
 
-/// x 2^e, rounded where the result is below the normal range, infinite where it is beyond it.
+/// x 2^e, rounded if the result is below the normal range, infinite if it is above it.
 pub fn by_power(x: f64, e: i32) -> f64 {
     let power = |e: i32| f64::from_bits(((1023 + e) as u64) << 52);
     // Large steps first, so that nothing is rounded twice on the way down.
@@ -113,24 +115,24 @@ pub fn by_power(x: f64, e: i32) -> f64 {
     x
 }
 
-/// What rounding below the normal range takes of three words and a radius: a few units of 2^-1074 each.
+/// Error from rounding three words and a radius below the normal range: a few units of 2^-1074 each.
 const UNDERFLOW: f64 = 1e-322;
 
-/// A certified number times 2^e; `None` where it is too large for binary64. Towards the other end of the range its bound grows
-/// beside it, until nothing but that is left.
+/// A certified number times 2^e; `None` if it is too large for binary64. Near the lower end of the range the relative
+/// bound grows until the number is all error.
 fn scaled(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
     let (result, bound) = (value.by_power(e), by_power(radius, e));
     if !radius.is_finite() {
         return Some((result, f64::INFINITY));
     }
-    // A bound of zero belongs to a number without any error.
+    // A bound of zero means that the number has no error.
     let lost =
         if e != 0 && result.hi().abs() < f64::MIN_POSITIVE / f64::EPSILON / f64::EPSILON { UNDERFLOW } else { 0.0 };
     let bound = bound.next_up() + lost;
     (result.is_finite() && bound.is_finite()).then_some((result, bound))
 }
 
-/// 2^e times a form, exactly where its weights are.
+/// 2^e times a form, exact where its weights are.
 fn times(form: &Form, e: i32) -> Option<Form> {
     let power = Number::from(Rational::from(2).pow(e, MOST_BITS)?);
     let mut result = Form::new();
@@ -149,7 +151,7 @@ impl Triple {
 }
 
 impl Precise {
-    /// Whether the number is known to be far enough from the ends of the range that no word of it was lost.
+    /// Whether the number is certainly far enough from the ends of the range that none of its words was lost.
     #[cfg(test)]
     fn is_ordinary(&self) -> bool {
         exponent(self.value.hi()).is_some_and(|e| e.abs() <= PLAIN)
@@ -176,13 +178,13 @@ mod tests {
         assert_eq!([0.0, f64::NAN, f64::INFINITY].map(exponent), [None; 3]);
     }
 
-    /// What is reported about the scaled number covers what the way back rounds away.
+    /// The bound of the result covers the rounding on the way back.
     #[test]
     fn what_underflow_takes_is_in_the_bound() {
         let value = Triple::from(1.0 + f64::EPSILON) + Triple::from(1e-30);
         let (back, bound) = scaled(value, 1e-31, -1000).expect("a normal number");
         assert_eq!(back.hi(), (1.0 + f64::EPSILON) * by_power(1.0, -1000));
-        // 1e-30 2^-1000 is below all numbers: gone, and told.
+        // 1e-30 2^-1000 is below all numbers: it is lost, and the bound contains it.
         let lost = by_power(1e-30, -1000);
         assert!(bound >= lost && bound >= by_power(1e-31, -1000), "{bound:e} {lost:e}");
         assert!(scaled(value, 1e-31, 2000).is_none());
@@ -191,12 +193,12 @@ mod tests {
         let (none, bound) = scaled(value, 1e-31, -1100).expect("a bound is left");
         assert!(none.is_zero() && bound > 0.0);
         assert_eq!(scaled(value, f64::INFINITY, -10).map(|(_, bound)| bound), Some(f64::INFINITY));
-        // What may be zero stays so wherever it is.
+        // A number that may be zero may still be zero after scaling.
         let (zero, bound) = scaled(Triple::from(1e-20), 1e-19, -1060).expect("may be zero");
         assert!(zero.hi() <= bound);
     }
 
-    /// A chain of n masses, all numbers times `unit`: its eigenvalues are 4 sin^2((2j - 1) pi / (4n + 2)) whatever that is.
+    /// A chain of n masses, all numbers times `unit`: its eigenvalues are 4 sin^2((2j - 1) pi / (4n + 2)) for any unit.
     fn chain(n: usize, unit: &str) -> crate::system::LinearSystem {
         let mut system = blank(n);
         for i in 0..n {
@@ -206,8 +208,8 @@ mod tests {
         system
     }
 
-    /// Without scaling, products of such numbers lose their low words and the bounds of trees know nothing of it: the tree
-    /// is refused then.
+    /// Without scaling, products of such numbers lose their low words, which the bounds of trees do not account for:
+    /// the tree is then refused.
     #[test]
     fn trees_of_numbers_near_the_ends_of_the_range_are_scaled_or_refused() {
         let forest =

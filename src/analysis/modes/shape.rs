@@ -1,4 +1,4 @@
-//! How a mode's shape is scaled and signed, and where its energy is.
+//! The scaling and sign of a mode's shape, and the distribution of its energy.
 //! See docs/method/report.md#normalisation and docs/method/report.md#shares.
 
 use crate::analysis::answer::{Mode, Share};
@@ -7,7 +7,7 @@ use crate::analysis::modes::terms::Terms;
 use crate::base::Unproven;
 use crate::system::{CoordinateId, CoordinateKind, Form, LinearSystem, Source};
 
-/// What is made 1 in a shape.
+/// The part of a shape that is scaled to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Normalise {
     /// The largest translation; the largest rotation in a mode that only turns.
@@ -21,13 +21,13 @@ pub enum Normalise {
     Mass,
 }
 
-/// Entries this close to the largest count as equally large, and ones this far below it as not moving: many times the
-/// error of a shape, far less than anyone tells apart. So the choice does not hang on a last bit.
+/// Entries this close to the largest count as equally large, and entries this far below it as not moving: many times
+/// the error of a shape, far less than anyone can distinguish. So the choice does not depend on a last bit.
 const TIE: f64 = 1e-9;
-/// Translations with less than this share of the kinetic energy are rounding errors of a mode that turns.
+/// Translations with less than this share of the kinetic energy are rounding errors of a purely rotating mode.
 const LEAST_SHARE: f64 = 1e-12;
 
-/// The shape of a mode, scaled as asked; the entry that was made 1 is exactly 1.
+/// The shape of a mode, scaled as requested; the entry that is scaled to 1 is exactly 1.
 pub fn normalise(mode: &Mode, how: Normalise) -> Vec<Unproven> {
     let shape = &mode.shape;
     let unit = match how {
@@ -40,8 +40,9 @@ pub fn normalise(mode: &Mode, how: Normalise) -> Vec<Unproven> {
     shape.iter().map(|&x| Unproven(if x == 0.0 { 0.0 } else { x / unit })).collect()
 }
 
-/// Turns the shape round where its leading entry is negative, and tells which that is: the first as large as the largest
-/// translation, or rotation where the translations by themselves have nothing of the kinetic energy. `carried`: their part.
+/// Reverses the shape if its leading entry is negative, and returns the coordinate of that entry: the first of the
+/// largest translations, or of the largest rotations if the translations by themselves have none of the kinetic energy.
+/// `carried`: the translations' share.
 pub(in crate::analysis) fn lead(
     shape: &mut [f64],
     carried: f64,
@@ -54,7 +55,7 @@ pub(in crate::analysis) fn lead(
     Some(CoordinateId(leading as u32))
 }
 
-/// Whether a coordinate is a displacement.
+/// Whether a coordinate is a translation.
 pub(in crate::analysis) fn translates(system: &LinearSystem) -> impl Fn(usize) -> bool {
     |i| system.coordinates[i].kind == CoordinateKind::Translation
 }
@@ -70,17 +71,17 @@ fn first_moving(shape: &[f64]) -> Option<usize> {
     shape.iter().position(|x| x.abs() > TIE * largest)
 }
 
-/// The shape with its largest entry made 1.
+/// The shape scaled so that its largest entry is 1.
 pub(in crate::analysis) fn with_largest_one(shape: &[f64]) -> Vec<Unproven> {
     let unit = first_largest(shape, |_| true).map_or(1.0, |i| shape[i]);
     shape.iter().map(|&x| Unproven(if x == 0.0 { 0.0 } else { x / unit })).collect()
 }
 
-/// Up to this many shares are reported completely, of more the largest.
+/// Up to this many shares are reported completely; of more, only the largest.
 const COMPLETE: usize = 1000;
 const LARGEST: usize = 10;
 
-/// A form in binary64, as energies need it: millions of terms for each of many modes.
+/// A form in binary64, for computing energies: there may be millions of terms, for each of many modes.
 pub(in crate::analysis) struct Roots {
     /// The root of each weight, with its sign.
     roots: Vec<f64>,
@@ -121,14 +122,15 @@ impl Roots {
         self.starts.windows(2).map(row)
     }
 
-    /// w (a . x)^2 of a term from its stretch, in an order that keeps within the range of binary64 what the energy itself does.
+    /// w (a . x)^2 of a term from its stretch, multiplied in an order that stays within the range of binary64 whenever
+    /// the energy does.
     #[inline]
     fn energy(&self, t: usize, stretch: f64) -> f64 {
         let root = self.roots[t].abs() * stretch;
         root * root * self.roots[t].signum()
     }
 
-    /// The sum of all |w (a . x)^2|, and the sum of w (a . x)^2 of each of so many sources.
+    /// The sum of all |w (a . x)^2|, and the sum of w (a . x)^2 for each of the `sources` sources.
     pub fn energies(&self, sources: usize, terms: &Terms, x: &Displacements) -> (f64, Vec<f64>) {
         match x {
             Displacements::Precise(x) => {
@@ -143,7 +145,7 @@ impl Roots {
         self.by_source(sources, self.rows().map(|row| stretch(row, x)))
     }
 
-    /// What of the kinetic energy the translations have by themselves, the rotations being held.
+    /// The kinetic energy of the translations by themselves, with the rotations held.
     pub fn carried_by_translations(&self, x: &[f64], translates: &[bool]) -> f64 {
         let held = |(indices, factors): (&[u32], &[f64])| -> f64 {
             let moving = indices.iter().zip(factors).filter(|(i, _)| translates[**i as usize]);
@@ -173,17 +175,18 @@ fn stretch(row: (&[u32], &[f64]), x: &[f64]) -> f64 {
     }
 }
 
-/// Shares w (a . x)^2 / x^T A x of an energy by what has it (a body of the kinetic one, a spring or gravity of the strain
-/// energy), largest first, from what each source of the form A has.
+/// Shares w (a . x)^2 / x^T A x of an energy by its source (a body for the kinetic energy, a spring or gravity for the
+/// strain energy), largest first, from the energy of each source of the form A.
 pub(in crate::analysis) fn shares(form: &Form, by_source: &[f64]) -> Vec<Share<Source>> {
     largest_first(by_source, |part| part != 0.0, |i| form.source_of(i as u32))
 }
 
-/// The parts chosen, divided by the sum of all and sorted, largest first; equal ones keep their order. None where parts of
-/// both signs cancel to nothing that their rounding could be distinguished from: there is no whole to have a share of.
+/// The chosen parts, divided by the sum of all and sorted, largest first; equal ones keep their order. Empty if parts
+/// of both signs cancel so far that the rest cannot be distinguished from rounding errors: there is no total to take
+/// shares of.
 fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usize) -> T) -> Vec<Share<T>> {
-    // Negative where the motion has negative stiffness: then the most negative part is the largest share.
-    // Scaled by the largest part's power of two, so that the sum stays within range.
+    // The total is negative if the motion has negative stiffness: then the most negative part is the largest share.
+    // Scaled by a power of two near the largest part, so that the sum stays within range.
     let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
     let scale = if power.is_normal() { 1.0 / power } else { 1.0 };
@@ -201,13 +204,14 @@ fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usi
         list.truncate(LARGEST);
     }
     list.sort_unstable_by(order);
-    // What a symmetry makes equal leads in its order, not in that of last bits.
+    // Shares that a symmetry makes equal are listed in their original order, not in the order of their last bits.
     let tied = list.iter().take_while(|&&i| share(i) >= share(list[0]) * (1.0 - TIE)).count();
     list[..tied].sort_unstable();
     list.into_iter().map(|i| Share { of: of(i as usize), part: Unproven(share(i)) }).collect()
 }
 
-/// The sum of the parts and of their sizes; of many, side by side in an order that no machine changes.
+/// The sum of the parts and of their magnitudes; many parts are summed in parallel lanes, in an order that is the same
+/// on every machine.
 fn sums(parts: &[f64], scale: f64) -> (f64, f64) {
     let few = if parts.len() > COMPLETE { parts.len() % 8 } else { parts.len() };
     let (few, many) = parts.split_at(few);
@@ -222,8 +226,8 @@ fn sums(parts: &[f64], scale: f64) -> (f64, f64) {
     lanes.iter().fold(start, |sums, lane| (sums.0 + lane.0, sums.1 + lane.1))
 }
 
-/// What may be among the largest parts (most negative ones where the whole is): all that are as large as the least of so
-/// many blocks' largest.
+/// Candidates for the largest parts (the most negative ones if the total is negative): all parts at least as large as
+/// the [`LARGEST`]-th largest of the blocks' maxima.
 fn first(chosen: impl Fn(f64) -> bool, parts: &[f64], whole: f64) -> Vec<u32> {
     const BLOCK: usize = 512;
     let size = |part: f64| if chosen(part) { part * whole.signum() } else { f64::NEG_INFINITY };

@@ -1,5 +1,5 @@
-//! Some modes of large parts, by what their terms are: trees of bodies and springs, and anything else that is
-//! sparse.
+//! Some modes of large parts, by a method chosen from their terms: one for trees of bodies and springs, one for any
+//! other sparse part.
 
 use crate::analysis::answer::{Before, Route};
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
@@ -9,13 +9,13 @@ use crate::analysis::modes::terms::Terms;
 use crate::analysis::modes::tree::{self, forest::Forest};
 use crate::analysis::numeric::triple::Triple;
 
-/// Modes in a row: those computed, ascending, and how many come before them.
+/// Consecutive modes: those computed, ascending, and how many come before them.
 pub struct Found {
     pub pairs: Vec<Pair>,
     pub before: Before,
 }
 
-/// The eigenpairs asked for; `None` if no sparse method suits the part.
+/// The requested eigenpairs; `None` if no sparse method suits the part.
 pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     of_tree(stiffness, masses, n, request).or_else(|| mesh::some(stiffness, masses, n, request))
 }

@@ -1,7 +1,7 @@
 //! A form of the system as flat numbers: the weights and sparse rows of `sum w a a^T` as balls.
 //!
-//! Everything numerical starts from these, so what is uncertain in the model (a root, a sine, the rounding of 0.1 to a
-//! double-double) is in the balls and so in every bound.
+//! All numerical computations start from these, so any uncertainty in the model (a root, a sine, the rounding of 0.1 to
+//! a double-double) is in the balls and so in every bound.
 
 use crate::base::{Ball, Dd};
 use crate::system::Form;
@@ -51,8 +51,8 @@ impl Squares {
         (&self.indices[range.clone()], &self.values[range])
     }
 
-    /// a . x of term `t`, for an exactly known x: with factors of one (a spring between two bodies) the only error is
-    /// that of one sum, small beside the stretch itself however small that is beside x.
+    /// a . x of term `t`, for an exactly known x. With factors of one (a spring between two bodies) the only error is
+    /// that of one sum, small relative to the stretch even if the stretch is small relative to x.
     #[inline]
     pub fn stretch(&self, t: usize, x: &[Dd]) -> Ball {
         let (indices, values) = self.row(t);
@@ -63,7 +63,7 @@ impl Squares {
         sum
     }
 
-    /// All weights are certainly positive.
+    /// Whether all weights are certainly positive.
     pub fn all_positive(&self) -> bool {
         self.weights.iter().all(Ball::is_positive)
     }

@@ -1,13 +1,13 @@
 //! Elimination in a network of springs without subtraction.
 //!
-//! Nodes with couplings k_ij and springs v_i to the ground. Eliminating node p (star to mesh, Kron's reduction, the method of
-//! Grassmann, Taksar and Heyman) with d_p = v_p + sum_j k_pj is
+//! A network has nodes with couplings k_ij and springs v_i to the ground. Eliminating node p (star to mesh, Kron's
+//! reduction, the method of Grassmann, Taksar and Heyman) with d_p = v_p + sum_j k_pj is
 //!
 //!   k_ij <- k_ij + k_pi k_pj / d_p,   v_i <- v_i + k_pi v_p / d_p,
 //!
-//! and K = L D L^T with L_ip = -k_pi / d_p. Only positive numbers are added, so every entry of L and D is correct to a few
-//! units in its last place whatever the ratios of the springs; a part without ground ends in a pivot that is exactly zero.
-//! (Alfa, Xue and Ye, Math. Comp. 71 (2002) 217.) See docs/method/modes.md#starting-modes.
+//! and K = L D L^T with L_ip = -k_pi / d_p. Only positive numbers are added, so every entry of L and D is correct to a
+//! few units in its last place whatever the ratios of the springs; a part that is not connected to the ground ends in a
+//! pivot that is exactly zero. (Alfa, Xue and Ye, Math. Comp. 71 (2002) 217.) See docs/method/modes.md#starting-modes.
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::numeric::dense::Matrix;
@@ -23,7 +23,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// The network that the terms are, if each row is one coordinate, or two with factors that differ in sign alone.
+    /// The network of the terms, if each row has one coordinate, or two with factors that differ only in sign.
     pub fn of(terms: &Terms, n: usize) -> Option<Network> {
         let mut network = Network { couplings: Matrix::filled(n, n, 0.0), ground: vec![0.0; n] };
         for t in 0..terms.len() {
@@ -41,8 +41,8 @@ impl Network {
         network.ground.iter().all(|&v| v >= 0.0).then_some(network)
     }
 
-    /// The columns of M^(-1/2) L D^(1/2) with pivots that are not zero, those largest beside their mass first:
-    /// C C^T = M^(-1/2) K M^(-1/2).
+    /// The columns of M^(-1/2) L D^(1/2) with nonzero pivots, in descending order of pivot relative to mass: C C^T =
+    /// M^(-1/2) K M^(-1/2).
     pub fn factor(mut self, masses: &[f64]) -> Matrix<f64> {
         let n = masses.len();
         let mut left: Vec<usize> = (0..n).collect();
@@ -60,7 +60,7 @@ impl Network {
         Matrix::from_fn(n, columns.len(), |i, j| columns[j][i])
     }
 
-    /// Eliminates node p; its column of M^(-1/2) L D^(1/2).
+    /// Eliminates node p and returns its column of M^(-1/2) L D^(1/2).
     fn eliminate(&mut self, p: usize, d: f64, left: &[usize], masses: &[f64]) -> Vec<f64> {
         let mut column = vec![0.0; masses.len()];
         column[p] = (d / masses[p]).sqrt();

@@ -1,12 +1,12 @@
-//! Approximate modes to start from, by the cheapest method that suits the terms.
+//! Approximate starting modes, by the cheapest method that suits the terms.
 //!
-//! In: M and K as terms, M's factor, the rigid motions. Out: a basis X whose first columns are the rigid motions and whose
-//! others are approximate modes. Nothing here needs a bound: the certificate judges what becomes of it.
+//! In: M and K as terms, M's factor, the rigid motions. Out: a basis X whose first columns are the rigid motions and
+//! whose others are approximate modes. Nothing here needs a bound: the certificate judges the result.
 //!
 //! - A network of positive springs on single masses: star-mesh elimination, then one-sided Jacobi in binary64.
-//! - Positive terms of any kind: pivoted QR of sqrt(k) A L^-T, then the same.
-//! - Negative terms: the modes of the positive terms, then Jacobi on K in that basis, where what is graded is scaled by
-//!   energies (K = D (1 - S) D).
+//! - Positive terms of any kind: pivoted QR of sqrt(k) A L^-T, then one-sided Jacobi.
+//! - Negative terms: the modes of the positive terms, then Jacobi on K in that basis, where a graded matrix is scaled
+//!   by energies (K = D (1 - S) D).
 //! - All of these again in double-double, on sqrt(k) A L^-T or on the matrix, if binary64 was not enough.
 //!
 //! See docs/method/modes.md#starting-modes.
@@ -25,12 +25,12 @@ use crate::base::Dd;
 /// A basis to start from.
 pub struct Start {
     pub x: Matrix<Triple>,
-    /// Eigenvalues better than the basis' own quotients, where the method gives them.
+    /// Eigenvalues better than the basis' own quotients, if the method gives them.
     pub estimates: Option<Vec<f64>>,
     pub route: Route,
 }
 
-/// M in the forms that the methods need.
+/// M in the representations that the methods need.
 pub struct Inertia {
     pub matrix: Matrix<Dd>,
     /// L of M = L L^T.
@@ -47,7 +47,7 @@ impl Inertia {
     }
 }
 
-/// Positive terms, in binary64.
+/// Starts from positive terms, in binary64.
 pub fn positive(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     let network = inertia.masses().and_then(|masses| Some((Network::of(terms, inertia.n())?, masses)));
     let (mut c, elastic, route) = match network {
@@ -74,7 +74,7 @@ pub fn positive(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     Start { x, estimates: Some(estimates), route }
 }
 
-/// Positive terms, in double-double.
+/// Starts from positive terms, in double-double.
 pub fn positive_in_double_double(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     let (mut x, rigid) = deflated_basis(inertia, rigid);
     let mut elastic = x.select_columns(&(rigid..inertia.n()).collect::<Vec<_>>());
@@ -86,7 +86,7 @@ pub fn positive_in_double_double(terms: &Terms, inertia: &Inertia, rigid: &NullS
     Start { x: x.map(Triple::from), estimates: None, route: Route::FactoredDoubleDouble }
 }
 
-/// Terms of both signs: the modes of the whole in the basis of the positive terms' modes.
+/// Starts from terms of both signs: the modes of all terms in the basis of the positive terms' modes.
 pub fn mixed(terms: &Terms, positive: Start, rigid: usize) -> Start {
     let x = positive.x.map(Triple::dd);
     let n = x.columns();
@@ -102,7 +102,7 @@ pub fn mixed(terms: &Terms, positive: Start, rigid: usize) -> Start {
     Start { x: rigid_first(result, &k, rigid).map(Triple::from), estimates: None, route: Route::Energy }
 }
 
-/// Terms of both signs in double-double, without a detour.
+/// Starts from terms of both signs, directly in double-double.
 pub fn assembled(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     let (x, count) = deflated_basis(inertia, rigid);
     let n = inertia.n();
@@ -116,7 +116,7 @@ pub fn assembled(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     Start { x: x.map(Triple::from), estimates: None, route: Route::Assembled }
 }
 
-/// The `rigid` columns of least |K_ii| first.
+/// Moves the `rigid` columns of least |K_ii| to the front.
 fn rigid_first(x: Matrix<Dd>, k: &Matrix<Dd>, rigid: usize) -> Matrix<Dd> {
     if rigid == 0 {
         return x;
@@ -126,7 +126,7 @@ fn rigid_first(x: Matrix<Dd>, k: &Matrix<Dd>, rigid: usize) -> Matrix<Dd> {
     x.select_columns(&order)
 }
 
-/// sqrt(w) a . x of each term and column.
+/// sqrt(w) a . x for each term and column.
 fn factored(terms: &Terms, x: &Matrix<Dd>) -> Matrix<Dd> {
     let x = x.map(Triple::from);
     let roots: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd().abs().sqrt()).collect();
@@ -163,7 +163,7 @@ fn rigid_basis(inertia: &Inertia, rigid: &NullSpace) -> Vec<Vec<Dd>> {
     (0..count).map(|j| x.column(j).to_vec()).collect()
 }
 
-/// X with X^T M X = 1 to working accuracy, whose first columns, as many as are returned, span the known rigid motions.
+/// X with X^T M X = 1 to working accuracy, and the number of its leading columns that span the known rigid motions.
 fn deflated_basis(inertia: &Inertia, rigid: &NullSpace) -> (Matrix<Dd>, usize) {
     let lower = &inertia.lower;
     let mut x = mass::inverse_transpose(lower);

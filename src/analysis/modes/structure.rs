@@ -1,11 +1,11 @@
-//! What is decided exactly about K, without any threshold: how many independent motions leave it without force (the rigid
-//! motions), and which.
+//! Exact decisions about K, without any threshold: how many independent motions cause no force (the rigid motions), and
+//! which they are.
 //!
-//! Elimination modulo a prime near 2^61 finds a rank that is never above the true one; vectors of rationals that are
-//! recovered from the residues (of more primes where one is not enough) and verified term by term show that it is not below.
-//! Positive terms are weighted at random for the elimination (their null space does not depend on the weights), others as
-//! they are. A square root stands for a root modulo the prime, so primes that have the roots of the form are taken. Numbers
-//! known only as enclosures stand for independent unknowns, equal ones for the same unknown.
+//! Elimination modulo a prime near 2^61 finds a rank that is never above the true one; rational vectors that are
+//! recovered from the residues (of more primes if one is not enough) and verified term by term show that it is not
+//! below. For the elimination, positive terms get random weights (their null space does not depend on the weights) and
+//! others keep theirs. A square root is represented by a root modulo the prime, so primes that have the roots of the
+//! form are used. Numbers known only as enclosures become independent unknowns, equal ones the same unknown.
 //! See docs/method/modes.md#rigid-body-modes.
 
 use super::image::{Image, identity};
@@ -17,18 +17,18 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-/// The motions that a form does not see.
+/// The motions on which a form is zero.
 #[derive(Clone, Debug)]
 pub struct NullSpace {
     /// Independent vectors, each verified exactly.
     pub vectors: Vec<Vec<Rational>>,
-    /// The dimension for unknowns in general position. Larger than the number of vectors only if some of the form's
-    /// numbers are not rational, so that no rational vector can be given.
+    /// The dimension for unknowns in general position. It is larger than the number of vectors only if some of the
+    /// form's numbers are not rational, so that no rational vector can be given.
     pub dimension: usize,
-    /// Whether no number is known by its enclosure alone: then the dimension is not smaller than the true one, whatever
-    /// the numbers are.
+    /// Whether no number is known only by its enclosure: then the dimension is at least the true one, whatever the
+    /// numbers are.
     pub exact: bool,
-    /// The coordinates that can be chosen at will: in the j-th vector of the reduced basis the j-th of them is 1, the
+    /// The coordinates that can be chosen freely: in the j-th vector of the reduced basis the j-th of them is 1, the
     /// others are 0.
     pub free: Vec<usize>,
 }
@@ -57,7 +57,7 @@ pub fn null_space(form: &Form, n: usize) -> NullSpace {
     space
 }
 
-/// The numbers that matter for the null space: not the weights where all are positive.
+/// The numbers that determine the null space: without the weights if all are positive.
 fn matter(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
     form.terms().iter().flat_map(move |term| {
         let weight = (!positive).then_some(&term.weight);
@@ -65,8 +65,8 @@ fn matter(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
     })
 }
 
-/// The reduced row echelon form of a form's matrix modulo one prime or a product of primes, by its columns without pivot:
-/// the null vector of each has a one there and these residues in the columns with pivots.
+/// The reduced row echelon form of a form's matrix modulo one prime or a product of primes, stored by its columns
+/// without a pivot: the null vector of each has a one there and these residues in the columns with pivots.
 struct Echelon {
     modulus: BigInt,
     free: Vec<usize>,
@@ -84,8 +84,8 @@ impl Echelon {
         Some(Echelon { modulus: field.prime().into(), free, vectors })
     }
 
-    /// The residues modulo both (Chinese remainders). A prime that divides a minor finds a smaller rank or later pivots:
-    /// then the other alone counts.
+    /// Combines the residues of both (Chinese remainder theorem). A prime that divides a minor finds a smaller rank or
+    /// later pivots: then only the other one is used.
     fn combined_with(self, other: Echelon) -> Echelon {
         if self.free != other.free {
             let smaller = (self.free.len(), &other.free) < (other.free.len(), &self.free);
@@ -104,7 +104,7 @@ impl Echelon {
         Echelon { modulus, free: self.free, vectors }
     }
 
-    /// The vectors that can be recovered and verified.
+    /// The null vectors that can be recovered and verified.
     fn null_space(&self, form: &Form, n: usize, positive: bool) -> NullSpace {
         let recovered = self.vectors.iter().filter_map(|vector| {
             let vector: Option<Vec<Rational>> = vector.iter().map(|x| recover_rational(x, &self.modulus)).collect();
@@ -114,9 +114,9 @@ impl Echelon {
     }
 }
 
-/// The reduced basis of the null space of positive terms as enclosures, where its vectors are not rational: with the free
-/// coordinates given, the others solve a positive definite system, which is eliminated in balls. `None` where that does not
-/// prove it regular.
+/// The reduced basis of the null space of positive terms as enclosures, for vectors that are not rational: with the
+/// free coordinates given, the others solve a positive definite system, which is eliminated in balls. `None` if the
+/// elimination does not prove it regular.
 pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec<Number>>> {
     let bound: Vec<usize> = (0..n).filter(|i| !free.contains(i)).collect();
     let mut matrix = vec![vec![Ball::ZERO; n]; n];
@@ -131,7 +131,7 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
             }
         }
     }
-    // Columns: the bound coordinates, then the free ones, whose effect is to be balanced.
+    // Columns: the bound coordinates, then the free ones, whose forces they balance.
     let order: Vec<usize> = bound.iter().chain(free).copied().collect();
     let rows = bound.iter().map(|&i| order.iter().map(|&j| matrix[i][j]).collect()).collect();
     let solved = eliminated(rows)?;
@@ -146,8 +146,8 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
     Some((0..free.len()).map(vector).collect())
 }
 
-/// Gauss and Jordan's elimination of the leading square, pivots from the diagonal, the largest first; `None` where one may be
-/// zero. So a symmetric matrix of which it succeeds is regular.
+/// Gauss-Jordan elimination of the leading square, with pivots from the diagonal, the largest first; `None` if one may
+/// be zero. A symmetric matrix for which it succeeds is therefore regular.
 pub fn eliminated(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
     let mut left: Vec<usize> = (0..rows.len()).collect();
     while !left.is_empty() {
@@ -188,7 +188,7 @@ fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Optio
     Some(matrix)
 }
 
-/// Reduces to row echelon form with unit pivots and cleared columns; for each column the row of its pivot.
+/// Reduces to row echelon form with unit pivots and cleared columns; returns the row of the pivot for each column.
 fn eliminate(matrix: &mut [u64], n: usize, field: Field) -> Vec<Option<usize>> {
     let mut pivots = vec![None; n];
     let mut next = 0;
@@ -210,7 +210,7 @@ fn eliminate(matrix: &mut [u64], n: usize, field: Field) -> Vec<Option<usize>> {
     pivots
 }
 
-/// Row i loses what it has in column j, by means of row `from`.
+/// Clears entry j of row i by subtracting a multiple of row `from`.
 fn subtract_row(matrix: &mut [u64], n: usize, from: usize, i: usize, j: usize, field: Field) {
     let factor = matrix[i * n + j];
     if factor == 0 {
@@ -249,12 +249,13 @@ fn recover_rational(x: &BigInt, modulus: &BigInt) -> Option<Rational> {
     (!t.is_zero() && t.abs() < limit).then(|| Rational::from(BigRational::new(b, t)))
 }
 
-/// Whether the form does not see the motion v, exactly.
+/// Whether the motion v is exactly rigid: the form is zero on it.
 pub fn is_rigid(form: &Form, v: &[Rational]) -> bool {
     is_null(form, v.len(), form.terms().iter().all(|term| term.weight.is_positive()), v)
 }
 
-/// The form times v is exactly zero: for positive weights every row is orthogonal to v, else the sum of all terms vanishes.
+/// Whether the form times v is exactly zero: for positive weights every row is orthogonal to v, otherwise the sum of
+/// all terms vanishes.
 fn is_null(form: &Form, n: usize, positive: bool, v: &[Rational]) -> bool {
     let mut force = vec![Unknowns::default(); if positive { 0 } else { n }];
     for term in form.terms() {
@@ -272,7 +273,7 @@ fn is_null(form: &Form, n: usize, positive: bool, v: &[Rational]) -> bool {
     force.iter().all(Unknowns::vanishes)
 }
 
-/// Adds w a (a . v); false if that is no longer linear in unknowns.
+/// Adds w a (a . v); returns `false` if the sum is no longer linear in unknowns.
 fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]) -> bool {
     let Some(stretch) = stretch.rational() else { return false };
     for (i, a) in form.row(term) {
@@ -280,7 +281,7 @@ fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]
             (_, Some(a)) => force[i.index()].add(&term.weight, &(a * &stretch)),
             (Some(weight), None) => force[i.index()].add(a, &(weight * &stretch)),
             (None, None) => match &term.weight * a {
-                // No longer one of the form's own numbers.
+                // The product is no longer one of the form's own numbers.
                 Number::Ball(_) | Number::Jet(_) => return false,
                 product => force[i.index()].add(&product, &stretch),
             },
@@ -289,7 +290,7 @@ fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]
     true
 }
 
-/// A rational plus rational multiples of unknown numbers, each unknown known by its enclosure.
+/// A rational plus rational multiples of unknown numbers, each identified by its enclosure.
 #[derive(Clone, Debug)]
 struct Unknowns {
     exact: Rational,

@@ -1,7 +1,7 @@
 //! A form of the system as flat numbers in triple words: the weights and sparse rows of `sum w a a^T`.
 //!
-//! The undamped modes start from these. What is uncertain in the model (a root, a sine, what three words cannot hold of a
-//! decimal) is in the radii and so in every bound.
+//! The computation of undamped modes starts from these. Any uncertainty in the model (a root, a sine, the part of a
+//! decimal that does not fit into three words) is in the radii and so in every bound.
 
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Dd, Number, Rational};
@@ -89,7 +89,7 @@ impl Terms {
         indices.iter().zip(factors).map(|(&i, factor)| factor.to_f64() * x[i as usize]).sum()
     }
 
-    /// All weights are certainly positive.
+    /// Whether all weights are certainly positive.
     pub fn all_positive(&self) -> bool {
         self.weights.iter().all(|w| w.value.hi() > 2.0 * w.radius)
     }
@@ -122,7 +122,7 @@ impl Factor {
         }
     }
 
-    /// What its words leave open.
+    /// The uncertainty beyond the stored words.
     #[inline]
     pub fn radius(self) -> f64 {
         match self {

@@ -1,15 +1,15 @@
-//! Bounds of all eigenvalues of K x = lambda M x from many approximate vectors and their residuals.
+//! Bounds of all eigenvalues of K x = lambda M x, for many approximate vectors at once, from their residuals.
 //!
-//! With P = X^T R, R = K X - M X Theta, and E = X^T M X - 1, for any real s and without error
+//! With P = X^T R, R = K X - M X Theta, and E = X^T M X - 1, the following holds exactly for any real s:
 //!
 //!   T(s) = X^T (K - s M) X = P + (1 + E)(Theta - s),
 //!
-//! and where |E| < 1, X is regular and M positive definite, T has as many negative eigenvalues as there are lambda < s
-//! (Sylvester). P is as small as the residuals, so plain products of matrices give T with an error that is small beside them.
-//! Let C be a group of neighbours, J the rest, D_j a lower bound of |theta_j - s| on J, p_ij and e_ij upper bounds of
-//! max(|P_ij|, |P_ji|) and max(|E_ij|, |E_ji|). T is symmetric, and entry (i, j) may be read in column i or j: in that of the
-//! smaller |theta - s|. So T_JJ scaled by |theta - s|^-1/2 is a matrix of signs plus one of norm at most
-//!
+//! and if |E| < 1, X is regular and M positive definite, T has as many negative eigenvalues as there are lambda < s
+//! (Sylvester). P is as small as the residuals, so plain products of matrices give T with an error that is small
+//! relative to them. Let C be a group of neighbours, J the rest, D_j a lower bound of |theta_j - s| on J, p_ij and e_ij
+//! upper bounds of max(|P_ij|, |P_ji|) and max(|E_ij|, |E_ji|). T is symmetric, so entry (i, j) may be taken from
+//! column i or j: from the one with the smaller |theta - s|. So T_JJ scaled by |theta - s|^-1/2 is a matrix of signs
+//! plus one of norm at most
 //!   q = |e|_F + sqrt(v^T S v),   S_ij = p_ij^2,  v_j = 1/D_j on J and zero on C,
 //!
 //! and for q < 1 it has the signs of its diagonal and an inverse of norm at most 1/(1 - q). For s within `span` of all theta_i
@@ -28,7 +28,7 @@ use crate::analysis::numeric::product::{View, product};
 use crate::analysis::numeric::tridiagonal::dot;
 use crate::base::Dd;
 
-/// The pencil in the basis of approximate modes, ascending.
+/// The pencil in the basis of approximate modes, sorted by eigenvalue.
 pub struct Reduced {
     pub theta: Vec<Dd>,
     pub p: Matrix<f64>,
@@ -38,7 +38,7 @@ pub struct Reduced {
     e_slip: Vec<f64>,
 }
 
-/// Neighbours from `start` to `end` (not included).
+/// Neighbours from `start` to `end` (exclusive).
 #[derive(Clone, Copy)]
 struct Group {
     start: usize,
@@ -50,7 +50,7 @@ const PART: f64 = 1.001;
 const REST: f64 = 1001.0;
 
 impl Reduced {
-    /// The columns of X ascending by theta; `residuals` belong to them.
+    /// Sorts the columns of X by theta; `residuals` belong to them.
     pub fn of(x: &Matrix<f64>, residuals: Residuals) -> Reduced {
         let transposed = View::of(x).transposed();
         let p = product(transposed, View::of(&residuals.r));
@@ -60,7 +60,8 @@ impl Reduced {
         Reduced { theta, p, e, size, p_slip: r_slip, e_slip: y_slip }
     }
 
-    /// For each theta how far the eigenvalue of the same number may be from it; infinite where nothing could be certified.
+    /// For each theta a bound of its distance to the eigenvalue of the same number; infinite if nothing could be
+    /// certified.
     pub fn radii(&self) -> Vec<f64> {
         let n = self.theta.len();
         let mut radii = vec![f64::INFINITY; n];
@@ -110,12 +111,12 @@ impl Reduced {
         bounds
     }
 
-    /// theta_j - theta_i in the unit.
+    /// theta_j - theta_i in units of `unit`.
     fn distance(&self, i: usize, j: usize, unit: f64) -> f64 {
         (self.theta[j] - self.theta[i]).hi / unit
     }
 
-    /// Neighbours that are closer than their couplings go together.
+    /// Neighbours whose distance is comparable to their couplings form a group.
     fn groups(&self, p: &Matrix<f64>, unit: f64) -> Vec<Group> {
         let n = self.theta.len();
         let near = |i: usize, j: usize| self.distance(i, j, unit) <= 8.0 * (p[(j, i)] + p[(i, i)] + p[(j, j)]);
@@ -133,11 +134,11 @@ impl Reduced {
     }
 }
 
-/// For each group, the sums over the rest.
+/// For each group, sums over the modes outside it.
 struct Rest {
     /// Width of each group.
     width: Vec<f64>,
-    /// How far s was assumed to go beyond it.
+    /// The assumed distance of s beyond the group.
     assumed: Vec<f64>,
     /// v^T S v
     within: Vec<f64>,
@@ -157,7 +158,7 @@ impl Rest {
                 false => reduced.distance(end - 1, j, unit),
             } * (2.0 - SLACK);
             let nearest = [start.checked_sub(1), (end < n).then_some(end)].into_iter().flatten().map(distance);
-            // A quarter of the gap; with nothing beyond, as far as can matter.
+            // A quarter of the gap; if there is no neighbour, as far as can matter.
             let reach = 0.25 * nearest.fold(8.0, f64::min);
             for j in (0..start).chain(end..n) {
                 v[(j, g)] = SLACK / (distance(j) - reach);
@@ -200,7 +201,7 @@ impl Rest {
             (fixed + span * (slope + span * curve)) * SLACK
         };
         let mut delta = self.assumed[g];
-        // The bound grows with delta, so from one that holds each step leads to a better one.
+        // The bound grows with delta, so each step from a valid delta leads to a smaller valid one.
         for _ in 0..4 {
             let next = bound(delta);
             if next.is_nan() || next > delta {

@@ -1,8 +1,9 @@
-//! All modes of a part whose matrices are dense, up to some thousand coordinates: the eigenvectors of the assembled matrices in
-//! binary64, then residuals of the terms in double-double, Newton steps and a certificate.
+//! All modes of a part with dense matrices, for up to some thousand coordinates: eigenvectors of the assembled matrices
+//! in binary64, then residuals of the terms in double-double, Newton steps and a certificate.
 //!
-//! The assembled matrices hold what is not below the last bits of the largest eigenvalue; residuals of the terms hold the
-//! rest. So the first vectors are as good as anybody's, and the bounds say for each mode what the terms say of it.
+//! The assembled matrices lose everything below the last bits of the largest eigenvalue; residuals of the terms keep
+//! it. So the first vectors are as good as those of any dense solver, and the bounds say for each mode what the terms
+//! determine.
 //!
 //! See docs/method/modes.md#dense-matrices.
 
@@ -27,17 +28,19 @@ use crate::system::Form;
 use certificate::Reduced;
 use residual::Pencil;
 
-/// Bounds that leave all digits of a binary64 number: steps are taken for them, other methods only for the tolerance.
+/// Bounds at which all digits of a binary64 number are certain. Newton steps are taken to reach it; other methods are
+/// tried only to reach the tolerance.
 const PRINTED: f64 = 1e-17;
-/// Differences of close frequencies should have as many digits as are printed.
+/// The relative error of a difference of close frequencies that makes as many digits certain as are printed.
 const SPLIT: f64 = 1e-16;
-/// Where a step has settled a repeated eigenvalue, its members' relative radius is below this: it is quadratic in errors of the
-/// vectors of some 1e-15.
+/// After a step has resolved a repeated eigenvalue, the relative radius of its members is below this: it is quadratic
+/// in the vectors' errors of some 1e-15.
 const REPEATED: f64 = 1e-22;
-/// Of the vector of a neighbour that is closer than this part of the eigenvalue no more than that is left in a vector.
+/// If neighbouring eigenvalues are closer than this relative distance, a vector must contain no more than [`MIXED`] of
+/// its neighbour's vector.
 const CLOSE: f64 = 1e-6;
 const MIXED: f64 = 1e-10;
-/// Each step takes eight decades of stiffness further.
+/// Each step extends the range of resolved stiffnesses by eight decades.
 const MAX_STEPS: usize = 5;
 
 /// The pencil of one part.
@@ -49,15 +52,15 @@ pub struct Problem<'a> {
     pub tolerance: f64,
 }
 
-/// Vectors, ascending by their quotients, and how far these may be from the eigenvalues.
+/// Vectors sorted by their quotients, with bounds of the quotients' distances from the eigenvalues.
 struct Candidate {
     x: Matrix<f64>,
     pencil: Reduced,
     radii: Vec<f64>,
 }
 
-/// All eigenpairs, ascending, and whether their bounds are within the tolerance and show what is apart; `None` if M is not positive definite in
-/// binary64, or numbers ran out of range.
+/// All eigenpairs, ascending, and whether their bounds meet the tolerance and separate distinct eigenvalues; `None` if
+/// M is not positive definite in binary64, or numbers overflowed.
 pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     let (x, diagonal) = problem.first()?;
     let pencil = Pencil::new(problem.stiffness, problem.masses, &diagonal);
@@ -74,7 +77,8 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
             rigid = problem.rigid(next.may_be_zero().count());
         }
         let reached = next.worst(rigid.dimension);
-        // What cannot be separated yet has no bound: the step may still have brought it nearer.
+        // Eigenvalues that cannot be separated yet have no bound; the step may still have brought them closer to
+        // separation.
         let stuck = reached.is_finite() && reached > 0.25 * worst;
         let sharper = best.is_mixed() && !next.is_mixed() && reached <= 4.0 * worst;
         if reached <= worst || sharper {
@@ -88,7 +92,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
     best.is_finite().then(|| (best.pairs(problem, &rigid), settled))
 }
 
-/// Motions that K does not see: the dimension of their space, if it is known not to be larger, and its vectors.
+/// Motions for which K is zero: the dimension of their space, if it is known not to be larger, and its vectors.
 struct Rigid {
     dimension: usize,
     vectors: Vec<Vec<f64>>,
@@ -128,7 +132,7 @@ impl Problem<'_> {
         Some((x, diagonal))
     }
 
-    /// What is exactly known of the null space where at most `count` eigenvalues may be zero.
+    /// The exactly known part of the null space, if at most `count` eigenvalues may be zero.
     fn rigid(&self, count: usize) -> Rigid {
         let ones = vec![Rational::ONE; self.n];
         if count == 0 {
@@ -176,7 +180,7 @@ impl Candidate {
         self.pencil.theta.iter().all(|theta| theta.is_finite())
     }
 
-    /// Eigenvalues whose enclosures hold zero.
+    /// Eigenvalues whose enclosures contain zero.
     fn may_be_zero(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.radii.len()).filter(|&i| self.holds_zero(i))
     }
@@ -185,7 +189,7 @@ impl Candidate {
         self.pencil.theta[i].hi.abs() <= self.radii[i] * SLACK
     }
 
-    /// The largest relative bound, apart from that of as many that are zero.
+    /// The largest relative bound, not counting `zeros` eigenvalues that are zero.
     fn worst(&self, zeros: usize) -> f64 {
         let zeros = if self.may_be_zero().count() <= zeros { zeros } else { 0 };
         let told = (0..self.radii.len()).filter(|&i| zeros == 0 || !self.holds_zero(i));
@@ -193,7 +197,7 @@ impl Candidate {
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
     }
 
-    /// Neighbours within 1 %, whose difference is reported, have bounds above this part of it.
+    /// Whether some neighbours within 1 %, whose difference is reported, have bounds above `part` of that difference.
     fn is_blurred(&self, part: f64) -> bool {
         let size = |i: usize| self.pencil.theta[i].hi.abs();
         (1..self.radii.len()).any(|i| {
@@ -204,7 +208,8 @@ impl Candidate {
         })
     }
 
-    /// Vectors of close neighbours hold parts of each other that could be noticed: an eigenvalue feels only the square of them.
+    /// Whether vectors of close neighbours contain a noticeable part of each other; the eigenvalues depend only on its
+    /// square.
     fn is_mixed(&self) -> bool {
         let theta = &self.pencil.theta;
         let gap = |i: usize, j: usize| (theta[j] - theta[i]).hi;
@@ -214,8 +219,8 @@ impl Candidate {
         })
     }
 
-    /// As in [`eigen`](crate::analysis::modes::eigen): if no more eigenvalues may be zero than the null space has dimensions, all
-    /// of those are; else each lies in the union of their enclosures.
+    /// As in [`eigen`](crate::analysis::modes::eigen): if no more eigenvalues may be zero than the null space has
+    /// dimensions, all of those are zero; otherwise each lies in the union of their enclosures.
     fn pairs(&self, problem: &Problem, rigid: &Rigid) -> Vec<Pair> {
         let doubtful: Vec<usize> = self.may_be_zero().collect();
         let certain = doubtful.len() <= rigid.dimension;
@@ -252,7 +257,7 @@ fn compare(a: Dd, b: Dd) -> std::cmp::Ordering {
     (a - b).hi.partial_cmp(&0.0).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The vectors made M-orthonormal one after the other, twice.
+/// The vectors made M-orthonormal by Gram-Schmidt, applied twice.
 fn orthonormal(vectors: &[Vec<f64>], masses: &Terms) -> Vec<Vec<f64>> {
     let product = |x: &[f64], y: &[f64]| -> f64 {
         let part = |t: usize| masses.weights[t].value.hi() * masses.stretch_f64(t, x) * masses.stretch_f64(t, y);

@@ -1,16 +1,17 @@
 //! Residuals r_j = K x_j - theta_j M x_j of many vectors at once, from the terms in double-double, with bounds.
 //!
-//! The x_j are binary64 vectors, taken as exactly what they are; theta_j is their Rayleigh quotient to double-double, taken as
-//! exactly what comes out. Eight vectors go through the terms side by side. A spring between two coordinates stretches by a
-//! difference that two words hold exactly; its force w (x_i - x_k) errs by 6 u^2 of itself, a sum of two words by at most
-//! 10 u^2 of its parts' magnitudes (u = 2^-53). So for rows of at most l entries and at most N terms at a coordinate
+//! The x_j are binary64 vectors, taken as exact; theta_j is their Rayleigh quotient to double-double, then also taken
+//! as exact. Eight vectors are processed in parallel. A spring between two coordinates stretches by a difference that
+//! two words hold exactly; its force w (x_i - x_k) has a relative error of at most 6 u^2, a sum of two words an error
+//! of at most 10 u^2 of its parts' magnitudes (u = 2^-53). So for rows of at most l entries and at most N terms at a
+//! coordinate
 //!
 //!   |computed - true| <= B |x| + floor,  B = sum_t beta_t |a_t| |a_t|^T,
 //!   beta_t = (|w_t| (10 (N + l + 3) + 60) u^2 + |w_t| 2 p + radius of w_t) (1 + p)^2,  p = max_k radius of a_tk / |a_tk|,
 //!
 //! entry by entry, which also covers the rounding of weights and factors to two words. With D^2 the diagonal of M,
-//! |x_i^T (error of K x_j)| <= kappa |D x_i| |D x_j|, kappa the largest row sum of D^-1 B D^-1 (a symmetric matrix' norm is at
-//! most that). See docs/method/modes.md#dense-matrices.
+//! |x_i^T (error of K x_j)| <= kappa |D x_i| |D x_j|, where kappa is the largest row sum of D^-1 B D^-1 (an upper bound
+//! of a symmetric matrix' norm). See docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::gram::SLACK;
 use crate::analysis::modes::terms::{Factor, Terms};
@@ -25,7 +26,7 @@ const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
 /// Products lose bits of their low words below 2^-969: some units of 2^-1074.
 const UNDERFLOW: f64 = 1e-320;
 
-/// A form as the kernel reads it.
+/// A form in the layout that the kernels read.
 struct Flat {
     weights: Vec<[f64; 2]>,
     starts: Vec<u32>,
@@ -34,25 +35,25 @@ struct Flat {
     kinds: Vec<Kind>,
 }
 
-/// Rows that need no products.
+/// Rows by whether they need products; most do not.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// One coordinate, factor of one.
+    /// One coordinate with a factor of one.
     Single,
     /// The difference of two coordinates.
     Difference,
     Other,
 }
 
-/// What the application of a form to vectors errs by.
+/// Error bounds of applying a form to vectors.
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
     kappa: f64,
-    /// Norm in D^-1 of what underflow adds.
+    /// Norm in D^-1 of the error from underflow.
     floor: f64,
 }
 
-/// Residuals of the columns of X, and what bounds need.
+/// Residuals of the columns of X, and the quantities that their bounds need.
 pub struct Residuals {
     pub theta: Vec<Dd>,
     pub r: Matrix<f64>,
@@ -74,7 +75,7 @@ pub struct Pencil {
 }
 
 impl Pencil {
-    /// `diagonal` is near M's, positive.
+    /// `diagonal`: positive, and close to that of M.
     pub fn new(stiffness: &Terms, masses: &Terms, diagonal: &[f64]) -> Pencil {
         let scale: Vec<f64> = diagonal.iter().map(|m| m.sqrt()).collect();
         Pencil {
@@ -93,7 +94,7 @@ impl Pencil {
         for first in (0..columns).step_by(LANES) {
             let width = LANES.min(columns - first);
             for lane in 0..LANES {
-                // The last block repeats a column rather than dividing by zero.
+                // The last block repeats a column to avoid dividing by zero.
                 let column = x.column(first + lane.min(width - 1));
                 column.iter().enumerate().for_each(|(i, &x)| block.x[i * LANES + lane] = x);
             }
@@ -120,7 +121,7 @@ impl Pencil {
         };
         let times = |i: usize| self.scale[i];
         let over = |i: usize| 1.0 / self.scale[i];
-        // A product of matrices, and the rounding of its factor to one word.
+        // The errors of a product of matrices and of rounding its factor to one word.
         let rounding = product::error(n) + f64::EPSILON;
         let [of_k, of_m] = self.doubts;
         let size: Vec<f64> = (0..columns).map(|j| norm(x.column(j), &times)).collect();
@@ -137,7 +138,7 @@ impl Pencil {
 }
 
 impl Residuals {
-    /// Those of the columns in this order.
+    /// The residuals with their columns in this order.
     pub fn reordered(self, order: &[usize]) -> Residuals {
         let chosen = |values: &[f64]| order.iter().map(|&j| values[j]).collect();
         Residuals {
@@ -217,7 +218,7 @@ fn factor_doubt(factor: Factor) -> f64 {
     }
 }
 
-/// Eight vectors and their images, a row of eight numbers (of two words: two rows) a coordinate.
+/// Eight vectors and their images; each coordinate has a row of eight numbers (two rows for numbers of two words).
 struct Block {
     x: Vec<f64>,
     k: Vec<f64>,
@@ -326,7 +327,7 @@ fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
     }
 }
 
-// Functions, not closures: what is not inlined into the kernel loses its instructions.
+// Functions, not closures: code that is not inlined into the kernel is compiled without its instruction set.
 
 #[inline(always)]
 fn at<V: Eight>(x: &[f64], i: u32) -> Words<V> {
@@ -340,7 +341,7 @@ fn add<V: Eight>(image: &mut [f64], i: u32, force: Words<V>) {
 }
 
 widest! {
-    /// x . k / x . m in two words, a row each.
+    /// x . k / x . m in two words, one row each.
     fn quotients(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] = quotients_as
 }
 

@@ -1,27 +1,28 @@
 //! A Newton step for all modes at once from their residuals, in binary64: X <- X (1 + W) B.
 //!
-//! To first order K^ and M^ become diagonal for W_ij = -P_ij / (theta_i - theta_j), with P = X^T (K X - M X Theta), whose
-//! entries are known relative to the residuals (compare [`correction`](crate::analysis::modes::correction)). Modes too close
-//! for that are turned among themselves by the eigenvectors B of their own block of the pencil. The block's entries have
-//! digits of their own, far below those of the largest eigenvalue: so what one reduction of the whole matrix could not tell
-//! apart, the next one, of the soft modes alone, can. See docs/method/modes.md#dense-matrices.
+//! To first order K^ and M^ become diagonal for W_ij = -P_ij / (theta_i - theta_j), with P = X^T (K X - M X Theta),
+//! whose entries are known relative to the residuals (compare [`correction`](crate::analysis::modes::correction)).
+//! Modes too close for that are rotated among themselves by the eigenvectors B of their own block of the pencil. The
+//! entries of the block have digits of their own, far below those of the largest eigenvalue: so modes that one
+//! reduction of the whole matrix cannot separate are separated by the next one, of the soft modes alone. See
+//! docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::dense::certificate::Reduced;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::product::{View, add_product, product};
 use crate::analysis::numeric::symmetric;
 
-/// Beyond this a change is not small.
+/// A larger change is not a small correction.
 const SMALL: f64 = 1e-4;
 
-/// The vectors after the step; `None` if numbers ran out of range.
+/// The vectors after the step; `None` if numbers overflowed.
 pub fn improved(x: &Matrix<f64>, pencil: &Reduced) -> Option<Matrix<f64>> {
     let n = x.columns();
     let w = |i: usize, j: usize| -pencil.p[(i, j)] / (pencil.theta[i] - pencil.theta[j]).hi;
     let mut group: Vec<usize> = (0..n).collect();
     for j in 0..n {
         for i in 0..n {
-            // Equal quotients divide by zero.
+            // Equal quotients would divide by zero.
             if i != j && (w(i, j).is_nan() || w(i, j).abs() > SMALL) {
                 join(&mut group, i, j);
             }
@@ -57,7 +58,7 @@ fn join(group: &mut [usize], i: usize, j: usize) {
     group[i.max(j)] = i.min(j);
 }
 
-/// The members' columns by combinations that diagonalise their block of the pencil.
+/// Replaces the members' columns by combinations that diagonalise their block of the pencil.
 fn turn(x: &mut Matrix<f64>, pencil: &Reduced, members: &[usize]) -> Option<()> {
     let size = members.len();
     let origin = pencil.theta[members[0]];
@@ -68,7 +69,7 @@ fn turn(x: &mut Matrix<f64>, pencil: &Reduced, members: &[usize]) -> Option<()> 
     };
     // K^ - theta_0 M^, and (1 + E)^(-1/2) to first order.
     let k = Matrix::from_fn(size, size, |a, b| 0.5 * (block(a, b) + block(b, a)));
-    // The diagonal of E was taken out with the change.
+    // The diagonal of E was removed by the change above.
     let half = Matrix::from_fn(size, size, |a, b| match a == b {
         true => 1.0,
         false => -0.5 * pencil.e[(members[a], members[b])],

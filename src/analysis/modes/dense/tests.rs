@@ -1,4 +1,5 @@
-//! The dense method against the methods of small problems, whose bounds are a million times smaller, and against closed forms.
+//! Compares the dense method with the methods for small problems, whose bounds are a million times smaller, and with
+//! closed forms.
 
 use super::*;
 use crate::analysis::answer::{ModeKind, Modes};
@@ -8,7 +9,7 @@ use crate::analysis::test_systems::{blank, push};
 use crate::base::{Name, Number, Words};
 use crate::system::{CoordinateId, Label, LinearSystem, Nature};
 
-/// Decimal numbers from a linear congruence (Knuth's MMIX).
+/// Decimal digits from a linear congruential generator (Knuth's MMIX).
 struct Digits(u64);
 
 impl Digits {
@@ -17,14 +18,14 @@ impl Digits {
         ((self.0 >> 33) % n as u64) as usize
     }
 
-    /// d.ddd with an exponent out of so many decades about zero.
+    /// d.ddd with a random exponent from this many decades about zero.
     fn decimal(&mut self, decades: usize) -> String {
         let exponent = self.below(decades + 1) as i64 - decades as i64 / 2;
         format!("{}.{:03}e{exponent}", 1 + self.below(9), self.below(1000))
     }
 }
 
-/// Masses on springs to three of those before each, and the first to the ground.
+/// Masses, each on springs to three earlier ones, and the first on a spring to the ground if `held`.
 fn net(n: usize, decades: usize, held: bool) -> LinearSystem {
     let (mut digits, mut system) = (Digits(13 + decades as u64), blank(n));
     if held {
@@ -39,7 +40,8 @@ fn net(n: usize, decades: usize, held: bool) -> LinearSystem {
     system
 }
 
-/// Springs by levers between three coordinates each, and masses that move with two; some springs to the ground negative.
+/// Levers that join three coordinates each by springs, and masses that move with two; some springs to the ground are
+/// negative.
 fn levers(n: usize, decades: usize, negative: bool) -> LinearSystem {
     let (mut digits, mut system) = (Digits(7), blank(n));
     let source = Label { name: Name::plain(Words::new().intern("")), motion: "" };
@@ -67,13 +69,14 @@ fn all(system: &LinearSystem, tolerance: f64) -> Modes {
     modes_as(system, &Request { tolerance, ..Request::default() }).expect("modes")
 }
 
-/// Largest relative bound of the modes that are not rigid.
+/// Largest relative bound of the elastic modes.
 fn worst(modes: &Modes) -> f64 {
     let elastic = modes.list.iter().filter(|mode| mode.kind != ModeKind::Rigid);
     elastic.map(|mode| mode.omega_squared.rad / mode.omega_squared.mid.abs().to_f64()).fold(0.0, f64::max)
 }
 
-/// The dense method's enclosures hold the values of the small problems' method. The median of bound over error.
+/// Checks that the dense method's enclosures contain the values of the method for small problems. Returns the median of
+/// bound over error.
 fn compare(system: &LinearSystem, reached: f64) -> f64 {
     let (dense, small) = (all(system, 1e-12), all(system, 1e-30));
     assert_eq!(dense.list.len(), small.list.len());
@@ -92,8 +95,8 @@ fn compare(system: &LinearSystem, reached: f64) -> f64 {
 
 #[test]
 fn networks_have_the_frequencies_of_the_road_for_small_ones() {
-    // The bound of a sum's rounding is a few hundred times what roundings make of each other on average. After a step, which the
-    // third case takes, it is all that is left of the bounds, and the errors are far below.
+    // The rounding bound of a sum is a few hundred times the rounding error on average. After a step, which the third
+    // case takes, only that bound is left, and the errors are far below it.
     let cases = [(0, true, 1e-23, 1e3), (8, true, 1e-18, 1e3), (16, true, 1e-12, 1e7), (6, false, 1e-20, 1e3)];
     for (decades, held, reached, most) in cases {
         let ratio = compare(&net(64, decades, held), reached);
@@ -108,7 +111,7 @@ fn levers_coupled_masses_and_negative_springs_too() {
     }
 }
 
-/// Equal masses on equal springs to the ground and to each other: k_g/m once, (k_g + n k)/m otherwise.
+/// Equal masses on equal springs to the ground and to each other: the eigenvalue k_g/m once, (k_g + n k)/m otherwise.
 #[test]
 fn repeated_frequencies_are_certified_as_a_group() {
     let n = 64;
@@ -127,7 +130,7 @@ fn repeated_frequencies_are_certified_as_a_group() {
     }
 }
 
-/// Two equal nets that are joined by springs a trillion times softer: each frequency twice, but not quite.
+/// Two equal nets joined by springs a trillion times softer: each frequency occurs twice, with a tiny difference.
 #[test]
 fn close_frequencies_are_told_apart() {
     let (half, mut digits, mut system) = (32, Digits(5), blank(64));
@@ -145,7 +148,7 @@ fn close_frequencies_are_told_apart() {
     assert!(all(&system, 1e-12).list.iter().all(|mode| mode.cluster.is_none()));
 }
 
-/// A chain against the method for trees, whose bounds come of another argument.
+/// Compares a chain with the method for trees, whose bounds have an independent proof.
 #[test]
 fn a_chain_has_the_frequencies_of_the_road_for_trees() {
     let mut system = blank(101);
@@ -163,7 +166,7 @@ fn a_chain_has_the_frequencies_of_the_road_for_trees() {
     }
 }
 
-/// Vectors that are wrong in the third digit still have bounds, and these hold.
+/// Vectors that are wrong in the third digit still get bounds that hold.
 #[test]
 fn bounds_hold_for_poor_vectors() {
     let n = 40;
@@ -182,7 +185,7 @@ fn bounds_hold_for_poor_vectors() {
             let error = (poor.pencil.theta[i] - good.pencil.theta[i]).abs().to_f64();
             assert!(error <= radius + good.radii[i], "{size}: {error:e} {radius:e}");
         }
-        // A step brings them back.
+        // One Newton step recovers the accuracy.
         let next = Candidate::of(&pencil, step::improved(&poor.x, &poor.pencil).expect("finite"));
         assert!(next.worst(0) < 1e-4 * poor.worst(0).min(1.0));
     }

@@ -1,10 +1,10 @@
-//! Vectors of frequencies that lie close together. In: approximate vectors whose span is right; out: the same span, in which
-//! each is the vector of its own frequency.
+//! Vectors of frequencies that lie close together. In: approximate vectors that span the right space. Out: the same
+//! span, with a separate vector for each frequency.
 //!
-//! What a vector has of another mode is its residual over the distance of the two eigenvalues. Where they agree to ten
-//! digits and more, vectors of working precision are any mixture; but their span is as good as ever, and in it K and M are
-//! small matrices (Rayleigh and Ritz), formed from the terms in double-double and turned by Jacobi's method after what the
-//! eigenvalues have in common is taken off. See docs/method/modes.md#sparse-parts.
+//! A vector's component along another mode is its residual over the distance of the two eigenvalues. If these agree to
+//! ten digits or more, vectors of working precision are arbitrary mixtures; but their span is still accurate, and in it
+//! K and M are small matrices (Rayleigh-Ritz), formed from the terms in double-double and diagonalised by Jacobi's
+//! method after the eigenvalues' common part is subtracted. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::modes::mass;
@@ -17,10 +17,10 @@ use std::ops::Range;
 
 /// Eigenvalues nearer than this part of themselves are close.
 pub const CLOSE: f64 = 1e-6;
-/// More of them together are a repeated frequency: any basis of its span is one of modes.
+/// If more than this lie together, they count as a repeated frequency: any basis of its span consists of modes.
 const MOST: usize = 40;
 
-/// Runs of two and more close neighbours, in a list of eigenvalues that ascends.
+/// Runs of two or more close neighbours in an ascending list of eigenvalues.
 pub fn runs(lambda: &[f64]) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
@@ -36,7 +36,7 @@ pub fn runs(lambda: &[f64]) -> Vec<Range<usize>> {
     runs
 }
 
-/// The vectors of the single modes in the span of these; `None` where they do not span it to working accuracy.
+/// The vectors of the single modes in the span of `x`; `None` if `x` does not span it to working accuracy.
 pub fn separated(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec<Vec<Dd>>> {
     let n = x.first()?.len();
     let columns = Matrix::from_fn(n, x.len(), |i, j| Triple::from(x[j][i]));
@@ -76,8 +76,8 @@ mod tests {
     use super::*;
     use crate::analysis::test_systems::{blank, push};
 
-    /// Two oscillators apart by 1e-14 and joined by 1e-14, K = [1 + 1e-14, -1e-14; -1e-14, 1 + 2e-14]: the modes are those of
-    /// [1, -1; -1, 2], x2 / x1 = (sqrt 5 - 1) / 2 and -(sqrt 5 + 1) / 2, from any mixture of the two.
+    /// Two oscillators that differ by 1e-14 and are coupled by 1e-14, K = [1 + 1e-14, -1e-14; -1e-14, 1 + 2e-14]: from
+    /// any mixture of the two, the modes are those of [1, -1; -1, 2], x2 / x1 = (sqrt 5 - 1) / 2 and -(sqrt 5 + 1) / 2.
     #[test]
     fn a_mixture_is_taken_apart() {
         let mut system = blank(2);

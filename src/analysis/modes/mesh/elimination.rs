@@ -1,28 +1,28 @@
-//! Elimination of a network K - s M, node by node, in binary64: for solutions, and for counts that hold.
+//! Elimination of a network K - s M, node by node, in binary64: for solutions, and for certified counts.
 //!
-//! Eliminating node p with d_p = v_p + sum_j c_pj is c_ij += c_pi c_pj / d_p, v_i += c_pi v_p / d_p: nothing is subtracted
-//! where couplings and grounds are positive, whatever their sizes. The negative grounds (the shift's s m_i) are carried beside
-//! the positive ones and meet them in d_p alone.
+//! Eliminating node p with d_p = v_p + sum_j c_pj is c_ij += c_pi c_pj / d_p, v_i += c_pi v_p / d_p: nothing is
+//! subtracted if couplings and grounds are positive, whatever their sizes. The negative grounds (the shift's s m_i) are
+//! carried separately from the positive ones and are combined with them only in d_p.
 //!
-//! A count that holds: forms are ordered, and lowering a coupling or a ground of what is left lowers the form that was given
-//! by as much, for adding a form on the nodes that are left commutes with eliminating the others. So if every rounding goes
-//! down, the factors are exactly those of a form A' <= A, and A has at most as many negative eigenvalues as there are negative
-//! pivots (Courant and Fischer; Sylvester): so many of the omega^2 are below s at the most. Rounded up, at the least. The pivot
-//! rounds down like the others because some factors 1 - t of the positive and 1 + t of the negative numbers of its star,
-//! t of a few roundings, give exactly the pivot used. No bound of any growth is needed: where roundings matter, the count
-//! comes out too high (too low), and proves nothing.
+//! A certified count: forms are partially ordered, and lowering a coupling or a ground of the remaining form lowers the
+//! original form by as much, because adding a form on the remaining nodes commutes with eliminating the others. So if
+//! every rounding goes down, the factors are exactly those of a form A' <= A, and A has at most as many negative
+//! eigenvalues as there are negative pivots (Courant and Fischer; Sylvester): at most that many omega^2 are below s.
+//! Rounding up gives at least that many. The pivot is rounded down like the rest because some factors 1 - t of the
+//! positive and 1 + t of the negative numbers of its star, with t of a few roundings, give exactly the pivot used. No
+//! bound of growth is needed: if roundings matter, the count comes out too high (too low), and proves nothing.
 //!
-//! The order is that of approximate minimum degree. See docs/method/modes.md#sparse-parts.
+//! The elimination order is approximate minimum degree. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
 use crate::analysis::modes::mesh::postponed::{Postponed, pivot};
 use crate::system::order::least_fill;
 use std::ops::Range;
 
-/// The order of elimination and the pattern of what it fills.
+/// The order of elimination and the pattern of its fill.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    /// Place of each node in the order.
+    /// Position of each node in the order.
     place: Vec<u32>,
     starts: Vec<usize>,
     rows: Vec<u32>,
@@ -30,14 +30,14 @@ pub struct Pattern {
     given: Vec<Given>,
 }
 
-/// The pairs of a network by their earlier node.
+/// The pairs of a network, grouped by their earlier node.
 #[derive(Clone, Debug)]
 struct Given {
     starts: Vec<usize>,
     entries: Vec<(u32, u32)>,
 }
 
-/// Which way roundings go.
+/// The direction of rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rounding {
     Nearest,
@@ -55,14 +55,14 @@ pub struct Factors<'a> {
     pivots: Vec<f64>,
 }
 
-/// Pivots below this part of their star's positive numbers are put off.
+/// A pivot below this part of the positive numbers of its star is postponed.
 const CANCELS: f64 = 0.5;
-/// More entries than this are too many to hold.
+/// More entries than this do not fit into memory.
 const MOST_ENTRIES: usize = 60_000_000;
 const NONE: u32 = u32::MAX;
 
 impl Pattern {
-    /// For K, M and whatever else is added to them; `None` where elimination fills too much.
+    /// The pattern for K, M and any other added networks; `None` if elimination fills in too much.
     pub fn of(networks: &[&Network]) -> Option<Pattern> {
         let n = networks.first()?.n();
         let place = least_fill(n, networks.iter().flat_map(|network| network.pairs.iter().copied()))?;
@@ -70,7 +70,7 @@ impl Pattern {
         let mut starts = vec![0];
         let mut rows: Vec<u32> = Vec::new();
         let mut mark = vec![NONE; n];
-        // Columns whose first row is this one.
+        // Linked lists of the columns whose first row is a given one.
         let (mut first_child, mut next_child) = (vec![NONE; n], vec![NONE; n]);
         for column in 0..n {
             let start = rows.len();
@@ -104,23 +104,23 @@ impl Pattern {
         Some(Pattern { place, starts, rows, given })
     }
 
-    /// The place of each node in the order of elimination.
+    /// The position of each node in the order of elimination.
     pub fn place(&self) -> &[u32] {
         &self.place
     }
 
-    /// How many entries all columns have below their pivots.
+    /// The number of entries below the pivots, over all columns.
     pub fn entries(&self) -> usize {
         self.rows.len()
     }
 
-    /// Where the entries of a column are.
+    /// The range of a column's entries.
     #[inline]
     pub fn range(&self, column: usize) -> Range<usize> {
         self.starts[column]..self.starts[column + 1]
     }
 
-    /// The rows of entries.
+    /// The rows of the entries in this range.
     #[inline]
     pub fn rows(&self, range: Range<usize>) -> &[u32] {
         &self.rows[range]
@@ -132,14 +132,15 @@ impl Pattern {
         self.given[which].column(column)
     }
 
-    /// The factors of K - s M; `None` where it is not positive definite, to working precision.
+    /// The factors of K - s M; `None` if it is not positive definite to working precision.
     pub fn factor(&self, k: &Network, m: &Network, s: f64) -> Option<Factors<'_>> {
         let (pivots, couplings, postponed) = Elimination::new(self, Rounding::Nearest, 0.0).run(k, m, s)?;
         let positive = postponed.is_empty() && pivots.iter().all(|&pivot| pivot > 0.0);
         positive.then_some(Factors { pattern: self, couplings, pivots })
     }
 
-    /// How many negative eigenvalues K - s M has: at the most (rounding down), at the least (up) or about.
+    /// The number of negative eigenvalues of K - s M: an upper bound (rounding down), a lower bound (up) or an
+    /// estimate.
     pub fn count(&self, k: &Network, m: &Network, s: f64, rounding: Rounding) -> Option<usize> {
         let (pivots, _, postponed) = Elimination::new(self, rounding, CANCELS).run(k, m, s)?;
         let negative = pivots.iter().filter(|&&pivot| pivot < 0.0).count();
@@ -169,27 +170,27 @@ impl Given {
     }
 }
 
-/// What is known of the nodes on the way.
+/// The state of an elimination.
 struct Elimination<'a> {
     pattern: &'a Pattern,
-    /// -1, 0 or 1: where roundings go.
+    /// -1, 0 or 1: the direction of rounding.
     side: f64,
     couplings: Vec<f64>,
     pivots: Vec<f64>,
-    /// Positive and negative grounds, by place.
+    /// Positive and negative grounds, by position.
     grounds: [Vec<f64>; 2],
-    /// Some coupling or the pivot of the column is negative.
+    /// Whether some coupling or the pivot of the column is negative.
     signed: Vec<bool>,
-    /// Couplings of the column at hand by row: the sum, and twice what is negative in it.
+    /// Couplings of the current column by row: the sum, and twice its negative part.
     sum: Vec<f64>,
     twice_negative: Vec<f64>,
-    /// For each column the entry that is due next, and the columns due at a row as lists.
+    /// For each column the entry that is needed next, and lists of the columns needed at a row.
     due: Vec<usize>,
     first: Vec<u32>,
     next: Vec<u32>,
-    /// Relative error of what a column hands on, the largest so far.
+    /// Largest relative error so far of the numbers that a column passes on.
     carried: f64,
-    /// Pivots below this part of their star are put off.
+    /// Pivots below this part of their star are postponed.
     cancels: f64,
     postponed: Postponed,
 }
@@ -220,7 +221,7 @@ impl<'a> Elimination<'a> {
         }
     }
 
-    /// Pivots, couplings by columns, and what was put off: its pivots are one.
+    /// Pivots, couplings by columns, and the postponed nodes, whose pivots are set to one.
     fn run(mut self, k: &Network, m: &Network, s: f64) -> Option<(Vec<f64>, Vec<f64>, Postponed)> {
         self.set_grounds(k, m, s);
         for column in 0..self.pivots.len() {
@@ -233,10 +234,10 @@ impl<'a> Elimination<'a> {
         Some((self.pivots, self.couplings, self.postponed))
     }
 
-    /// v = positive - negative - s (row sum of M), each side rounded the way it has to go.
+    /// v = positive - negative - s (row sum of M), each side rounded in its safe direction.
     fn set_grounds(&mut self, k: &Network, m: &Network, s: f64) {
         let size = s.abs();
-        // With a negative shift M's grounds change sides.
+        // A negative shift swaps the signs of M's grounds.
         let (adds, takes) = if s < 0.0 { (&m.positive, &m.negative) } else { (&m.negative, &m.positive) };
         for (node, &place) in self.pattern.place.iter().enumerate() {
             let both = |k: Near, m: Near| {
@@ -247,7 +248,7 @@ impl<'a> Elimination<'a> {
             let (mut negative, negative_error) = both(k.negative[node], takes[node]);
             positive += self.side * error;
             negative -= self.side * negative_error;
-            // What is moved past zero is of the other kind.
+            // A number that rounding moves past zero changes its sign class.
             if positive < 0.0 {
                 (positive, negative) = (0.0, (negative - positive) * UP);
             }
@@ -283,7 +284,7 @@ impl<'a> Elimination<'a> {
         }
     }
 
-    /// Adds what the columns due at this row hand on; returns how many those are.
+    /// Adds the contributions of the columns needed at this row; returns their number.
     fn gather(&mut self, column: usize) -> usize {
         let pattern = self.pattern;
         let mut count = 0;
@@ -318,7 +319,7 @@ impl<'a> Elimination<'a> {
         count
     }
 
-    /// Puts the column into the list of the row that is due next.
+    /// Adds the column to the list of the row that needs it next.
     fn link(&mut self, column: u32) {
         let j = column as usize;
         if self.due[j] < self.pattern.starts[j + 1] {
@@ -327,11 +328,12 @@ impl<'a> Elimination<'a> {
         }
     }
 
-    /// The column's couplings and its pivot, all rounded one way; false if it is put off.
+    /// Computes the column's couplings and its pivot, all rounded in one direction; `false` if the column is postponed.
     fn finish(&mut self, column: usize, count: usize) -> Option<bool> {
         let pattern = self.pattern;
         let (start, end) = (pattern.starts[column], pattern.starts[column + 1]);
-        // Each number is a sum of so many, each of which has what its column hands on and three roundings.
+        // Each number is a sum of `count` contributions, each with the error that its column passes on and three
+        // roundings.
         let error = ((count + 4) as f64 * U + self.carried + 4.0 * U) * UP;
         let (mut adds, mut takes, mut signed) = (0.0, 0.0, false);
         for at in start..end {
@@ -364,7 +366,7 @@ impl<'a> Elimination<'a> {
         }
         self.signed[column] = signed || pivot < 0.0;
         self.pivots[column] = pivot;
-        // Two couplings scaled by up to 1 + 3 own each, over the pivot.
+        // Two couplings scaled by up to 1 + 3 own each, divided by the pivot.
         let handed_on = if self.side == 0.0 { 0.0 } else { 8.0 * own };
         self.carried = self.carried.max(handed_on);
         if others > 0 {
@@ -375,7 +377,7 @@ impl<'a> Elimination<'a> {
 }
 
 impl Factors<'_> {
-    /// x = (K - s M)^-1 b for several b at once, in place; `room` is as long as a column.
+    /// x = (K - s M)^-1 b for several b at once, in place; `room` is scratch space as long as a column.
     pub fn solve(&self, columns: &mut [Vec<f64>], room: &mut Vec<f64>) {
         let (n, width) = (self.pivots.len(), columns.len());
         room.clear();
@@ -398,7 +400,7 @@ impl Factors<'_> {
         }
     }
 
-    /// W columns side by side.
+    /// Substitution for W columns in parallel.
     fn substitute<const W: usize>(&self, room: &mut [f64]) {
         let (x, _) = room.as_chunks_mut::<W>();
         let (starts, rows) = (&self.pattern.starts, &self.pattern.rows);

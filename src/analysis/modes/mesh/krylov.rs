@@ -1,21 +1,22 @@
-//! Modes near a shift: Lanczos' method in blocks on (K - sigma M)^-1 M, orthogonalised completely.
+//! Modes near a shift: the block Lanczos method on (K - sigma M)^-1 M with full orthogonalisation.
 //!
 //! In: the factors of K - sigma M and M. Out: approximate modes, nearest first in 1/(lambda - sigma). Start vectors are
-//! scrambled, so that no symmetry hides a mode; a block finds repeated frequencies, and where more of them repeat than a block
-//! is wide, new scrambled vectors are added. Whether any is missed is not decided here but by counts ([`super::elimination`]).
-//! (Ericsson and Ruhe, Math. Comp. 35 (1980) 1251; Golub and Underwood 1977.) See docs/method/modes.md#sparse-parts.
+//! pseudo-random, so that no symmetry hides a mode; a block finds repeated frequencies, and if more of them repeat than
+//! a block is wide, new pseudo-random vectors are added. Whether any mode is missed is decided not here but by counts
+//! ([`super::elimination`]). (Ericsson and Ruhe, Math. Comp. 35 (1980) 1251; Golub and Underwood 1977.) See
+//! docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::elimination::Factors;
 use crate::analysis::modes::mesh::network::Network;
 use crate::analysis::numeric::dense::Real;
 use nalgebra::DMatrix;
 
-/// Vectors that are multiplied at once.
+/// Number of vectors that are multiplied at once.
 pub const BLOCK: usize = 2;
-/// A part of a vector that is rounding.
+/// A part of a vector below this is rounding error.
 const NOTHING: f64 = 1e-10;
 
-/// A basis that is orthonormal in M, and the operator in it.
+/// A basis that is orthonormal in M, and the operator projected onto it.
 pub struct Krylov<'a> {
     factors: &'a Factors<'a>,
     m: &'a Network,
@@ -23,9 +24,9 @@ pub struct Krylov<'a> {
     /// q and M q.
     basis: Vec<Vec<f64>>,
     images: Vec<Vec<f64>>,
-    /// For each vector that was multiplied, q_i^T M A q_j for all i up to what came of it.
+    /// For each vector that was multiplied, q_i^T M A q_j for all i up to the last vector that resulted from it.
     projected: Vec<Vec<f64>>,
-    /// Vectors that were multiplied.
+    /// Number of vectors that were multiplied.
     done: usize,
     seed: u64,
     room: Vec<f64>,
@@ -41,14 +42,14 @@ pub struct Ritz {
 
 #[cfg(test)]
 impl Ritz {
-    /// A value that has converged.
+    /// A converged value.
     pub fn of_value(lambda: f64) -> Ritz {
         Ritz { lambda, residual: 0.0, coordinates: Vec::new() }
     }
 }
 
 impl<'a> Krylov<'a> {
-    /// A basis that starts with `known` vectors, whose eigenvalue is zero.
+    /// A basis that starts with the `known` vectors, whose eigenvalue is zero.
     pub fn new(factors: &'a Factors<'a>, m: &'a Network, sigma: f64, known: &[Vec<f64>]) -> Option<Krylov<'a>> {
         let mut krylov = Krylov {
             factors,
@@ -76,7 +77,7 @@ impl<'a> Krylov<'a> {
         self.basis.len()
     }
 
-    /// Adds a block of scrambled vectors, smoothed once.
+    /// Adds a block of pseudo-random vectors, smoothed once.
     pub fn add_scrambled(&mut self) {
         let n = self.m.n();
         let mut block: Vec<Vec<f64>> = Vec::new();
@@ -90,7 +91,7 @@ impl<'a> Krylov<'a> {
         self.push(block);
     }
 
-    /// A number between -1 and 1 (the generator of Steele, Lea and Flood, OOPSLA 2014).
+    /// A pseudo-random number between -1 and 1 (the generator of Steele, Lea and Flood, OOPSLA 2014).
     fn scrambled(&mut self) -> f64 {
         self.seed = self.seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.seed;
@@ -113,8 +114,8 @@ impl<'a> Krylov<'a> {
         self.projected.extend(columns);
     }
 
-    /// Orthogonalises a block against the basis, twice, and appends what is left of each; returns the coordinates of each in
-    /// the basis as it is then.
+    /// Orthogonalises a block against the basis, twice, and appends the remainders; returns the coordinates of each
+    /// vector in the enlarged basis.
     fn push(&mut self, mut block: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let mut coordinates = vec![vec![0.0; self.basis.len()]; block.len()];
         let sizes: Vec<f64> = block.iter().map(|x| self.length(x)).collect();
@@ -157,7 +158,7 @@ impl<'a> Krylov<'a> {
         f64::dot(x, &image).max(0.0).sqrt()
     }
 
-    /// The modes in the basis, those farthest from zero in nu = 1/(lambda - sigma) first.
+    /// The modes in the basis, in descending order of |nu|, nu = 1/(lambda - sigma).
     pub fn ritz(&self) -> Vec<Ritz> {
         let m = self.done;
         let entry = |i: usize, j: usize| self.projected[j].get(i).copied().unwrap_or(0.0);
@@ -168,7 +169,7 @@ impl<'a> Krylov<'a> {
         order.sort_by(|&a, &b| nu(b).abs().total_cmp(&nu(a).abs()).then(a.cmp(&b)));
         let ritz = |&i: &usize| {
             let coordinates: Vec<f64> = eigen.eigenvectors.column(i).iter().copied().collect();
-            // What leaves the space of the vectors that were multiplied.
+            // The component outside the space of the vectors that were multiplied.
             let outside = (m..self.basis.len()).map(|row| {
                 let sum: f64 = (0..m).map(|j| entry(row, j) * coordinates[j]).sum();
                 sum * sum

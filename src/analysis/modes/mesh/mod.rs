@@ -1,9 +1,10 @@
-//! Some modes of a large part of any shape: meshes, levers, bodies whose inertia couples a few coordinates.
+//! Some modes of a large part of any structure: meshes, levers, bodies whose inertia couples a few coordinates.
 //!
-//! 1. The terms as a network ([`network`]), eliminated in an order of little fill ([`elimination`]).
+//! 1. The terms become a network ([`network`]), eliminated in an order with little fill ([`elimination`]).
 //! 2. Approximate modes about a shift ([`krylov`]).
-//! 3. A gap above the last mode wanted, and a count below it that holds: as many modes as were found, so none is missed.
-//! 4. Each vector is corrected once, x <- x - (K - sigma M)^-1 (K x - theta M x), where its residual asks for it; the sum of
+//! 3. A gap above the last wanted mode, and a certified count below it: it equals the number of modes found, so none is
+//!    missed.
+//! 4. Each vector whose residual requires it is corrected once, x <- x - (K - sigma M)^-1 (K x - theta M x); the sum of
 //!    the two binary64 vectors is kept ([`residual`]).
 //! 5. Bounds. With X the k vectors found, their span's complement in M keeps eigenvalues above the gap: at its upper end s,
 //!    K - s M has at most k negative eigenvalues and s M^ - K^ >= g > 0 on X, so by Sylvester's law the complement W has
@@ -36,14 +37,14 @@ use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
 use std::ops::Range;
 
-/// Bases of more vectors than this are not tried.
+/// Larger bases are not tried.
 const MOST_VECTORS: usize = 400;
-/// A residual of the operator that will not shrink much any more.
+/// A residual of the operator that will hardly shrink any further.
 const CONVERGED: f64 = 1e-11;
-/// A vector of the basis for each this many numbers of all of them at the most.
+/// The most numbers in all vectors of the basis together.
 const MOST_NUMBERS: usize = 200_000_000;
 
-/// The eigenpairs asked for; `None` where this method does not lead to them.
+/// The requested eigenpairs; `None` if this method does not find them.
 pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     if !(stiffness.is_finite() && masses.is_finite()) {
         return None;
@@ -60,18 +61,18 @@ struct Mesh<'a> {
     pattern: Pattern,
     /// M >= diag(scale).
     scale: Vec<f64>,
-    /// Motions that stretch nothing: exactly.
+    /// Rigid motions, exact.
     rigid: Vec<Vec<f64>>,
 }
 
-/// Vectors with the cut above them.
+/// Vectors with the cut above them: a shift in a gap of the spectrum.
 struct Cut {
     ritz: Vec<Ritz>,
-    /// At most as many eigenvalues as there are vectors lie below.
+    /// At most as many eigenvalues as there are vectors lie below this.
     above: f64,
 }
 
-/// What a cut still needs.
+/// Why there is no cut yet.
 enum Lack {
     Steps,
     Modes,
@@ -85,7 +86,8 @@ impl<'a> Mesh<'a> {
         }
         let pattern = Pattern::of(&[&k, &m])?;
         let scale = least_inertia(&m)?;
-        // What is no spring between two coordinates holds something; one part without such floats as a whole.
+        // Any term other than a spring between two coordinates has a ground; without such terms the part floats as a
+        // whole.
         let floats = (0..n).all(|i| k.positive[i].value == 0.0 && k.negative[i].value == 0.0)
             && (0..n).all(|i| k.positive[i].error == 0.0)
             && stiffness.all_positive();
@@ -124,7 +126,7 @@ impl<'a> Mesh<'a> {
         if self.rigid.is_empty() && below(0.0) {
             return Some(0.0);
         }
-        // Far below, then nearer until something is below.
+        // Start far below, then come nearer until some eigenvalue is below.
         let size = |i: usize| self.k.diagonal[i].abs() / self.m.diagonal[i];
         let largest = (0..self.k.n()).map(size).fold(0.0, f64::max);
         let mut shift = -4.0 * largest;
@@ -141,7 +143,7 @@ impl<'a> Mesh<'a> {
         Some(shift)
     }
 
-    /// For a part that floats: as far below zero as the first frequency lies above, about.
+    /// A shift for a part that floats: about as far below zero as the first frequency lies above.
     fn shift_of_free(&self, largest: f64) -> Option<f64> {
         let count = |s: f64| self.pattern.count(&self.k, &self.m, s, Rounding::Nearest);
         let (mut high, mut low) = (largest, 0.0);
@@ -156,7 +158,7 @@ impl<'a> Mesh<'a> {
         (low > 0.0).then_some(-low)
     }
 
-    /// Modes until the wanted ones and a gap above them are there, and a count that says that they are all.
+    /// Finds modes until the wanted ones and a gap above them have converged, and a count proves that none is missing.
     fn cut(&self, krylov: &mut Krylov, wanted: usize, most: usize) -> Option<Cut> {
         let mut next = (2 * wanted + 10).min(self.k.n());
         loop {
@@ -177,14 +179,14 @@ impl<'a> Mesh<'a> {
                 Ok(cut) => return Some(cut),
                 Err(_) if next >= most || next >= self.k.n() => return None,
                 Err(Lack::Steps) => {}
-                // A frequency that repeats more often than a block is wide.
+                // Some frequency repeats more often than a block is wide.
                 Err(Lack::Modes) => krylov.add_scrambled(),
             }
             next += (next / 4).max(8);
         }
     }
 
-    /// A gap above the wanted modes, if those below it have converged and are all that there are.
+    /// A gap above the wanted modes, if those below it have converged and the count shows that there are no others.
     fn cut_of(&self, mut ritz: Vec<Ritz>, wanted: usize) -> Result<Cut, Lack> {
         let converged = ritz.iter().take_while(|ritz| ritz.residual <= CONVERGED).count();
         let whole = converged == self.k.n();
@@ -195,16 +197,16 @@ impl<'a> Mesh<'a> {
             let above = ritz.last().map_or(0.0, |last| last.lambda.abs() * 4.0);
             return Ok(Cut { ritz, above });
         }
-        // The widest gap, relatively, among the next few; a narrow one costs digits of the bounds alone.
+        // The relatively widest gap among the next few; a narrow one only costs digits of the bounds.
         let gap = |i: usize| (ritz[i].lambda - ritz[i - 1].lambda) / ritz[i].lambda.abs();
         let last = (wanted + LOOK_AHEAD).min(converged - 1);
         let best = (wanted..=last).fold(wanted, |best, i| if gap(i) > 1.5 * gap(best) { i } else { best });
         let (below, above) = (ritz[best - 1].lambda, ritz[best].lambda);
-        // Of modes that are close together all are needed to tell the shape of any.
+        // The shape of one of several close modes can be determined only if all of them are there.
         if above - below <= close::CLOSE * above.abs() && converged < wanted + FAR_AHEAD {
             return Err(Lack::Steps);
         }
-        // Nearer to the upper end, as far as the count's roundings allow.
+        // Nearer to the upper end, as far as the rounding of the count allows.
         for part in [0.9, 0.5] {
             let s = below + part * (above - below);
             if self.pattern.count(&self.k, &self.m, s, Rounding::Down).is_some_and(|count| count <= best) {
@@ -215,7 +217,7 @@ impl<'a> Mesh<'a> {
         Err(Lack::Modes)
     }
 
-    /// The modes of the cut, corrected where their residuals ask for it, with their bounds.
+    /// The modes of the cut with their bounds, corrected if their residuals require it.
     fn certified(&self, factors: &Factors, cut: &Cut, vectors: Vec<Vec<f64>>, tolerance: f64) -> Option<Vec<Pair>> {
         let (k, m) = (Multiplier::of(self.stiffness, self.k.n()), Multiplier::of(self.masses, self.k.n()));
         let lambda: Vec<f64> = cut.ritz.iter().map(|ritz| ritz.lambda).collect();
@@ -237,7 +239,7 @@ impl<'a> Mesh<'a> {
             let mut enough = (0.1 * tolerance * (cut.above - ritz.lambda).abs() * ritz.lambda.abs()).sqrt();
             let mut corrections = MAX_CORRECTIONS;
             if runs.iter().any(|run| run.contains(&index)) {
-                // What is left of modes outside the run mixes those within.
+                // Components of modes outside the run would mix the vectors within it.
                 (enough, corrections) = (0.0, MAX_CORRECTIONS_OF_CLOSE);
             }
             for _ in 0..corrections {
@@ -296,13 +298,14 @@ impl<'a> Mesh<'a> {
                 return Pair { value: Eigenvalue::Zero, x, route: Route::Exact };
             }
             let radius = if holds(e) { e.radius } else { f64::INFINITY };
-            // No exact argument says that K is positive definite: what may be zero is reported as such.
+            // There is no exact argument that K is positive definite: an eigenvalue that may be zero is reported as
+            // such.
             Pair { value: Eigenvalue::Near { value: e.lambda, radius, positive: false }, x, route: Route::Sparse }
         };
         Some(list.iter().map(pair).collect())
     }
 
-    /// A bound from below of the eigenvalues in the complement of the vectors.
+    /// A lower bound of the eigenvalues in the complement of the vectors.
     fn complement(&self, s: f64, k: &Gram, m: &Gram, norms: &[f64]) -> f64 {
         let count = norms.len();
         let size = s.abs() * UP;
@@ -333,14 +336,14 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// Gaps are looked for so many modes beyond those wanted.
+/// A gap is looked for among this many modes beyond the wanted ones.
 const LOOK_AHEAD: usize = 4;
-/// So many more are found before a cut between two that are close is taken.
+/// This many more modes are computed before a cut between two close ones is accepted.
 const FAR_AHEAD: usize = 40;
 const MAX_CORRECTIONS: usize = 3;
 const MAX_CORRECTIONS_OF_CLOSE: usize = 8;
 
-/// d with M >= diag(d): M itself, or a part of its diagonal that a count confirms.
+/// d with M >= diag(d): M itself if it is diagonal, otherwise a part of its diagonal that a count confirms.
 pub(in crate::analysis) fn least_inertia(m: &Network) -> Option<Vec<f64>> {
     if m.is_diagonal() {
         let exact = |i: usize| m.positive[i].value - m.positive[i].error - m.negative[i].value - m.negative[i].error;
@@ -362,7 +365,7 @@ mod tests {
     use crate::base::Number;
     use crate::system::{CoordinateId, LinearSystem, Nature};
 
-    /// A square of springs; stiffnesses with decimal mantissas over so many decades.
+    /// A square grid of springs; stiffnesses have decimal mantissas over this many decades.
     fn net(side: usize, decades: i32, held: bool) -> LinearSystem {
         let mut system = blank(side * side);
         let mut seed = 3u64;
@@ -415,8 +418,8 @@ mod tests {
         }
     }
 
-    /// On either side of each frequency, over twelve decades of stiffness: the count that rounds down is never too small, the
-    /// one that rounds up never too large, and both are right.
+    /// On either side of each frequency, over twelve decades of stiffness: the count rounded down is never too small,
+    /// the one rounded up is never too large, and both are right.
     #[test]
     fn counts_hold_from_both_sides() {
         let system = net(9, 12, true);
@@ -433,8 +436,8 @@ mod tests {
         }
     }
 
-    /// So close to an eigenvalue that rounding decides: 0.3 x^2 - s 0.1 x^2 is zero at s = 3 exactly, which no binary number
-    /// of 0.3 and 0.1 knows.
+    /// So close to an eigenvalue that rounding decides: 0.3 x^2 - s 0.1 x^2 is zero at s = 3 exactly, but not for the
+    /// binary numbers nearest to 0.3 and 0.1.
     #[test]
     fn counts_hold_within_the_last_bits_too() {
         for (k, m, lambda) in [("0.3", "0.1", 3.0), ("0.7", "0.1", 7.0), ("2.1", "0.3", 7.0), ("1.1", "0.1", 11.0)] {
@@ -442,7 +445,7 @@ mod tests {
             push(&mut system.m, m, 0, None);
             push(&mut system.m, m, 1, None);
             push(&mut system.k, k, 0, None);
-            // A second body that hardly feels the first, so that there is a pair to eliminate.
+            // A second body that is hardly coupled to the first, so that there is a pair to eliminate.
             push(&mut system.k, "1e9", 1, None);
             push(&mut system.k, "1e-40", 0, Some(1));
             let of = |form| Network::of(&Terms::of(form), 2).expect("sparse");
@@ -451,7 +454,7 @@ mod tests {
             let mut s = lambda;
             (0..40).for_each(|_| s = f64::next_down(s));
             for step in -40..=40 {
-                // The spring of 1e-40 moves the eigenvalue far less than a last bit.
+                // The spring of 1e-40 moves the eigenvalue by far less than a last bit.
                 let truth = usize::from(step > 0);
                 let count = |rounding| pattern.count(&k, &m, s, rounding).expect("in range");
                 assert!(count(Rounding::Down) >= truth, "{lambda}: {step}");
@@ -461,7 +464,7 @@ mod tests {
         }
     }
 
-    /// Vectors as good as can be, but one fewer than there are below the gap: the count tells.
+    /// Vectors as accurate as possible, but one fewer than there are below the gap: the count detects it.
     #[test]
     fn a_mode_that_the_vectors_miss_is_counted() {
         let system = net(9, 2, true);
@@ -478,7 +481,7 @@ mod tests {
         }
     }
 
-    /// Bodies whose inertia couples neighbours, and levers: the inverse of M is no diagonal.
+    /// Bodies whose inertia couples neighbours, and levers: the inverse of M is not diagonal.
     #[test]
     fn coupled_inertia_and_levers_have_their_modes_too() {
         let n = 40;
@@ -538,7 +541,7 @@ mod tests {
         }
     }
 
-    /// An arm that is there seven times: more copies of a frequency than a block of vectors can find by itself.
+    /// An arm that occurs seven times: more copies of a frequency than a block of vectors can find by itself.
     #[test]
     fn no_copy_of_a_frequency_is_missed() {
         let (arms, length) = (7, 12);

@@ -1,18 +1,18 @@
 //! K - s M as a network: couplings between pairs of coordinates and grounds, in binary64 with bounds of their errors.
 //!
-//! Any symmetric matrix A is the form sum_(i<j) c_ij (x_i - x_j)^2 + sum v_i x_i^2 with c_ij = -A_ij and v_i its row sums. For
-//! springs these are the springs themselves, whatever the ratio of their sizes; the shift stays apart in v.
-//! In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
+//! Any symmetric matrix A is the form sum_(i<j) c_ij (x_i - x_j)^2 + sum v_i x_i^2 with c_ij = -A_ij and v_i its row
+//! sums. For springs the c_ij and v_i are the springs themselves, whatever the ratio of their sizes; the shift stays
+//! separate in v. In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::numeric::triple::{Precise, Triple};
 
 /// Unit roundoff.
 pub const U: f64 = f64::EPSILON / 2.0;
-/// Covers the roundings of sums of up to ten million bounds.
+/// Covers the rounding errors of sums of up to ten million bounds.
 pub const UP: f64 = 1.0 + 1e-9;
 
-/// More entries of all rows together are no sparse matrix.
+/// A matrix with more entries than this in all rows together does not count as sparse.
 const MOST_PAIRS: usize = 20_000_000;
 
 /// A number and a bound of its error.
@@ -53,7 +53,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// `None` where rows are so long that the matrix is not sparse.
+    /// `None` if rows are so long that the matrix is not sparse.
     pub fn of(terms: &Terms, n: usize) -> Option<Network> {
         let pairs = |t: usize| terms.row(t).0.len().pow(2) / 2;
         if (0..terms.len()).map(pairs).sum::<usize>() > MOST_PAIRS {
@@ -99,7 +99,7 @@ impl Network {
         self.diagonal.len()
     }
 
-    /// Each coordinate is by itself.
+    /// Whether no coordinates are coupled.
     pub fn is_diagonal(&self) -> bool {
         self.pairs.is_empty()
     }
@@ -115,7 +115,7 @@ impl Network {
         }
     }
 
-    /// Its diagonal alone.
+    /// A network of grounds only.
     pub fn of_diagonal(diagonal: &[f64]) -> Network {
         let exact = |&value: &f64| Near { value, error: 0.0 };
         Network {
@@ -149,7 +149,8 @@ fn sum(factors: &[Factor]) -> Precise {
         }
         value = value + part;
     }
-    // What cancels to zero in three words is zero for factors that are exactly opposite; others leave their last bits.
+    // A sum that cancels to zero in three words is exact if there are two opposite factors; otherwise last bits may be
+    // left.
     let exact = factors.len() == 2 && value.is_zero();
     let size: f64 = factors.iter().map(|factor| factor.to_f64().abs()).sum();
     let lost = if exact || factors.len() == 1 { 0.0 } else { 4.0 * Triple::ERROR * size };

@@ -1,28 +1,28 @@
-//! Nodes whose pivots nearly cancel, put off to the end of an elimination.
+//! Nodes whose pivots nearly cancel, postponed to the end of an elimination.
 //!
-//! Near its zero a pivot makes couplings as large as it is small, and roundings with them. Such nodes stay, coupled to all
-//! that is eliminated after them, and are counted last, as a dense matrix with its eigenvectors. As many are put off as the
-//! modes below the shift need, a few each. All numbers are rounded one way, as in [`super::elimination`].
-//! In: stars as they are eliminated. Out: how many pivots of the nodes put off are negative.
+//! A pivot near zero makes couplings, and their rounding errors, as large as it is small. Such nodes stay, coupled to
+//! everything that is eliminated after them, and are counted last, as a dense matrix by its eigenvectors. The modes
+//! below the shift determine how many are postponed, a few for each. All numbers are rounded in one direction, as in
+//! [`super::elimination`]. In: stars as they are eliminated. Out: how many pivots of the postponed nodes are negative.
 //! See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::U;
 use nalgebra::DMatrix;
 
-/// What is left of a form on the nodes put off and on those still to come.
+/// The remaining form on the postponed nodes and on those still to be eliminated.
 #[derive(Debug, Default)]
 pub struct Postponed {
-    /// -1, 0 or 1: where roundings go.
+    /// -1, 0 or 1: the direction of rounding.
     side: f64,
     nodes: Vec<Node>,
 }
 
 #[derive(Debug)]
 struct Node {
-    /// Its place, and its couplings to the places after it.
+    /// Position in the order of elimination, followed by the couplings to later positions.
     place: usize,
     later: Vec<f64>,
-    /// Couplings to nodes that were put off before.
+    /// Couplings to nodes that were postponed earlier.
     earlier: Vec<f64>,
     grounds: [f64; 2],
 }
@@ -46,7 +46,7 @@ impl Postponed {
         self.nodes.is_empty()
     }
 
-    /// Positive and negative couplings of these nodes to the one at `place`, added up, and how many there are.
+    /// Sums of the positive and of the negative couplings of these nodes to the one at `place`, and their number.
     pub fn couplings(&self, place: usize) -> (f64, f64, usize) {
         let (mut adds, mut takes, mut count) = (0.0, 0.0, 0);
         for node in &self.nodes {
@@ -61,7 +61,7 @@ impl Postponed {
         (adds, takes, count)
     }
 
-    /// Puts off the node at `place` of n; `None` if they become too many.
+    /// Postpones the node at `place` of n; `None` if there are too many.
     pub fn add(&mut self, place: usize, n: usize, rows: &[u32], couplings: &[f64], grounds: [f64; 2]) -> Option<()> {
         let mut later = vec![0.0; n - place - 1];
         for (&row, &c) in rows.iter().zip(couplings) {
@@ -72,7 +72,8 @@ impl Postponed {
         (self.nodes.len() <= MOST).then_some(())
     }
 
-    /// Hands on what the node at `place` leaves to these when it is eliminated; its numbers have this relative error.
+    /// Adds the contributions of the node at `place` when it is eliminated; its numbers have the relative error
+    /// `error`.
     pub fn eliminate(
         &mut self,
         place: usize,
@@ -102,15 +103,15 @@ impl Postponed {
         }
     }
 
-    /// How many negative eigenvalues the form on these nodes has: those that are not distinguished from zero count as negative where
-    /// roundings go down, as positive where they go up.
+    /// The number of negative eigenvalues of the form on these nodes: those that cannot be distinguished from zero
+    /// count as negative if rounding goes down, as positive if it goes up.
     pub fn negative(self) -> Option<usize> {
         let r = self.nodes.len();
         if r == 0 {
             return Some(0);
         }
         let own = (r + 8) as f64 * U;
-        // Row by row: couplings with the opposite sign, and the pivot of the star.
+        // Row by row: the couplings with the opposite sign, and the pivot of the star.
         let mut s = DMatrix::zeros(r, r);
         let mut size = vec![0.0; r];
         for (p, node) in self.nodes.iter().enumerate() {
@@ -138,15 +139,17 @@ fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
-/// How many eigenvalues of a matrix are negative, at the most or at the least: with approximate eigenvectors Z, Z^T S Z has as
-/// many (Sylvester), each of them as near to its diagonal as the rest is small (Weyl); Z is regular, as Z^T Z near 1 shows.
+/// A bound of the number of negative eigenvalues of a matrix, from above or below: with approximate eigenvectors Z, Z^T
+/// S Z has as many (Sylvester), each as near to a diagonal entry as the off-diagonal part is small (Weyl); Z is regular
+/// because Z^T Z is near 1.
 fn signs(s: &DMatrix<f64>, side: f64) -> usize {
     let r = s.nrows();
     let z = s.clone().symmetric_eigen().eigenvectors;
     let product = s * &z;
     let t = z.tr_mul(&product);
     let gram = z.tr_mul(&z);
-    // Products of r terms, twice (Higham, Accuracy and Stability, section 3.5), with |z_j| <= 1.1 as the test below shows.
+    // Products of r terms, twice (Higham, Accuracy and Stability, section 3.5), with |z_j| <= 1.1, which is checked
+    // below.
     let largest: f64 = s.row_iter().map(|row| row.iter().map(|x| x * x).sum::<f64>()).sum::<f64>().sqrt();
     let gamma = (2 * r + 4) as f64 * U * 1.01;
     let error = gamma * largest * r as f64 * 1.3;
@@ -165,13 +168,13 @@ fn signs(s: &DMatrix<f64>, side: f64) -> usize {
     }
 }
 
-/// The pivot of a star, rounded one way: its numbers have this relative error.
+/// The pivot of a star, rounded in one direction; its numbers have the relative error `own`.
 pub fn pivot(adds: f64, takes: f64, side: f64, own: f64) -> f64 {
     let pivot = adds * (1.0 + side * own) - takes * (1.0 - side * own);
     if pivot == 0.0 { side * own * (adds + takes) } else { pivot }
 }
 
-/// Sums whose parts have a relative error, rounded one way.
+/// Sums rounded in one direction, of parts with a relative error.
 struct Directed {
     side: f64,
     error: f64,
@@ -185,7 +188,7 @@ impl Directed {
         *sum = next + self.side * error;
     }
 
-    /// Grounds that are positive and negative parts: what is handed on with a negative ratio changes sides.
+    /// Adds grounds, kept as positive and negative parts; a negative ratio swaps the two.
     fn add_grounds(&self, grounds: &mut [f64; 2], ratio: f64, given: [f64; 2]) {
         let (same, other) = if ratio < 0.0 { (1, 0) } else { (0, 1) };
         self.add_side(grounds, same, ratio.abs() * given[0]);

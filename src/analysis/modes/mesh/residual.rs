@@ -1,6 +1,6 @@
 //! Residuals K x - theta M x in double-double from the terms, with bounds of their norms.
 //!
-//! Each term stretches x first, so a stiff spring that hardly stretches hardly errs.
+//! Each term first computes its stretch, so a stiff spring that hardly stretches has hardly any error.
 //! See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::UP;
@@ -45,7 +45,7 @@ impl<'a> Multiplier<'a> {
         let mut value = vec![Dd::ZERO; x.len()];
         let mut error = vec![0.0; x.len()];
         let mut energy = Dd::ZERO;
-        // A sum of so many numbers, each with its own roundings.
+        // A sum of up to `most` numbers, each with its own rounding error.
         let sums = (self.most + 2.0) * Dd::EPSILON;
         for t in 0..self.terms.len() {
             let (indices, factors) = self.terms.row(t);
@@ -102,7 +102,7 @@ fn stretch(indices: &[u32], factors: &[Factor], x: &[Dd]) -> (Dd, f64) {
         };
         sum += part;
         if at > 0 {
-            // A sum errs by a part of itself.
+            // The rounding error of a sum is relative to it.
             slip += Dd::EPSILON * sum.hi.abs();
         }
     }

@@ -1,9 +1,9 @@
-//! Numbers of several modes side by side: one walk through a tree serves them all.
+//! Numbers of several modes in parallel lanes, so that one traversal of a tree serves all of them.
 
 use crate::analysis::numeric::dense::Real;
 use std::ops::{Add, Mul, Sub};
 
-/// One number of each of several modes. Written as loops over places, which become vectors of the machine.
+/// One number for each of several modes. The loops over lanes compile to vector instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<T, const W: usize>(pub [T; W]);
 
@@ -13,7 +13,7 @@ impl<T: Real, const W: usize> Beside<T, W> {
         Beside([x; W])
     }
 
-    /// Each leading word without its sign.
+    /// The magnitude of each leading word.
     #[inline(always)]
     pub fn sizes(self) -> Beside<f64, W> {
         let mut sizes = Beside([0.0; W]);

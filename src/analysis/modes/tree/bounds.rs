@@ -1,4 +1,4 @@
-//! An eigenvalue of a tree from an approximate vector, with a bound that holds.
+//! An eigenvalue of a tree with a proven bound, from an approximate vector.
 //!
 //! Kato and Temple's bounds for the inverse problem M x = mu K x: with rho = x^T M x / x^T K x between its neighbours' bounds
 //! mu_above > mu_below (in mu),
@@ -6,13 +6,15 @@
 //!   rho - e^2 / (mu_above - rho) <= mu <= rho + e^2 / (rho - mu_below),   e = |K^-1 M x - rho x|_K / |x|_K,
 //!
 //! and e is bounded by the energy of any forces f that balance the inertia forces M x (Prager and Synge's hypercircle;
-//! Thomson's principle): |K^-1 M x - rho x|_K^2 <= sum (f - rho k b)^2 / k, b the stretches. In a tree such forces are found
-//! from the leaves; what rounding leaves unbalanced, r, adds |r|_(M^-1) / sqrt(lambda_1). In this norm errors of soft and stiff
-//! directions weigh alike, so vectors of working precision suffice. What M couples along a spring, c, is a force -c b in it.
+//! Thomson's principle): |K^-1 M x - rho x|_K^2 <= sum (f - rho k b)^2 / k, b the stretches. In a tree such forces are
+//! computed from the leaves to the root; a remainder r that rounding leaves unbalanced adds |r|_(M^-1) /
+//! sqrt(lambda_1). In this norm, errors in soft and in stiff directions have equal weight, so vectors of working
+//! precision suffice. A coupling c of M along a spring adds a force -c b in it.
 //!
-//! Underflow: a node's numbers lie within 2^100 of one ([`LARGEST`](super::forest::LARGEST)), an eigenvalue within 2^250, and
-//! one x is 1, so x^T M x >= 2^-120. Then no product errs by more than 2^-800 besides its relative error, and what squares
-//! below the normal range lose of a root of a sum over at most 2^24 nodes is below 2^-460: that much is added to both roots.
+//! Underflow: a node's numbers lie within 2^100 of one ([`LARGEST`](super::forest::LARGEST)), an eigenvalue within
+//! 2^250, and one x is 1, so x^T M x >= 2^-120. Then the error of a product is at most 2^-800 besides its relative
+//! error, and squares below the normal range change a root of a sum over at most 2^24 nodes by less than 2^-460: that
+//! much is added to both roots.
 //!
 //! A tree without ground is held by springs tau M to the ground, which add tau to every eigenvalue.
 //! See docs/method/modes.md#large-trees.
@@ -27,14 +29,14 @@ use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
 use std::array::from_fn;
 
-/// What bounds need to know of a tree.
+/// Properties of a tree that the bounds need.
 #[derive(Clone, Copy, Debug)]
 pub struct Tree {
     /// The most children of a node.
     pub breadth: f64,
     /// kappa: see [`Forest`].
     pub coupled: f64,
-    /// Relative error of an eigenvalue for that of the tree's numbers in this precision.
+    /// Relative error of an eigenvalue due to the error of the tree's numbers, in binary64 and in double-double.
     data: [f64; 2],
 }
 
@@ -50,7 +52,7 @@ impl Tree {
     }
 }
 
-/// Bounds of the eigenvalues next to one, without tau; tau; and a bound below of the least eigenvalue, with tau.
+/// Bounds of the neighbouring eigenvalues, without tau; tau; and a lower bound of the least eigenvalue, with tau.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub previous: Option<f64>,
@@ -60,7 +62,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Whether a neighbour is so near that vectors of working precision mix the two.
+    /// Whether a neighbour is so close that vectors of working precision mix the two modes.
     pub fn is_close(&self, lambda: f64) -> bool {
         let near = |other: f64| (other - lambda).abs() <= CLOSE * lambda;
         self.previous.is_some_and(near) || self.next.is_some_and(near)
@@ -81,15 +83,16 @@ impl Enclosed {
     }
 }
 
-/// Covers the few roundings of a radius computed in binary64, sums in pairs.
+/// Covers the few rounding errors of a radius computed in binary64 with pairwise sums.
 const UP: f64 = 1.0 + 1e-12;
-/// Powers of two of the module's text.
+/// Powers of two from the module's text.
 const LEAST_INERTIA: f64 = 1.0 / (1u128 << 120) as f64;
 const LARGEST_EIGENVALUE: f64 = (1u128 << 125) as f64 * (1u128 << 125) as f64;
 const UNDERFLOW: f64 = 1e-138;
 const MOST_NODES: usize = 1 << 24;
 
-/// The eigenvalues near the Rayleigh quotients of vectors side by side, with as many frames of one tree; see the module.
+/// The eigenvalues near the Rayleigh quotients of several vectors in parallel lanes, each with its frame; see the
+/// module.
 pub fn enclosed<T: Real, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
@@ -102,9 +105,9 @@ pub fn enclosed<T: Real, const W: usize>(
     let strain = held + inertia * holding;
     let mu = Beside(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
     let residual = residual(nodes, x, mu, holding, tree);
-    // Parts of M of both signs err by parts of kappa x^T M x.
+    // If parts of M have both signs, their errors are relative to kappa x^T M x.
     let sums = energies.strain.relative_error(T::ERROR) + energies.inertia.relative_error(T::ERROR);
-    // One rounding more than there are covers what underflow takes of the two sums.
+    // One rounding more than needed covers the underflow in the two sums.
     let rounding = tree.coupled * (sums + 13.0 * T::ERROR);
     from_fn(|lane| {
         let elastic = residual.elastic.0[lane] + UNDERFLOW;
@@ -117,10 +120,11 @@ pub fn enclosed<T: Real, const W: usize>(
     })
 }
 
-/// The eigenvalue near strain / inertia, with the error of the vector in the norm of K and the rounding of the two.
+/// The eigenvalue near strain / inertia, for an `error` of the vector in the norm of K and a relative `rounding` error
+/// of both.
 fn near<T: Real>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
     let shifted = strain / inertia;
-    // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
+    // e^2 / mu^2 in the norm of K, and the least distance of 1 / mu to those of its neighbours on either side.
     let square = (error * shifted.hi()).powi(2) / strain.hi() * UP;
     let value = shifted.hi() * (1.0 - 2.0 * rounding);
     let top = shifted.hi() * (1.0 + 2.0 * rounding);
@@ -161,7 +165,8 @@ struct Residual<const W: usize> {
     unbalanced: Beside<f64, W>,
 }
 
-/// The forces that balance M x - mu V x from the leaves to the root, and what rounding leaves unbalanced.
+/// Computes the forces that balance M x - mu V x from the leaves to the root, and the remainder that rounding leaves
+/// unbalanced.
 fn residual<T: Real, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
@@ -173,14 +178,14 @@ fn residual<T: Real, const W: usize>(
     let mut stack: Vec<(Beside<T, W>, Beside<f64, W>)> = Vec::new();
     let sum = || PairwiseSum::from_zero(Beside::<f64, W>::all(0.0));
     let (mut unbalanced, mut complementary) = (sum(), sum());
-    // A balance has a product and a sum a child, and five roundings of its own.
+    // Each balance has a product and a sum for each child, and five roundings of its own.
     let rounding = (tree.breadth + 8.0) * T::ERROR;
     for (node, &own) in nodes.iter().zip(x) {
         let own = Beside(own);
         let (load, size) = taken(&mut stack, node.children, none, |a, b| (a.0 + b.0, a.1 + b.1));
         let inertia = own * node.mass;
         let ground = mu * (own * (node.ground + holding * node.mass));
-        // The force in the spring to the parent, and that of the inertia along it.
+        // The force in the spring to the parent, and that of the coupled inertia along it.
         let force = inertia - ground + load;
         let magnitude = size + inertia.sizes() + ground.sizes();
         let mut left = magnitude * rounding;
@@ -233,7 +238,7 @@ mod tests {
         4.0 * (0.5 * angle(n, j)).sin().powi(2)
     }
 
-    /// The j-th mode, each second entry off by `slip`, the last one 1.
+    /// The j-th mode, with every second entry off by `slip`, and the last entry 1.
     fn found(n: usize, j: usize, slip: f64, frame: Frame) -> Enclosed {
         let last = (angle(n, j) * n as f64).sin();
         let entry = |i: usize| (angle(n, j) * (i + 1) as f64).sin() / last;
@@ -248,7 +253,7 @@ mod tests {
         Frame { previous, next: Some(truth(n, j + 1) * (1.0 - 1e-6)), holding: 0.0, least: truth(n, 1) * 0.99 }
     }
 
-    /// A quotient errs by the square of its vector's error, and the radius knows.
+    /// The error of a quotient is the square of its vector's error, and the radius covers it.
     #[test]
     fn truth_is_enclosed_from_poor_vectors_too() {
         for slip in [0.0, 1e-7, 1e-5, 1e-3] {
@@ -262,8 +267,8 @@ mod tests {
         }
     }
 
-    /// Where a neighbour may be as near as the vector is poor, nothing is reported; nor is it where numbers leave the range in
-    /// which the bounds hold.
+    /// If a neighbour may be as close as the vector is inaccurate, nothing is reported; nor if numbers leave the range
+    /// in which the bounds hold.
     #[test]
     fn without_room_or_range_nothing_is_told() {
         let here = frame(9, 2);

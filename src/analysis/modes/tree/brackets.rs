@@ -1,7 +1,7 @@
-//! Brackets of the eigenvalues of a tree, by counts of those below many shifts at once, in binary64.
+//! Brackets of the eigenvalues of a tree, by counting the eigenvalues below many shifts at once, in binary64.
 //!
-//! A count at s is right for some s (1 +- eta): each number of an elimination takes part in at most breadth + 12 roundings,
-//! and those of a branch are relative changes of all its numbers. See docs/method/modes.md#large-trees.
+//! A count at s is exact for some shift s (1 +- eta): each number of an elimination takes part in at most breadth + 12
+//! roundings, and those of a branch are relative changes of all its numbers. See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::Frame;
@@ -28,24 +28,24 @@ impl Bracket {
 }
 
 const MAX_PASSES: usize = 400;
-/// Shifts for each eigenvalue that is looked for in an interval, in one pass.
+/// Shifts in one pass for each eigenvalue that is sought in an interval.
 const SHIFTS: usize = 3;
-/// Ends this many times as large as each other are divided by their ratio, others by the difference of their roots: that is
-/// how the eigenvalues of long chains lie.
+/// Intervals whose ends have at least this ratio are divided geometrically, others evenly in the square roots of their
+/// ends: that is how the eigenvalues of long chains are distributed.
 const FAR: f64 = 16.0;
-/// Eigenvalues that are this much smaller than the largest are not looked for (see [`LARGEST`](super::forest::LARGEST)).
+/// Eigenvalues smaller than this part of the largest are not sought (see [`LARGEST`](super::forest::LARGEST)).
 const LEAST: f64 = 1e-150;
 
-/// Eigenvalues on the way to being separated.
+/// The state of separating eigenvalues.
 pub struct Brackets<'a> {
     nodes: &'a [Node<f64>],
-    /// Relative error of the shift for which a count is right.
+    /// Relative change of the shift for which a count is exact.
     pub eta: f64,
-    /// Above all eigenvalues.
+    /// An upper bound of all eigenvalues.
     highest: f64,
     /// 1 if there is a rigid motion.
     rigid: i64,
-    /// Shifts and how many eigenvalues are below, ascending.
+    /// Shifts with the number of eigenvalues below them, ascending.
     points: Vec<(f64, i64)>,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Brackets<'a> {
         Brackets { nodes, eta, highest, rigid: i64::from(forest.floats), points: Vec::new() }
     }
 
-    /// The numbers, counted from the first that is not rigid, of the modes that may lie in the band.
+    /// The numbers, counted from the first elastic mode, of the modes that may lie in the band.
     pub fn numbers(&mut self, band: Band) -> Option<Range<usize>> {
         let slack = 8.0 * self.eta + 16.0 * f64::EPSILON;
         let least = self.highest * LEAST;
@@ -70,8 +70,9 @@ impl<'a> Brackets<'a> {
         Some(number(low)..number(high).max(number(low)))
     }
 
-    /// Brackets of the eigenvalues with these numbers, as narrow as that beside the distance of their neighbours. The first
-    /// of all is enclosed within a factor too. `None` where they are too close together.
+    /// Brackets of the eigenvalues with these numbers, as narrow as `narrow` relative to the distance of their
+    /// neighbours. The first eigenvalue of all is also enclosed within a factor. `None` if eigenvalues are too close
+    /// together.
     pub fn narrow(&mut self, wanted: &Range<usize>, narrow: f64) -> Option<Vec<Bracket>> {
         let (from, to) = (self.rigid + wanted.start as i64, self.rigid + wanted.end as i64);
         if self.points.len() < LANES {
@@ -96,7 +97,7 @@ impl<'a> Brackets<'a> {
         (brackets.len() == wanted.len()).then_some(brackets)
     }
 
-    /// What Kato and Temple's bounds of the k-th of the brackets need to know of the other eigenvalues.
+    /// The bounds of the other eigenvalues that Kato and Temple's bounds of the k-th bracket need.
     pub fn frame(&self, brackets: &[Bracket], k: usize) -> Frame {
         let above = |b: &Bracket| b.low * (1.0 - 2.0 * self.eta);
         let below = |b: &Bracket| b.high * (1.0 + 2.0 * self.eta);
@@ -107,7 +108,7 @@ impl<'a> Brackets<'a> {
         Frame { previous, next: brackets.get(k + 1).map(above), holding, least: first }
     }
 
-    /// A shift below which there is none that is not rigid, and next to the first one.
+    /// A shift below all elastic eigenvalues, and close to the first one.
     fn below_all(&self) -> f64 {
         let without = self.points.iter().take_while(|point| point.1 <= self.rigid);
         without.last().map_or(0.0, |point| point.0)
@@ -125,8 +126,8 @@ impl<'a> Brackets<'a> {
         Some(())
     }
 
-    /// Intervals between points that hold wanted eigenvalues and are not narrow, and how many of those they hold; `None` if
-    /// some cannot be separated.
+    /// Intervals between points that contain wanted eigenvalues and are not narrow, with the number of these
+    /// eigenvalues; `None` if some cannot be separated.
     fn open_intervals(&self, from: i64, to: i64, narrow: f64) -> Option<Vec<(usize, usize)>> {
         let mut open = Vec::new();
         for i in 0..self.points.len() - 1 {
@@ -142,7 +143,7 @@ impl<'a> Brackets<'a> {
             if above > below + 1 && high - low <= 8.0 * self.eta * high {
                 return None;
             }
-            // Half of a bracket as wide as that, and neither end may be wrong by eta.
+            // A bracket of half this width could be wrong by eta at either end.
             let least = 4.0 * self.eta * high;
             if above > below + 1 || high - low > (narrow * self.room(i).min(low)).max(least) {
                 open.push((i, (above.min(to) - below.max(from)) as usize));
@@ -151,7 +152,7 @@ impl<'a> Brackets<'a> {
         Some(open)
     }
 
-    /// The distance from interval i to the eigenvalues next to it: at least one interval without any lies between.
+    /// The distance from interval i to the neighbouring eigenvalues: at least one interval without any lies between.
     fn room(&self, i: usize) -> f64 {
         let points = &self.points;
         let below = (0..i).rev().find(|&j| points[j].1 < points[i].1).map(|j| points[i].0 - points[j + 1].0);
@@ -160,10 +161,10 @@ impl<'a> Brackets<'a> {
         below.unwrap_or(f64::INFINITY).min(above.unwrap_or(f64::INFINITY))
     }
 
-    /// Shifts within the intervals, all lanes used.
+    /// Shifts within the intervals, filling all lanes.
     fn places(&self, open: &[(usize, usize)]) -> Vec<f64> {
         let share = |&(i, count): &(usize, usize)| match self.points[i + 1].0 > FAR * self.points[i].0 {
-            // Where they are is not known at all.
+            // Nothing is known about their positions yet.
             true => (SHIFTS * count).min(LANES),
             false => SHIFTS * count,
         };
@@ -183,10 +184,10 @@ impl<'a> Brackets<'a> {
     }
 }
 
-/// A place between two shifts.
+/// A point between two shifts.
 fn between(low: f64, high: f64, part: f64) -> f64 {
     let place = match high > FAR * low {
-        // Bits of positive numbers grow as their logarithms do, and are the same on every machine.
+        // The bits of positive numbers grow like their logarithms, and are the same on every machine.
         true => f64::from_bits(low.to_bits() + (part * (high.to_bits() - low.to_bits()) as f64) as u64),
         false => {
             let (from, to) = (low.sqrt(), high.sqrt());
@@ -196,7 +197,8 @@ fn between(low: f64, high: f64, part: f64) -> f64 {
     place.clamp(low, high)
 }
 
-/// Above all eigenvalues where inertia is not coupled: max (g + 2 sum k) / r by Gershgorin's theorem on M^-1 K.
+/// An upper bound of all eigenvalues if inertia is not coupled: max (g + 2 sum k) / r by Gershgorin's theorem on M^-1
+/// K.
 fn highest(nodes: &[Node<f64>]) -> f64 {
     let mut row: Vec<f64> = nodes.iter().map(|node| node.ground).collect();
     for (i, node) in nodes.iter().enumerate() {

@@ -1,11 +1,12 @@
-//! A tree of bodies joined by positive springs, as it is eliminated: terms in, nodes from the leaves to the root out.
+//! A tree of bodies joined by positive springs, prepared for elimination. In: terms. Out: nodes from the leaves to the
+//! root.
 //!
 //! Each body but the root hangs on its parent by a spring of stiffness k with the stretch a x_child + b x_parent (a, b = 1, -1,
 //! or a gear's ratios). Displacements are scaled, x = sigma x', so that all stretches are differences: from the root down,
-//! sigma_child = -(b / a) sigma_parent, and k' = k (b sigma_parent)^2. Inertia may couple a body and its parent, as that of a
-//! bar between them does: M = sum r_i x_i^2 - sum c_i (x_i - x_parent)^2 with r_i the row sums of M and c_i what couples the
-//! two. A bound kappa with M >= (sum |r_i| x_i^2 + sum |c_i| (x_i - x_parent)^2) / kappa says how much relative changes of
-//! these numbers change M; it is 1 where nothing is coupled.
+//! sigma_child = -(b / a) sigma_parent, and k' = k (b sigma_parent)^2. Inertia may couple a body and its parent, as
+//! that of a bar between them does: M = sum r_i x_i^2 - sum c_i (x_i - x_parent)^2 with r_i the row sums of M and c_i
+//! the coupling of the two. A bound kappa with M >= (sum |r_i| x_i^2 + sum |c_i| (x_i - x_parent)^2) / kappa says how
+//! much relative changes of these numbers change M; it is 1 if nothing is coupled.
 //! See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::terms::{Factor, Terms};
@@ -14,25 +15,25 @@ use crate::analysis::numeric::dense::Real;
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
 
-/// A tree, its bodies numbered so that children come before their parents, those of one body next before it (postorder).
-/// So what children hand to their parents waits on a stack.
+/// A tree whose bodies are numbered so that children come before their parents, those of one body immediately before it
+/// (postorder). So the contributions of children to their parents can wait on a stack.
 #[derive(Clone, Debug)]
 pub struct Forest {
     pub nodes: Vec<Node<Dd>>,
     /// The coordinate of each node.
     pub coordinates: Vec<u32>,
-    /// sigma of each node; empty where all are one.
+    /// sigma of each node; empty if all are one.
     pub scales: Vec<Dd>,
     /// Largest relative error of a node's numbers.
     pub uncertainty: f64,
     /// kappa
     pub coupled: f64,
-    /// No spring to the ground anywhere: one rigid motion.
+    /// Whether no spring leads to the ground: then there is one rigid motion.
     pub floats: bool,
 }
 
-/// The numbers of nodes lie between one over this and this, so that what underflow takes of products is far below what
-/// rounding does; what is coupled or held by nothing is zero.
+/// The numbers of nodes lie between the reciprocal of this and this, so that underflow changes products far less than
+/// rounding does; couplings and grounds may also be zero.
 pub const LARGEST: f64 = (1u128 << 100) as f64;
 /// Range of the ratios of gears and levers, which are squared.
 const LARGEST_RATIO: f64 = LARGEST * LARGEST * LARGEST * LARGEST;
@@ -48,9 +49,9 @@ pub struct Node<T> {
     pub stiffness: T,
     /// c; zero for the root.
     pub coupling: T,
-    /// The node it hangs on; its own index for the root.
+    /// The node that carries it; its own index for the root.
     pub parent: u32,
-    /// How many hang on it.
+    /// Number of children.
     pub children: u32,
 }
 
@@ -72,13 +73,13 @@ impl<T: Real> Node<T> {
         self.stiffness.hi() == 0.0
     }
 
-    /// What holds the node itself at a shift.
+    /// The stiffness of the node itself at a shift: g - s r.
     #[inline]
     pub fn own(&self, shift: T) -> T {
         self.ground - shift * self.mass
     }
 
-    /// What holds it to its parent.
+    /// The stiffness of its connection to the parent at a shift: k + s c.
     #[inline]
     pub fn link(&self, shift: T) -> T {
         self.stiffness + shift * self.coupling
@@ -93,7 +94,7 @@ struct Edge {
     stiffness: Sum,
 }
 
-/// A sum of positive numbers, and of how many.
+/// A sum of positive numbers, and their number.
 #[derive(Clone, Copy, Default)]
 struct Sum {
     value: Dd,
@@ -108,8 +109,9 @@ impl Sum {
 }
 
 impl Forest {
-    /// The tree that the terms are, if they are one: each spring on one coordinate or two, all positive, the springs on two a
-    /// spanning tree (springs side by side count as one), each mass on one coordinate or on two that a spring joins.
+    /// The tree of the terms, if they form one: each spring acts on one coordinate or two, all springs are positive,
+    /// those on two form a spanning tree (parallel springs count as one), and each mass acts on one coordinate or on
+    /// two that a spring joins.
     pub fn of(masses: &Terms, stiffness: &Terms, n: usize) -> Option<Forest> {
         let mut known = Known { relative: [0.0; 2], in_range: true };
         let mut ground = vec![Sum::default(); n];
@@ -163,7 +165,7 @@ impl Forest {
         self.nodes.iter().all(node) && self.scales.iter().all(|scale| is_ratio(scale.hi))
     }
 
-    /// The tree without its inertia.
+    /// The tree without inertia.
     fn rooted(ground: &[Sum], edges: &[Edge], n: usize) -> Option<Forest> {
         if edges.len() + 1 != n {
             return None;
@@ -221,7 +223,7 @@ impl Forest {
         self.nodes.iter().map(Node::of).collect()
     }
 
-    /// The longest way from the root, in springs, and the largest number of children.
+    /// The longest path from the root, in springs, and the largest number of children.
     pub fn depth_and_breadth(&self) -> (usize, usize) {
         let mut depth = vec![0u32; self.n()];
         for (i, node) in self.nodes.iter().enumerate().rev().skip(1) {
@@ -231,13 +233,14 @@ impl Forest {
         (depth.into_iter().max().unwrap_or(0) as usize, breadth as usize)
     }
 
-    /// A relative change of an eigenvalue that covers relative changes of all numbers by `change`, if it is small.
+    /// A bound of the relative change of an eigenvalue if all numbers change by at most the relative `change`, if it is
+    /// small.
     pub fn moved_by(&self, change: f64) -> f64 {
         change * (1.0 + self.coupled) * 1.01
     }
 }
 
-/// Row sums and couplings of M on their way into a tree.
+/// Row sums and couplings of M while a tree is built.
 struct Inertia {
     /// The node of each coordinate.
     place: Vec<u32>,
@@ -285,14 +288,15 @@ impl Inertia {
         self.terms[at] += 1;
     }
 
-    /// weight (a x_i + b x_j)^2 where a spring joins the two; `sum` is a + b, which keeps its digits where they cancel.
+    /// weight (a x_i + b x_j)^2 for two coordinates joined by a spring; `sum` is a + b, which keeps its digits if they
+    /// cancel.
     fn two(&mut self, [i, j]: [u32; 2], weight: Dd, [a, b]: [Dd; 2], sum: Dd) -> Option<()> {
         let [i, j] = [i, j].map(|coordinate| self.place[coordinate as usize] as usize);
         let child = if self.parents[i] as usize == j { i } else { j };
         if self.parents[child] as usize != i + j - child {
             return None;
         }
-        // Across a gear a sum might cancel and not be known as well as its parts.
+        // Across a gear, the sum might cancel and be less accurate than its parts.
         let scale = self.scale(i);
         if scale != self.scale(j) {
             return None;
@@ -307,7 +311,7 @@ impl Inertia {
         Some(())
     }
 
-    /// `None` where M is not positive definite by a margin.
+    /// `None` if M is not positive definite by a margin.
     fn into(self, forest: &mut Forest) -> Option<()> {
         for (node, (&mass, &coupling)) in forest.nodes.iter_mut().zip(self.mass.iter().zip(&self.coupling)) {
             (node.mass, node.coupling) = (mass, coupling);
@@ -324,7 +328,7 @@ impl Inertia {
         Some(())
     }
 
-    /// M - part (sum |r_i| x_i^2 + sum |c_i| (x_i - x_parent)^2) has only positive pivots.
+    /// Whether M - part (sum |r_i| x_i^2 + sum |c_i| (x_i - x_parent)^2) has only positive pivots.
     fn exceeds(&self, nodes: &[Node<Dd>], part: f64) -> bool {
         let mut load = vec![0.0; nodes.len()];
         let mut positive = true;
@@ -345,9 +349,9 @@ fn is_ratio(x: f64) -> bool {
     (1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&x.abs())
 }
 
-/// Numbers taken as double-doubles, and how uncertain they are then.
+/// Conversion of numbers to double-double, with the error that this causes.
 struct Known {
-    /// Of a weight, and of a factor.
+    /// Largest relative errors of a weight and of a factor.
     relative: [f64; 2],
     /// Whether squares of all factors keep their low words.
     in_range: bool,
@@ -366,7 +370,7 @@ impl Known {
         }
     }
 
-    /// a + b, to as many digits as a factor has; `None` where they cancel but not exactly.
+    /// a + b, to as many digits as a factor has; `None` if they cancel, but not exactly.
     fn sum(&mut self, a: Factor, b: Factor) -> Option<Dd> {
         let sum = a.to_triple() + b.to_triple();
         if sum.is_zero() {
@@ -396,8 +400,8 @@ impl Known {
         Some(())
     }
 
-    /// Relative error of any of the numbers, sums of at most so many: a weight's, a factor's twice, and the roundings of
-    /// products and sums.
+    /// Relative error of any of the numbers, each a sum of at most `terms` terms: that of a weight, twice that of a
+    /// factor, and the rounding errors of products and sums.
     fn uncertainty(&self, terms: u32) -> f64 {
         (self.relative[0] + 2.0 * self.relative[1] + f64::from(terms + 4) * Dd::EPSILON) * (1.0 + 1e-9)
     }
@@ -415,14 +419,14 @@ fn merge_parallel(edges: &mut Vec<Edge>) {
     });
 }
 
-/// The bodies in postorder, and for each the edge to its parent; `None` if they are not all joined.
+/// The bodies in postorder, and for each the edge to its parent; `None` if they are not all connected.
 fn postorder(n: usize, edges: &[Edge]) -> Option<(Vec<u32>, Vec<u32>)> {
     let (starts, ends) = neighbours(n, edges);
-    // The end of a chain, where the low modes of a chain that is held at its beginning move most.
+    // The last body: the low modes of a chain that is held at its beginning move most there.
     let root = n as u32 - 1;
     let (mut reversed, mut up) = (Vec::with_capacity(n), vec![u32::MAX; n]);
     let mut waiting = vec![root];
-    // Each body before what hangs on it, one whole branch after the other: postorder, reversed.
+    // Each body before its children, one whole branch after the other: the reverse of postorder.
     while let Some(body) = waiting.pop() {
         reversed.push(body);
         for &e in &ends[starts[body as usize] as usize..starts[body as usize + 1] as usize] {
@@ -438,7 +442,7 @@ fn postorder(n: usize, edges: &[Edge]) -> Option<(Vec<u32>, Vec<u32>)> {
     (reversed.len() == n).then_some((reversed, up))
 }
 
-/// The edges of each body: where they start, and which.
+/// The edges of each body: the start of its range, and the edges.
 fn neighbours(n: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; n + 1];
     edges.iter().flat_map(|edge| edge.ends).for_each(|body| starts[body as usize + 1] += 1);

@@ -4,36 +4,36 @@
 //!
 //!   K - s M = sum (g_i - s r_i) x_i^2 + sum (k_i + s c_i) (x_i - x_parent)^2.
 //!
-//! What is felt at node i of all that hangs on it is a spring v_i to the ground (an impedance); with the spring e_i to the
-//! parent in a row it makes another one, q_i:
+//! The subtree of node i acts on it like a spring v_i to the ground (an impedance); in series with the spring e_i to
+//! the parent it gives another one, q_i:
 //!
 //!   v_i = g_i - s r_i + sum_children q,   e_i = k_i + s c_i,   d_i = v_i + e_i,   q_i = e_i v_i / d_i.
 //!
-//! By Sylvester's law as many d (v for the root) are negative as there are eigenvalues below s. A relative change of q_i is
-//! one of all numbers of the branch, so every rounding is a relative change of the numbers of the tree (compare Demmel and
-//! Gragg, LAA 185 (1993) 203). See docs/method/modes.md#large-trees.
+//! By Sylvester's law, as many d (v for the root) are negative as there are eigenvalues below s. A relative change of
+//! q_i is equivalent to one of all numbers of the branch, so every rounding error is a relative change of the numbers
+//! of the tree (compare Demmel and Gragg, LAA 185 (1993) 203). See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::tree::forest::Node;
 use crate::analysis::numeric::dense::Real;
 use crate::base::Dd;
 
-/// Shifts that are counted at once.
+/// Number of shifts that are counted at once.
 pub const LANES: usize = 16;
-/// A part of a number that its last bit does not see.
+/// A part of a number below its last bit.
 const TINY: f64 = Dd::EPSILON * Dd::EPSILON;
 
-/// A quotient of pivots below this may have been rounded by more than a part of itself, or its product with a spring may.
+/// Below this quotient of pivots, it or its product with a spring may have underflowed.
 pub const LEAST_RATIO: f64 = 1e-250;
-/// Nodes of several branches whose own part vanishes at a shift; see [`counts`].
+/// The most nodes with several branches whose own part vanishes at a shift; see [`counts`].
 const MOST_VANISHED: u32 = 3;
 
-/// How many eigenvalues are below each of the shifts; `None` where numbers leave the range of binary64 at either end.
+/// The number of eigenvalues below each of the shifts; `None` if numbers overflow or underflow.
 ///
 /// No product is below the normal range: a node's spring is at least 2^-100 and a shift at least 1e-150 of the largest
-/// spring over mass, so s r >= 2^-599, g - s r is zero or at least a last bit of that, 2^-652, and so is v zero or at least
-/// 2^-705, whatever a branch adds; d is at most 2^125 at shifts below 1, and grows with them beyond. Where g - s r is
-/// zero exactly v is what the branches hand on: one hands on its own number, of several that cancel a last bit may be left.
-/// That may happen three times on a way before v / d is below 2^-989.
+/// spring over mass, so s r >= 2^-599, g - s r is zero or at least a last bit of that, 2^-652, and so v is zero or at
+/// least 2^-705, whatever a branch adds; d is at most 2^125 at shifts below 1, and grows with them beyond. If g - s r
+/// is exactly zero, v is the sum of the branches' contributions: a single one is passed on unchanged; several may
+/// cancel to a last bit. That may happen three times along a path before v / d is below 2^-989.
 pub fn counts(nodes: &[Node<f64>], shifts: [f64; LANES]) -> Option<[i64; LANES]> {
     let mut negative = [0i64; LANES];
     let mut handed = Handed::new();
@@ -56,7 +56,7 @@ pub fn counts(nodes: &[Node<f64>], shifts: [f64; LANES]) -> Option<[i64; LANES]>
         }
         handed.give(next);
     }
-    // Infinities met on the way would have become no numbers here.
+    // An infinity on the way would have become NaN here.
     let sound = v.iter().all(|v| !v.is_nan()) && vanished.iter().all(|&count| count <= MOST_VANISHED);
     sound.then_some(negative)
 }
@@ -82,7 +82,8 @@ pub fn root(nodes: &[Node<f64>], shifts: [f64; 8]) -> ([f64; 8], [f64; 8]) {
     (v, slope)
 }
 
-/// What nodes hand to their parents: the last one by itself, for in a chain its parent comes next, and the others on a stack.
+/// Contributions that nodes pass to their parents: the last one separately, because in a chain its parent comes next,
+/// and the others on a stack.
 struct Handed<const W: usize> {
     last: Option<[f64; W]>,
     stack: Vec<[f64; W]>,
@@ -93,7 +94,7 @@ impl<const W: usize> Handed<W> {
         Handed { last: None, stack: Vec::new() }
     }
 
-    /// The sum of what so many children handed on.
+    /// The sum of the contributions of this many children.
     #[inline]
     fn take(&mut self, children: u32) -> [f64; W] {
         if children == 0 {
@@ -114,7 +115,7 @@ impl<const W: usize> Handed<W> {
     }
 }
 
-/// The sum of the last so many of a stack, taken off it.
+/// Pops the last `count` values of a stack and returns their sum.
 #[inline]
 pub fn taken<T: Copy>(stack: &mut Vec<T>, count: u32, zero: T, add: impl Fn(T, T) -> T) -> T {
     let mut sum = zero;
@@ -156,14 +157,14 @@ pub struct Twisted<T> {
     pub residual: T,
 }
 
-/// The null vector at a shift, up to the residual at the node where that is least beside the inertia, where it is 1. The root
-/// may hardly move in a mode; this node does. `at` chooses it instead.
+/// The null vector at a shift, up to a residual at the node where it is least relative to the inertia; the vector is 1
+/// there. The root may hardly move in a mode; this node does. `at` selects a node explicitly.
 pub fn twisted<T: Real>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twisted<T> {
     let root = nodes.len() - 1;
     let links: Vec<T> = nodes.iter().map(|node| node.link(shift)).collect();
     let mut felt = felt(nodes, shift, &links);
     let at = at.unwrap_or_else(|| least_residual(nodes, &felt, &links));
-    // Nodes on the way from there to the root are eliminated the other way round.
+    // Nodes on the path from there to the root are eliminated in the reverse direction.
     let mut way = vec![at];
     while let Some(&last) = way.last()
         && last != root
@@ -203,7 +204,7 @@ pub fn twisted<T: Real>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twist
     Twisted { x, at, residual }
 }
 
-/// d and q of springs v and e in a row.
+/// d and q of springs v and e in series.
 #[inline]
 fn in_a_row<T: Real>(v: T, e: T, stiffness: T) -> (T, T) {
     let d = v + e;
@@ -227,7 +228,8 @@ fn felt<T: Real>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
     nodes.iter().zip(links).map(one).collect()
 }
 
-/// The node with the least v, beside its inertia, if it were the root: what is left there of a null vector that is 1 there.
+/// The node with the least v, relative to its inertia, if it were the root: v is the residual of the null vector that
+/// is 1 there.
 fn least_residual<T: Real>(nodes: &[Node<T>], felt: &[T], links: &[T]) -> usize {
     let mut whole: Vec<f64> = felt.iter().map(|v| v.hi()).collect();
     for (i, node) in nodes.iter().enumerate().rev().skip(1) {

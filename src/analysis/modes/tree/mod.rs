@@ -1,10 +1,10 @@
 //! The lowest modes of a tree of bodies and springs, each certified by itself, in time proportional to its size.
 //!
-//! 1. Brackets: counts of eigenvalues below many shifts at once, in binary64 ([`brackets`]), until each one wanted is alone
-//!    and narrowly enclosed. A count at s is right for some s (1 +- eta).
-//! 2. Vectors: the null vector of the elimination at a shift, its Rayleigh quotient the next shift.
+//! 1. Brackets: counts of eigenvalues below many shifts at once, in binary64 ([`brackets`]), until each wanted one is
+//!    alone and narrowly enclosed. A count at s is exact for some shift s (1 +- eta).
+//! 2. Vectors: the null vector of the elimination at a shift; its Rayleigh quotient is the next shift.
 //! 3. Bounds of Kato and Temple in the norm of K ([`bounds`]).
-//! 4. The same in double-double where more digits are asked for.
+//! 4. Steps 2 and 3 in double-double if more digits are requested.
 //!
 //! See docs/method/modes.md#large-trees.
 
@@ -41,28 +41,28 @@ struct Vector {
     x: Vec<f64>,
 }
 
-/// Why modes are not there.
+/// Why modes are missing.
 enum Lack {
-    /// An iteration left its bracket: a narrower one may hold it.
+    /// An iteration left its bracket; it may stay in a narrower one.
     Bracket,
     Bound,
 }
 
-/// How narrow a bracket has to be beside the distance of its neighbours; tried in turn.
+/// Widths of a bracket relative to the distance of its neighbours, tried in turn.
 const NARROW: [f64; 4] = [0.25, 0.01, 1e-4, 1e-8];
-/// A step in double-double after which the next one would change nothing: its square is left.
+/// After a relative step this small in double-double, the next one, its square, would change nothing.
 const SETTLED: f64 = 1e-18;
 /// Quadratic convergence from a narrow bracket takes two or three steps.
 const MAX_ITERATIONS: usize = 6;
 
-/// The `wanted` lowest modes that are not rigid, ascending; `None` if the tree is not for this method: frequencies too close
-/// to be separated in binary64, or vectors out of range.
+/// The `wanted` lowest elastic modes, ascending; `None` if the tree is not suitable for this method: frequencies are
+/// too close to be separated in binary64, or vectors are out of range.
 pub fn lowest(forest: &Forest, wanted: usize, tolerance: f64) -> Option<Vec<TreeMode>> {
     let search = Search::of(forest);
     search.modes(&mut search.brackets(), 0..wanted, tolerance)
 }
 
-/// The modes that may lie in the band, rigid ones left out, ascending, and how many that are not rigid come before them.
+/// The elastic modes that may lie in the band, ascending, and how many elastic modes come before them.
 pub fn within(forest: &Forest, band: Band, tolerance: f64) -> Option<(usize, Vec<TreeMode>)> {
     let search = Search::of(forest);
     let mut brackets = search.brackets();
@@ -71,14 +71,14 @@ pub fn within(forest: &Forest, band: Band, tolerance: f64) -> Option<(usize, Vec
     Some((before, search.modes(&mut brackets, wanted, tolerance)?))
 }
 
-/// The rigid motion of a tree without ground: all alike, so that no spring is stretched.
+/// The rigid motion of a tree without ground: all displacements are equal, so that no spring is stretched.
 pub fn rigid_motion(forest: &Forest) -> Vec<Dd> {
     let inertia = forest.nodes.iter().fold(Dd::ZERO, |sum, node| sum + node.mass);
     let scale = inertia.sqrt().recip();
     by_coordinate(forest, |i| forest.scales.get(i).map_or(scale, |&sigma| scale * sigma), Dd::ZERO)
 }
 
-/// What each node has, in the order of the coordinates.
+/// The values of the nodes, in the order of the coordinates.
 fn by_coordinate<T: Copy>(forest: &Forest, of: impl Fn(usize) -> T, zero: T) -> Vec<T> {
     let mut result = vec![zero; forest.n()];
     for (node, &coordinate) in forest.coordinates.iter().enumerate() {
@@ -102,7 +102,7 @@ impl<'a> Search<'a> {
         Brackets::new(self.forest, &self.nodes)
     }
 
-    /// The modes with these numbers, counted from the first that is not rigid.
+    /// The modes with these numbers, counted from the first elastic one.
     fn modes(&self, brackets: &mut Brackets, wanted: Range<usize>, tolerance: f64) -> Option<Vec<TreeMode>> {
         let elastic = self.forest.n() - usize::from(self.forest.floats);
         let wanted = wanted.start.min(elastic)..wanted.end.min(elastic);
@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// The modes in the brackets, eight at a time in binary64, and one by one where that is not enough.
+    /// The modes in the brackets, eight at a time in binary64, and one by one if that is not enough.
     fn certified(&self, brackets: &[Bracket], frames: &[Frame], tolerance: f64) -> Result<Vec<TreeMode>, Lack> {
         let mut all = Vec::with_capacity(brackets.len());
         let mut room = Vec::new();
@@ -134,7 +134,7 @@ impl<'a> Search<'a> {
             shapes(&self.nodes, shifts, &mut room);
             let last = brackets.len() - 1;
             let found = enclosed(&self.nodes, &room, &self.tree, &from_fn(|lane| frames[lane.min(last)]));
-            // Beside a close neighbour a vector of binary64 is a mixture of the two.
+            // Next to a close neighbour, a binary64 vector is a mixture of the two modes.
             let good = |lane: &usize| {
                 *lane <= last
                     && settled[*lane]
@@ -158,7 +158,7 @@ impl<'a> Search<'a> {
         Ok(all)
     }
 
-    /// The displacements in some of the lanes, scaled, by coordinate.
+    /// The scaled displacements in the chosen lanes, by coordinate.
     fn spread(&self, room: &[[f64; 8]], lanes: &[usize], scale: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
         let scales: Vec<f64> = lanes.iter().map(|&lane| scale(lane)).collect();
         let mut all = vec![vec![0.0; room.len()]; lanes.len()];
@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
     fn precisely(&self, shift: f64, frame: &Frame) -> Option<TreeMode> {
         let nodes = self.forest.nodes_in::<Dd>();
         let (mut shift, mut at) = (Dd::from(shift), None);
-        // Two steps where the neighbours are far; more from a shift that is hardly nearer to one than to the other.
+        // Two steps if the neighbours are far; more if the shift is hardly nearer to one eigenvalue than to another.
         for _ in 0..MAX_ITERATIONS {
             let next = twisted(&nodes, shift, at);
             let change = next.residual / inertia(&nodes, &next.x);
@@ -208,8 +208,8 @@ impl<'a> Search<'a> {
         found.radius.is_finite().then_some(TreeMode { lambda: found.lambda, radius: found.radius, x })
     }
 
-    /// Shifts at which v of the root is zero, in up to eight brackets, and whether each settled inside its bracket: Newton's
-    /// step for v is Rayleigh's quotient of the null vector.
+    /// The shifts at which v of the root is zero, in up to eight brackets, and whether each converged inside its
+    /// bracket: Newton's step for v gives the Rayleigh quotient of the null vector.
     fn iterate(&self, brackets: &[Bracket]) -> ([f64; 8], [bool; 8]) {
         let mut shifts = [brackets[0].middle(); 8];
         shifts.iter_mut().zip(brackets).for_each(|(shift, bracket)| *shift = bracket.middle());
@@ -248,7 +248,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// x^T M x, one after the other: for the next shift only.
+/// x^T M x, summed sequentially: only for the next shift.
 fn inertia<T: Real>(nodes: &[Node<T>], x: &[T]) -> T {
     let one = |sum: T, (node, &own): (&Node<T>, &T)| {
         let b = own - x[node.parent as usize];
@@ -257,7 +257,7 @@ fn inertia<T: Real>(nodes: &[Node<T>], x: &[T]) -> T {
     nodes.iter().zip(x).fold(T::ZERO, one)
 }
 
-/// The quotient of a vector that is nearly right is right to the square of that.
+/// The error of a quotient is the square of its vector's error.
 fn is_settled(shift: f64, next: f64) -> bool {
     (next - shift).abs() <= 2e-9 * shift
 }
@@ -270,7 +270,7 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::system::{Form, LinearSystem};
 
-    /// A tree of n bodies: body i hangs on body (i x 7 + 3) mod i, with numbers spread over so many decades.
+    /// A tree of n bodies: body i hangs on body (i x 7 + 3) mod i, with numbers spread over this many decades.
     fn tree(n: usize, decades: i32, grounded: bool) -> LinearSystem {
         let mut system = blank(n);
         let number = |i: usize, salt: usize| {
@@ -294,7 +294,8 @@ mod tests {
         Forest::of(&Terms::of(&system.m), &Terms::of(&system.k), system.n()).expect("a tree")
     }
 
-    /// The lowest modes agree with those of the dense method within both bounds, and the bounds are as asked.
+    /// Checks that the lowest modes agree with those of the dense method within both bounds, and that the bounds meet
+    /// the tolerance.
     fn check(system: &LinearSystem, tolerance: f64) {
         let forest = forest(system);
         let found = lowest(&forest, 6, tolerance).expect("modes apart");
