@@ -1,17 +1,17 @@
-//! All poles at once, for the systems whose state matrix has lost some: the iteration of Ehrlich and Aberth on
-//! det(s^2 + C~ s + Omega^2) in modal coordinates (Bini, Noferini, LAA 439 (2013) 1130). Each value moves by Newton's step
-//! for the polynomial with the other values divided out, so no two go to the same simple pole. In: the basis and rough
-//! values. Out: better ones, in binary64; nothing here is printed. See docs/method/poles.md#general-systems.
+//! All poles at once, for systems whose state matrix has lost some of them: the Ehrlich-Aberth iteration on det(s^2 +
+//! C~ s + Omega^2) in modal coordinates (Bini, Noferini, LAA 439 (2013) 1130). Each value moves by Newton's step for
+//! the polynomial with the other values divided out, so no two converge to the same simple pole. In: the basis and
+//! rough values. Out: better ones, in binary64; nothing here is printed. See docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::refinement::Factors;
 
-/// Far more than the dozen that bad starts take.
+/// Far more than the dozen sweeps that bad starts take.
 const MOST_SWEEPS: usize = 60;
 
-/// Improves one value of each conjugate pair (im > 0) and the real ones; returns such a list again.
+/// Improves a list of one value of each conjugate pair (im > 0) and the real values; returns such a list.
 pub fn aberth(basis: &Basis, starts: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let mut values = spread(starts, 2 * basis.n() - basis.zeros());
     for _ in 0..MOST_SWEEPS {
@@ -28,8 +28,8 @@ pub fn aberth(basis: &Basis, starts: &[Complex<f64>]) -> Vec<Complex<f64>> {
     upper_half(&values)
 }
 
-/// All values, conjugates too, as many as there are poles, turned a little by different angles: equal ones would stay
-/// together, and real ones real.
+/// As many values as there are poles, conjugates included, each rotated a little by a different angle: otherwise equal
+/// values would stay equal, and real ones real.
 fn spread(starts: &[Complex<f64>], count: usize) -> Vec<Complex<f64>> {
     let both = starts.iter().flat_map(|&z| if z.im > 0.0 { vec![z, z.conj()] } else { vec![z] });
     let mut values: Vec<Complex<f64>> = both.collect();
@@ -63,7 +63,7 @@ fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
     if i == j { s * s + damped + Complex::real(basis.omega_squared[i]) } else { damped }
 }
 
-/// p'(s) / p(s) for p = det Q; `None` where s is a pole to the last bit.
+/// p'(s) / p(s) for p = det Q; `None` if s is a pole to the last bit.
 fn logarithmic_slope(basis: &Basis, s: Complex<f64>) -> Option<Complex<f64>> {
     let n = basis.n();
     let scale: Vec<f64> = (0..n).map(|i| equilibrating(modal(basis, s, i, i).one_norm())).collect();
@@ -83,13 +83,13 @@ fn logarithmic_slope(basis: &Basis, s: Complex<f64>) -> Option<Complex<f64>> {
     trace.is_finite().then_some(trace)
 }
 
-/// 1 / sqrt(x), or 1 where that is no number to scale with.
+/// 1 / sqrt(x), or 1 if x is not suitable for scaling.
 fn equilibrating(x: f64) -> f64 {
     let scale = 1.0 / x.sqrt();
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 
-/// Values with im > 0, and those that are real but for rounding.
+/// Values with im > 0, and those that are real up to rounding.
 fn upper_half(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let is_real = |z: &Complex<f64>| z.im.abs() <= 1e-13 * z.re.abs();
     values

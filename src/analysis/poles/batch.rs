@@ -1,12 +1,13 @@
-//! All poles and their vectors side by side. In: pencil, modal basis, the Schur forms of its state matrix. Out: the same pairs
-//! as `refinement` finds one by one, for a number of operations that grows as n^3: what that does with a factorisation
-//! for each pole is here a triangular solve with one Schur form, and products of matrices.
+//! Refinement of all poles and their vectors together. In: pencil, modal basis, the Schur forms of its state matrix.
+//! Out: the same pairs as `refinement` finds one by one, for a number of operations that grows as n^3: where that
+//! module needs a factorisation for each pole, this one needs a triangular solve with one Schur form, and products of
+//! matrices.
 //!
-//! Newton's method for Q(s) x = 0, y^H dy = 0 by elimination of the border: with u = Q(s0)^-1 r and v = Q(s0)^-1 Q'(s) y,
-//! ds = -y^H u / y^H v and dy = -u - v ds. At the pole itself u and v would be rounding of the vector y alone, so s0 stands a
-//! little beside it: at a relative distance d the rounding leaves 1e-16 / d of the error and the distance leaves d
-//! (Govaerts and Pryce, SIAM J. Numer. Anal. 30 (1993) 470, on bordered systems by block elimination).
-//! See docs/method/poles.md#general-systems.
+//! Newton's method for Q(s) x = 0, y^H dy = 0 by elimination of the border: with u = Q(s0)^-1 r and v = Q(s0)^-1 Q'(s)
+//! y, ds = -y^H u / y^H v and dy = -u - v ds. At the pole itself u and v would be rounding errors along the vector y
+//! only, so s0 is placed a little beside it: at a relative distance d, rounding leaves 1e-16 / d of the error and the
+//! distance leaves d (Govaerts and Pryce, SIAM J. Numer. Anal. 30 (1993) 470, on bordered systems by block
+//! elimination). See docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -17,19 +18,20 @@ use crate::analysis::poles::refinement::{Pair, SETTLED, balance_energies, norm, 
 use crate::analysis::poles::schur::ComplexColumns;
 use crate::base::Dd;
 
-/// The distance of s0 from the pole, relative to it: somewhat below the square root of the rounding, since other poles are nearer
-/// than zero is.
+/// The relative distance of s0 from the pole: somewhat below the square root of the unit roundoff, because other poles
+/// are nearer than zero is.
 const BESIDE: f64 = 2e-9;
-/// No step wins more than [`BESIDE`] allows, though a very good start may look like it.
+/// The least error reduction that is assumed of a step: [`BESIDE`] allows no better, though a very good start may
+/// suggest it.
 const CONTRACTION: f64 = 1e-7;
-/// Each step wins some seven digits of thirty.
+/// Each step gains some seven of thirty digits.
 const MOST_STEPS: usize = 6;
-/// A start that is farther from its pole than this gains nothing from a step whose equations stand beside it.
+/// A start farther from its pole than this gains nothing from a step whose equations are set up beside it.
 const FAR: f64 = 1e-4;
-/// Refined, though not to the last digit.
+/// Refined, but not to the last digit.
 const REFINED: f64 = 1e-20;
 
-/// Refines all starts; those that a common step does not improve are refined one by one.
+/// Refines all starts together; those that this does not improve are refined one by one.
 pub fn refine_all(pencil: &Pencil<Dd>, basis: &Basis, spectrum: &Spectrum) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for family in &spectrum.families {
@@ -41,7 +43,7 @@ pub fn refine_all(pencil: &Pencil<Dd>, basis: &Basis, spectrum: &Spectrum) -> Ve
     pairs
 }
 
-/// Where an iteration stands.
+/// The progress of an iteration.
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Moving { last: f64 },
@@ -55,7 +57,7 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
     let mut pairs = expanded(basis, &starts, &y);
     let beside: Vec<Complex<f64>> = starts.iter().map(|&s| next_to(s)).collect();
     let v = solve(basis, family, &beside, slopes(basis, &starts, &y));
-    // Before the first step the error is at most the vector itself.
+    // Before the first step the relative error is at most one.
     let mut states = vec![State::Moving { last: 1.0 }; pairs.len()];
     for _ in 0..MOST_STEPS {
         if !states.iter().any(|state| matches!(state, State::Moving { .. })) {
@@ -86,8 +88,8 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
     pairs.into_iter().zip(states).map(finish).collect()
 }
 
-/// What a step of this relative size leaves, after one of size `last`: what is left is as much smaller than the step as the
-/// step is than the last one, and not by more than [`CONTRACTION`].
+/// The state after a step of relative size `size` that followed one of size `last`. The remaining error is taken as
+/// `size` times the contraction `size / last`, but at least times [`CONTRACTION`].
 fn after(size: f64, last: f64) -> State {
     let contraction = size / last;
     if size < SETTLED || size * contraction.max(CONTRACTION) < SETTLED || (size < REFINED && contraction > 0.25) {
@@ -99,12 +101,12 @@ fn after(size: f64, last: f64) -> State {
     }
 }
 
-/// A real one stays real.
+/// A point beside s; a real s stays real.
 fn next_to(s: Complex<f64>) -> Complex<f64> {
     if s.im == 0.0 { s.scale(1.0 + BESIDE) } else { s * Complex::new(1.0 + BESIDE, 0.5 * BESIDE) }
 }
 
-/// Modal displacements y of states (e, v) = (|omega| y, s y): from whichever of the two loses less to a division.
+/// Modal displacements y of states (e, v) = (|omega| y, s y), from whichever of the two loses less by the division.
 fn displacements(basis: &Basis, shifts: &[Complex<f64>], z: &ComplexColumns) -> ComplexColumns {
     let (free, rigid) = (basis.free, basis.rigid());
     let moving = basis.n() - rigid;
@@ -124,7 +126,7 @@ fn displacements(basis: &Basis, shifts: &[Complex<f64>], z: &ComplexColumns) -> 
     y
 }
 
-/// Phi^T Q(s_j) Phi y_j = r_j, rows divided as in `refinement`.
+/// Solves Phi^T Q(s_j) Phi y_j = r_j, with rows divided as in `refinement`.
 fn solve(basis: &Basis, family: &Family, shifts: &[Complex<f64>], r: ComplexColumns) -> ComplexColumns {
     let (free, rigid) = (basis.free, basis.rigid());
     let moving = basis.n() - rigid;
@@ -158,7 +160,7 @@ fn slopes(basis: &Basis, shifts: &[Complex<f64>], y: &ComplexColumns) -> Complex
     slope
 }
 
-/// Phi^T Q(s_j) x_j of the pairs that still move.
+/// Phi^T Q(s_j) x_j for the pairs that still move.
 fn residuals(pencil: &Pencil<Dd>, basis: &Basis, pairs: &[Pair], states: &[State]) -> ComplexColumns {
     let mut force = ComplexColumns::zeros(pencil.n, pairs.len());
     let mut rigid = ComplexColumns::zeros(basis.rigid(), pairs.len());
@@ -194,7 +196,7 @@ fn corrections(y: &ComplexColumns, u: &ComplexColumns, v: &ComplexColumns) -> (C
     (dy, list)
 }
 
-/// Columns whose largest entry is one.
+/// Scales each column so that its largest entry is one.
 fn normalised(mut y: ComplexColumns) -> ComplexColumns {
     let sizes: Vec<f64> = (0..y.columns()).map(|j| column_norm(&y, j)).collect();
     y.scale(|j| Complex::real(1.0 / sizes[j]));

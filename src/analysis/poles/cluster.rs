@@ -1,19 +1,19 @@
-//! Equal poles need vectors of their own. In: refined pairs, of which those of one multiple pole have any vectors of its
-//! eigenspace. Out: the same with vectors that are orthogonal in the form in which the pencil is a diagonal,
-//! B(x, y) = x^T ((s_x + s_y) M + C) y, as those of different poles are by themselves.
+//! Equal poles need separate vectors. In: refined pairs, where those of one multiple pole have arbitrary vectors of its
+//! eigenspace. Out: the same pairs, with vectors that are orthogonal in the form that diagonalises the pencil, B(x, y)
+//! = x^T ((s_x + s_y) M + C) y, as those of different poles already are.
 //! See docs/method/poles.md#general-systems.
 //!
-//! Gram and Schmidt's process, twice, with the products in double-double and the factors in binary64. Where B(x, x) vanishes
-//! the pole is defective, or the vector depends on those before it: then it is left as it is, and the discs say so.
+//! Gram-Schmidt, applied twice, with the products in double-double and the factors in binary64. If B(x, x) vanishes,
+//! the pole is defective or the vector depends on those before it: then it is left unchanged, and the discs show it.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::analysis::poles::refinement::Pair;
 use crate::base::Dd;
 
-/// Poles that agree to this part of themselves are treated as equal: the process changes nothing where they are not.
+/// Poles whose relative difference is at most this are treated as equal; if they are not, the process changes nothing.
 const CLOSE: f64 = 1e-8;
-/// A vector of which less is left depends on the others, as far as its digits go.
+/// If less than this is left of a vector, it depends on the others to working precision.
 const DEPENDENT: f64 = 1e-10;
 
 /// Makes the vectors of each group of close poles orthogonal.

@@ -1,10 +1,11 @@
-//! Where the poles are, roughly: eigenvalues of the state matrix in the coordinates of the undamped modes. In: modes and
-//! terms of an independent part. Out: starting values in binary64, and the basis in which they were found. Nothing here
-//! is printed: refinement and discs do not care how they were started. See docs/method/poles.md#general-systems.
+//! Rough positions of the poles: eigenvalues of the state matrix in the coordinates of the undamped modes. In: modes
+//! and terms of an independent part. Out: starting values in binary64, and the basis in which they were found. Nothing
+//! here is printed: refinement and discs do not depend on how they were started. See
+//! docs/method/poles.md#general-systems.
 //!
 //! With q = Phi y, energies e_j = |omega_j| y_j and velocities v: e' = |omega| v, v' = -sgn(omega^2) |omega| e - C~ v,
-//! C~ = Phi^T C Phi. Without damping that matrix is skew and perfectly scaled, whatever the stiffness ratios; this is what
-//! the scaling of Fan, Lin and Van Dooren (SIMAX 26 (2004) 252) aims at, mode by mode.
+//! C~ = Phi^T C Phi. Without damping that matrix is skew and perfectly scaled, whatever the stiffness ratios; the
+//! scaling of Fan, Lin and Van Dooren (SIMAX 26 (2004) 252) aims at this, mode by mode.
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::numeric::complex::Complex;
@@ -19,12 +20,12 @@ use nalgebra::DMatrix;
 /// Modes as a basis: binary64 columns, and C~ in it.
 #[derive(Clone, Debug)]
 pub struct Basis {
-    /// Free rigid motions, then dragged ones, then the others.
+    /// Free rigid motions, then dragged ones, then the other modes.
     pub shapes: Matrix<f64>,
     pub free: usize,
     pub dragged: usize,
-    /// w (a . N) of the terms of M, and of C, for each rigid motion N: the forces on it without those of springs, which do
-    /// not feel it.
+    /// w (a . N) of the terms of M, and of C, for each rigid motion N: the forces on it, without those of springs,
+    /// which are zero.
     pub rigid_inertia: Vec<Vec<Dd>>,
     pub rigid_drag: Vec<Vec<Dd>>,
     /// omega^2, zero for rigid motions.
@@ -66,11 +67,11 @@ impl Basis {
         2 * self.free + self.dragged
     }
 
-    /// The eigenvalues that are not exactly zero, one of each conjugate pair (im > 0) and the real ones, with the Schur forms
-    /// that they come from.
+    /// The eigenvalues that are not exactly zero (one of each conjugate pair, im > 0, and the real ones), with the
+    /// Schur forms from which they come.
     ///
-    /// The QR method leaves errors of about 1e-16 of the largest eigenvalue, so where some are much slower than others the slow
-    /// ones are taken, as reciprocals, from the inverse of the state matrix.
+    /// The QR method leaves errors of about 1e-16 of the largest eigenvalue. So if some are much slower than others,
+    /// the slow ones are taken, as reciprocals, from the inverse of the state matrix.
     pub fn spectrum(&self) -> Spectrum {
         let fast = SchurForm::of(self.state_matrix()).map(|form| Family::of(form, None));
         let is_wide = fast.as_ref().is_none_or(Family::is_wide);
@@ -90,17 +91,17 @@ impl Basis {
         self.free + self.dragged
     }
 
-    /// |omega| of mode j beyond the rigid ones.
+    /// |omega| of the j-th elastic mode.
     pub fn rate(&self, j: usize) -> f64 {
         self.omega_squared[self.rigid() + j].abs().sqrt()
     }
 
-    /// |omega| and the sign of omega^2 of mode j beyond the rigid ones.
+    /// |omega| and the sign of omega^2 of the j-th elastic mode.
     fn signed_rate(&self, j: usize) -> (f64, f64) {
         (self.rate(j), self.omega_squared[self.rigid() + j].signum())
     }
 
-    /// Rows and columns: energies of the moving modes, velocities of the dragged and of the moving ones.
+    /// Rows and columns: energies of the elastic modes, velocities of the dragged and of the elastic ones.
     fn state_matrix(&self) -> DMatrix<f64> {
         let (moving, velocities) = (self.n() - self.rigid(), self.n() - self.free);
         let mut matrix = DMatrix::zeros(moving + velocities, moving + velocities);
@@ -117,8 +118,9 @@ impl Basis {
         matrix
     }
 
-    /// The inverse without a general inversion: velocities v_m = |omega|^-1 f, v_d = -C_dd^-1 (g_d + C_dm v_m), energies
-    /// e = -sgn |omega|^-1 (g_m + C_md v_d + C_mm v_m) for a right-hand side (f, g_d, g_m). `None` if C_dd is singular.
+    /// The inverse without a general inversion: velocities v_m = |omega|^-1 f, v_d = -C_dd^-1 (g_d + C_dm v_m),
+    /// energies e = -sgn |omega|^-1 (g_m + C_md v_d + C_mm v_m) for a right-hand side (f, g_d, g_m). `None` if C_dd is
+    /// singular.
     fn inverse_state_matrix(&self) -> Option<DMatrix<f64>> {
         let (moving, dragged) = (self.n() - self.rigid(), self.dragged);
         let c = |i: usize, j: usize| self.damping[(self.free + i, self.free + j)];
@@ -129,7 +131,7 @@ impl Basis {
         let mut inverse = DMatrix::zeros(2 * moving + dragged, 2 * moving + dragged);
         for i in 0..moving {
             let (rate, sign) = self.signed_rate(i);
-            // C_md v_d is the transpose of C_dm, with the factor of the column taken back.
+            // C_md v_d is the transpose of C_dm, with the factor of the column undone.
             let c_md = |d: usize| c_dm[(d, i)] * rate;
             for j in 0..moving {
                 let through: f64 = (0..dragged).map(|d| c_md(d) * drag[(d, j)]).sum();
@@ -154,7 +156,7 @@ impl Basis {
     }
 }
 
-/// Eigenvalues of the state matrix by size, in one or two families.
+/// Eigenvalues of the state matrix in order of magnitude, in one or two families.
 pub struct Spectrum {
     pub families: Vec<Family>,
 }
@@ -162,13 +164,14 @@ pub struct Spectrum {
 /// Eigenvalues that come from one Schur form.
 pub struct Family {
     pub form: SchurForm,
-    /// The inverse of the state matrix where the form is of that; its eigenvalues are reciprocals.
+    /// The inverse of the state matrix, if the Schur form is of the inverse; its eigenvalues are then reciprocals.
     pub inverse: Option<Matrix<f64>>,
-    /// Of the state matrix, ascending in size, each beside its eigenvalue of the form.
+    /// Eigenvalues of the state matrix, ascending in magnitude, each with the eigenvalue of the Schur form that it
+    /// comes from.
     pub list: Vec<(Complex<f64>, Eigenvalue)>,
 }
 
-/// Ratio of rates from which on the slow ones have fewer than eight digits in the eigenvalues of the state matrix.
+/// From this ratio of rates on, the slow eigenvalues have fewer than eight digits in those of the state matrix.
 const WIDE: f64 = 1e8;
 
 impl Spectrum {
@@ -191,7 +194,8 @@ impl Family {
         size(self.list.last()) >= WIDE * size(self.list.first())
     }
 
-    /// Approximate solutions z of (s_j - A) z_j = b_j, A being the state matrix: with the inverse, (A^-1 - 1/s) z = A^-1 b / s.
+    /// Approximate solutions z of (s_j - A) z_j = b_j, where A is the state matrix; with its inverse, (A^-1 - 1/s) z =
+    /// A^-1 b / s.
     pub fn solve(&self, shifts: &[Complex<f64>], mut b: ComplexColumns) -> ComplexColumns {
         let Some(inverse) = &self.inverse else {
             let mut z = self.form.solve(shifts, &b);
@@ -210,7 +214,7 @@ impl Family {
         let found: Vec<Eigenvalue> = self.list.iter().map(|&(_, found)| found).collect();
         let mut vectors = self.form.eigenvectors(&found);
         if self.inverse.is_some() {
-            // A conjugate pair's reciprocal with im > 0 belongs to the other vector of the pair.
+            // The reciprocal with im > 0 belongs to the conjugate vector.
             vectors.im.data_mut().iter_mut().for_each(|x| *x = -*x);
         }
         vectors
@@ -222,13 +226,14 @@ fn upper(z: Complex<f64>) -> Complex<f64> {
     if z.im < 0.0 { z.conj() } else { z }
 }
 
-/// The slow ones of one list before the fast ones of the other, cut where the two agree best.
+/// The slow eigenvalues of one list followed by the fast ones of the other, cut where the two agree best.
 fn joined(mut fast: Family, mut slow: Family) -> Spectrum {
     let dimension = |family: &Family| family.list.iter().map(|(s, _)| width(*s)).sum::<usize>();
     if dimension(&slow) != dimension(&fast) {
         return Spectrum { families: vec![fast] };
     }
-    // Real eigenvalues and pairs may fall differently in the two lists, so places are counted in dimensions.
+    // Real eigenvalues and pairs may be distributed differently in the two lists, so positions are counted in
+    // dimensions.
     let places = |family: &Family| {
         let mut end = 0;
         let ends: Vec<usize> = family
@@ -246,7 +251,7 @@ fn joined(mut fast: Family, mut slow: Family) -> Spectrum {
         let (a, b) = (slow.list[i].0, fast.list[j].0);
         (a - b).one_norm() / b.one_norm()
     };
-    // Cuts are where both lists have an end: after the slow one i and the fast one j.
+    // A cut is possible where both lists have an end: after the slow eigenvalue i and the fast one j.
     let mut best = (f64::INFINITY, 0, 0);
     let mut consider = |cost: f64, taken: usize, left: usize| {
         if cost < best.0 {
@@ -266,7 +271,7 @@ fn joined(mut fast: Family, mut slow: Family) -> Spectrum {
     Spectrum { families: vec![slow, fast] }
 }
 
-/// Dimensions of the state that an entry stands for.
+/// Number of state dimensions that a list entry represents.
 fn width(s: Complex<f64>) -> usize {
     if s.im == 0.0 { 1 } else { 2 }
 }
@@ -296,7 +301,7 @@ fn inertia(pencil: &Pencil<Dd>, x: &[Dd], y: &[Dd]) -> Dd {
     (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch(t, y))
 }
 
-/// w (a . x) of each term.
+/// w (a . x) for each term.
 fn forces(squares: &Squares<Dd>, x: &[Dd]) -> Vec<Dd> {
     (0..squares.len()).map(|t| squares.weights[t] * squares.stretch(t, x)).collect()
 }

@@ -1,9 +1,10 @@
-//! How many poles there are. In: what each route found of a part, finite and infinite. Out: the count of a whole system, or
-//! nothing where it is not proved that every pole was found, once.
+//! The number of poles. In: the finite and infinite poles that each method found of a part. Out: the count of a whole
+//! system, or nothing if it is not proved that every pole was found exactly once.
 //! See docs/method/poles.md#definition and docs/method/poles.md#exact-arithmetic.
 
-/// Every finite pole of a system is in a list, each in an enclosure that is certain (a cluster in one that holds as many as it
-/// has members): with the infinite ones they are two for each coordinate. `Tally` makes it, and nothing else.
+/// Proof that every finite pole of a system is in a list, each in a certain enclosure (a cluster in one that contains
+/// as many poles as it has members), and that finite and infinite ones together are two for each coordinate. Only
+/// [`Tally`] makes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoleCount {
     finite: usize,
@@ -16,12 +17,12 @@ impl PoleCount {
         self.finite
     }
 
-    /// Motions without inertia.
+    /// Number of infinite poles, from motions without inertia.
     pub fn infinite(self) -> usize {
         self.infinite
     }
 
-    /// For reports that no analysis made.
+    /// A count for tests of reports, without an analysis.
     #[cfg(test)]
     pub(crate) fn sample(finite: usize, infinite: usize) -> PoleCount {
         PoleCount { finite, infinite }
@@ -34,12 +35,13 @@ pub struct Tally {
     finite: usize,
     infinite: usize,
     coordinates: usize,
-    /// A part was not as it should be.
+    /// Whether the count of some part was wrong.
     broken: bool,
 }
 
 impl Tally {
-    /// A part of so many coordinates has so many finite poles, all enclosed, and so many infinite ones.
+    /// Adds a part with this many coordinates, all of whose poles are found: the finite ones, all enclosed, and the
+    /// infinite ones.
     pub fn part(&mut self, coordinates: usize, finite: usize, infinite: usize) {
         self.coordinates += coordinates;
         self.finite += finite;
@@ -47,12 +49,12 @@ impl Tally {
         self.broken |= finite + infinite != 2 * coordinates;
     }
 
-    /// A pole of which nothing is certain.
+    /// Records a pole of which nothing is certain.
     pub fn doubt(&mut self) {
         self.broken = true;
     }
 
-    /// The count of a system of so many coordinates.
+    /// The count of a system with this many coordinates.
     pub fn counted(&self, coordinates: usize) -> Option<PoleCount> {
         let whole = !self.broken && self.coordinates == coordinates;
         whole.then_some(PoleCount { finite: self.finite, infinite: self.infinite })

@@ -1,6 +1,6 @@
 //! The columns of the pencil in which poles are certified: approximate pairs, their conjugates, and the exact rigid
-//! motions, each scaled by a factor of binary64; and what is known of their products, with bounds of the rounding.
-//! See docs/method/poles.md#discs.
+//! motions, each scaled by a binary64 factor; and their products, with bounds of the rounding errors. See
+//! docs/method/poles.md#discs.
 
 use crate::analysis::numeric::complex::{Complex, Real};
 use crate::analysis::numeric::dense::Matrix;
@@ -13,28 +13,28 @@ use crate::base::{Ball, Dd};
 
 /// Unit roundoff of binary64.
 pub const U: f64 = f64::EPSILON / 2.0;
-/// Covers the rounding of sums of up to 2^20 non-negative numbers.
+/// Covers the rounding errors of sums of up to 2^20 non-negative numbers.
 pub const UP: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
 
-/// A complex number in binary64 and how far it may be from the true one.
+/// A complex number in binary64 and a bound of its distance from the true one.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
     pub value: Complex<f64>,
     pub error: f64,
-    /// At least the modulus of either.
+    /// An upper bound of the modulus of both numbers.
     pub size: f64,
 }
 
 /// One vector z = (x, v), scaled.
 pub struct Column {
     x: Vec<Near>,
-    /// Stretches of the terms of M under x and under v, and of C under x.
+    /// Stretches of the terms of M for x and for v, and of C for x.
     mx: Vec<Near>,
     mv: Vec<Near>,
     cx: Vec<Near>,
 }
 
-/// An exact rigid motion N: what the terms of M and of C do to it, w (a . N), and the factor of its column.
+/// An exact rigid motion N: the forces w (a . N) of the terms of M and of C, and the factor of its column.
 pub struct Motion {
     inertia: Vec<Precise>,
     drag: Vec<Precise>,
@@ -43,16 +43,16 @@ pub struct Motion {
     pub rate: f64,
 }
 
-/// All columns, conjugates behind their originals.
+/// All columns; conjugates follow their originals.
 pub struct Columns {
     pub list: Vec<Column>,
     /// The first columns, which span the motions of poles that are exactly zero.
     pub rigid: Vec<Motion>,
-    /// Column of pair p, and of its conjugate (the same for a real pair).
+    /// Columns of pair p and of its conjugate (equal for a real pair).
     pub of_pair: Vec<(usize, usize)>,
     /// The factor that scales pair p.
     pub factors: Vec<Complex<f64>>,
-    /// The column of the conjugate vector, up to a sign.
+    /// For each column, that of the conjugate vector, up to a sign.
     pub mirror: Vec<usize>,
     pub centres: Vec<Complex<Ball>>,
 }
@@ -67,7 +67,7 @@ impl Near {
         Near { value, error, size: (value.abs() + error) * UP }
     }
 
-    /// At most the modulus of the true number.
+    /// A lower bound of the modulus of the true number.
     pub fn least(&self) -> f64 {
         self.value.abs() * (2.0 - UP) - self.error * UP
     }
@@ -134,7 +134,7 @@ impl Column {
     }
 }
 
-/// Bounds of |x_i . f_p|: a row for each column, a column for each force.
+/// Bounds of |x_i . f_p|: a row for each column i, a column for each force p.
 pub fn dot_products(columns: &Columns, forces: &[Vec<Near>]) -> Matrix<f64> {
     type Part = fn(&Near) -> f64;
     let table = |list: &[&[Near]], part: Part| {
@@ -146,7 +146,7 @@ pub fn dot_products(columns: &Columns, forces: &[Vec<Near>]) -> Matrix<f64> {
     let (x_re, x_im, f_re, f_im) = (table(&x, re), table(&x, im), table(&f, re), table(&f, im));
     let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transposed(), View::of(b));
     let (rr, ii, ri, ir) = (times(&x_re, &f_re), times(&x_im, &f_im), times(&x_re, &f_im), times(&x_im, &f_re));
-    // Each of the four sums is wrong by so much of the sum of the magnitudes.
+    // The error of each of the four sums, relative to the sum of the magnitudes.
     let gamma = 4.0 * error(x_re.rows()) + 16.0 * U;
     let x_size = table(&x, |near| near.size);
     let doubt =
@@ -170,7 +170,7 @@ impl Motion {
         Motion { inertia: forces(&pencil.m), drag, factor, rate }
     }
 
-    /// A bound of |N^T Q(s) x|, scaled: N^T K = 0, so this is s^2 N^T M x + s N^T C x without the forces of springs.
+    /// A bound of |N^T Q(s) x|, scaled. N^T K = 0, so this is s^2 N^T M x + s N^T C x without the forces of springs.
     pub fn residual(&self, s: Complex<Dd>, applied: &Application<Precise>, factor: Complex<f64>) -> f64 {
         let s = Complex::new(Precise::of_dd(s.re), Precise::of_dd(s.im));
         let sum = |forces: &[Precise], stretches: &[Complex<Precise>]| {
@@ -235,14 +235,15 @@ impl Columns {
     }
 }
 
-/// 1 / sqrt(b) for b = x^T (2 s M + C) x, so that B_jj is about one. Any factor is right; this one makes the bounds small.
+/// 1 / sqrt(b) for b = x^T (2 s M + C) x, so that B_jj is about one. Any factor is valid; this one makes the bounds
+/// small.
 fn normaliser(b: Complex<f64>) -> Complex<f64> {
     let root = b.sqrt();
     if root == Complex::ZERO || !root.is_finite() { Complex::real(1.0) } else { root.recip() }
 }
 
-/// A free motion N spans (N, 0) and (0, N), here as (N, tN) and i (N, -tN): B is the identity on them with a proper factor.
-/// A dragged motion spans (N, 0). Beside each column its t.
+/// A free motion N spans (N, 0) and (0, N), represented here by (N, tN) and i (N, -tN): with a suitable factor, B is
+/// the identity on them. A dragged motion spans (N, 0). Returns each column with its t.
 fn rigid_columns(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair]) -> (Vec<Column>, Vec<Motion>) {
     let typical = typical_rate(pairs);
     let (mut list, mut motions) = (Vec::new(), Vec::new());
@@ -268,7 +269,7 @@ fn square(squares: &Squares<Precise>, x: &[Precise]) -> f64 {
     (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch(t, x).to_f64().powi(2)).sum()
 }
 
-/// The geometric middle of the slowest and the fastest rate.
+/// The geometric mean of the slowest and the fastest rate.
 fn typical_rate(pairs: &[Pair]) -> f64 {
     let sizes = pairs.iter().map(|pair| pair.s.to_f64().abs());
     let (low, high) = sizes.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
@@ -289,7 +290,7 @@ mod tests {
         Column { x: x.to_vec(), mx: x.to_vec(), mv: x.to_vec(), cx: x.to_vec() }
     }
 
-    /// The true products may lie anywhere within the errors of the factors, and sums round.
+    /// The true products may lie anywhere within the errors of the factors, and sums are rounded.
     #[test]
     fn a_product_of_columns_is_bounded() {
         let bound = |x: &[Near], f: &[Near]| {
@@ -303,10 +304,10 @@ mod tests {
             };
             dot_products(&columns, &[f.to_vec()])[(0, 0)]
         };
-        // 1e16 + 1 - 1e16, where binary64 sees nothing.
+        // 1e16 + 1 - 1e16, which is zero in binary64.
         let x = [near(1e8, 0.0), near(1.0, 0.0), near(-1e8, 0.0)];
         assert!(bound(&x, &[near(1e8, 0.0), near(1.0, 0.0), near(1e8, 0.0)]) >= 1.0);
-        // 3 - 3, both factors doubtful.
+        // 3 - 3, with uncertain factors.
         let x = [near(1.0, 1e-3), near(-1.0, 0.0)];
         assert!(bound(&x, &[near(3.0, 0.0), near(3.0, 1e-2)]) >= 3e-3 + 1e-2);
     }

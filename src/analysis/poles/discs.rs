@@ -1,13 +1,14 @@
-//! Discs that certainly hold the poles. In: the terms, approximate pairs (s_j, x_j) as exact numbers, the exact rigid
-//! motions. Out: an enclosure for each pair, and which are certified only together. docs/method/poles.md#discs derives it:
+//! Discs that certainly contain the poles. In: the terms, approximate pairs (s_j, x_j) as exact numbers, the exact
+//! rigid motions. Out: an enclosure for each pair, and which pairs are certified only together.
+//! docs/method/poles.md#discs derives it:
 //!
 //! With z = (x, v), v = s x, the symmetric linearisation L(s) = s [C M; M 0] + [K 0; 0 -M] has L(s) z_j =
 //! (Q(s_j) x_j, 0) + (s - s_j) [C M; M 0] z_j. So Z^T L(s) Z = B (s - D) + R with D = diag(s_j) and
 //!   B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j,   R_ij = x_i^T r_j,   r_j = Q(s_j) x_j,
-//! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. Symmetry makes
-//! (s_j - s_i) B_ij = R_ij - R_ji, so off its diagonal B is as small as the residuals are, T too, and Gershgorin's discs
-//! of D - T are small. Residuals are evaluated in triple words with their radius; sums of binary64 carry an explicit
-//! bound of their rounding.
+//! and if B is regular the poles are exactly the eigenvalues of D - T, T = B^-1 R. Symmetry makes (s_j - s_i) B_ij =
+//! R_ij - R_ji, so off its diagonal B is as small as the residuals are, and so is T; hence Gershgorin's discs of D - T
+//! are small. Residuals are evaluated in triple words with their radius; sums in binary64 carry an explicit bound of
+//! their rounding errors.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -19,17 +20,18 @@ use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::base::{Ball, Dd, larger};
 
-/// What holds for one pair.
+/// The certified result for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// The pole is in this rectangle; of infinite size where nothing is certified.
+    /// A rectangle that contains the pole; of infinite size if nothing is certified.
     pub s: Complex<Ball>,
-    /// Discs with the same number overlap: as many poles as discs lie in their union. For the pair and for its conjugate.
+    /// Discs with the same number overlap: their union contains as many poles as discs. One entry for the pair, one for
+    /// its conjugate.
     pub clusters: [Option<u32>; 2],
 }
 
 /// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
-/// `count` is the number of poles; with fewer or more columns than poles nothing is certified.
+/// `count` is the number of poles; nothing is certified if there are fewer or more columns than poles.
 pub fn discs(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair], count: usize) -> Vec<Disc> {
     let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
     let columns = Columns::of(pencil, rigid, pairs, &applied);
@@ -104,7 +106,7 @@ fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<P
             table.set(i, at, bound);
             table.set(columns.mirror[i], conj, bound);
         }
-        // x_k^T Q(s_k) x_k as a sum of energies is the sharper bound of the diagonal.
+        // x_k^T Q(s_k) x_k as a sum of energies gives a sharper bound of the diagonal.
         let energy = Near::of(applied.energy, factor * factor);
         let bound = table.at(at, at).min(energy.size * (1.0 + 8.0 * U));
         table.set(at, at, bound);
@@ -113,7 +115,7 @@ fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<P
     table
 }
 
-/// What is known of B.
+/// Bounds of the deviation of B from a diagonal matrix.
 struct Deviation {
     diagonal: Vec<Near>,
     /// Bounds G_ij of |B_ij| / |B_ii| off the diagonal.
@@ -135,12 +137,12 @@ fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<D
         }
     }
     let theta = (0..n).map(|i| (0..n).map(|j| off.at(i, j)).sum::<f64>()).fold(0.0, f64::max) * UP;
-    // What is not a number proves nothing, and the maximum passes over it.
+    // A NaN proves nothing, and the maximum would skip it.
     let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|b| b.least() > 0.0);
     regular.then_some(Deviation { diagonal, off, theta })
 }
 
-/// A bound of |B_ij|, i < j: from the residuals where the poles are apart, from the terms where they are not.
+/// A bound of |B_ij|, i < j: from the residuals if the poles are well separated, otherwise from the terms.
 fn coupling(pencil: &Pencil<Precise>, columns: &Columns, r: &Table, i: usize, j: usize) -> f64 {
     let rigid = &columns.rigid;
     if i >= rigid.len() {
@@ -172,7 +174,7 @@ fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbat
     let coupled = product(b.off.view(), View::of(&scaled));
     let (mut t, mut own) = (Table::new(n), vec![0.0; n]);
     for (p, &(at, conj)) in columns.of_pair.iter().enumerate() {
-        // Sums of numbers that are not negative: UP covers their rounding, and the last number what is lost below binary64.
+        // Sums of non-negative numbers: UP covers their rounding errors, and the last summand covers underflow.
         let rest: Vec<f64> = coupled.column(p).iter().map(|sum| sum * UP + f64::MIN_POSITIVE).collect();
         // G^2 (1 - G)^-1 R is at most theta / (1 - theta) times the largest entry of G R.
         let tail = rest.iter().copied().fold(0.0, larger) * (b.theta / (1.0 - b.theta)) * UP;
@@ -187,14 +189,14 @@ fn perturbation(columns: &Columns, b: &Deviation, r: &Table) -> Option<Perturbat
     t.is_finite().then_some(Perturbation { t, own })
 }
 
-/// All that is known when discs are drawn.
+/// All bounds that the discs are computed from.
 struct Certificate {
     columns: Columns,
     b: Deviation,
     t: Perturbation,
 }
 
-/// Radii from the columns of D - T. Disjoint discs hold one pole each, and may then be shrunk.
+/// Radii from the columns of D - T. Disjoint discs contain one pole each, and may then be shrunk.
 fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precise>]) -> Vec<Disc> {
     let (columns, t) = (&known.columns, &known.t.t);
     let (first, n) = (columns.rigid.len(), columns.list.len());
@@ -211,7 +213,8 @@ fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precis
 }
 
 impl Certificate {
-    /// A disc that is alone, around s_k - R_kk / B_kk; what double-double cannot hold of that centre goes to the radius.
+    /// A disc that overlaps no other, around s_k - R_kk / B_kk; the part of that centre that double-double cannot hold
+    /// is added to the radius.
     fn alone(&self, radii: &[f64], k: usize, pair: &Pair, step: Near) -> Disc {
         let radius = (self.shrunk(radii, k) + self.t.own[k] + step.error) * UP;
         let enclose = |s: Dd, step: f64| {
@@ -222,8 +225,9 @@ impl Certificate {
         Disc { s, clusters: [None; 2] }
     }
 
-    /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays clear of
-    /// the others it holds exactly its own. With tau = 2 max T_ki / (gap - radii) each other disc grows by less than its gap.
+    /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays
+    /// clear of the others it contains exactly its own pole. With tau = 2 max T_ki / (gap - radii) each other disc
+    /// grows by less than its gap.
     fn shrunk(&self, radii: &[f64], k: usize) -> f64 {
         let (t, first) = (&self.t.t, self.columns.rigid.len());
         let mut tau = 1e-290f64;
@@ -236,18 +240,18 @@ impl Certificate {
         others * tau.min(1.0) * UP
     }
 
-    /// -R_kk / B_kk, Rayleigh's quotient, with its error; `energy` is x^T Q(s) x.
+    /// -R_kk / B_kk, the step of the Rayleigh quotient, with its error; `energy` is x^T Q(s) x.
     fn rayleigh_step(&self, k: usize, factor: Complex<f64>, energy: Complex<Precise>) -> Near {
         let (b, r) = (self.b.diagonal[k], Near::of(energy, factor * factor));
         let value = -(r.value * b.value.recip());
-        // |factor^2| and the quotient carry a few roundings.
+        // |factor^2| and the quotient carry a few rounding errors.
         let rounding = 32.0 * U * r.size;
         let error = (r.error + rounding + value.abs() * b.error * UP) / b.least() * UP;
         Near { value, error, size: (value.abs() + error) * UP }
     }
 }
 
-/// Connected discs share a number; a disc alone has none.
+/// Numbers the clusters: connected discs share a number; a disc that touches no other has none.
 fn clusters(first: usize, n: usize, touch: impl Fn(usize, usize) -> bool) -> Vec<Option<u32>> {
     let mut number: Vec<usize> = (0..n).collect();
     for k in first..n {
@@ -262,7 +266,7 @@ fn clusters(first: usize, n: usize, touch: impl Fn(usize, usize) -> bool) -> Vec
     (0..n).map(|k| (members(k) > 1).then_some(number[k] as u32)).collect()
 }
 
-/// Every pole of the union is within this of centre k.
+/// A radius about centre k that contains every pole of the union of its cluster.
 fn union_radius(
     clusters: &[Option<u32>],
     cluster: Option<u32>,
@@ -285,7 +289,7 @@ mod tests {
     use crate::analysis::poles::refinement::refine;
     use crate::analysis::test_systems::{blank, push};
 
-    /// A chain of four with one damper: four pairs far apart.
+    /// A chain of four masses with one damper: four pairs, well separated.
     fn chain() -> (Pencil<Precise>, Vec<Pair>) {
         let mut system = blank(4);
         for (i, k) in ["3.1", "1.7", "2.3", "0.9"].into_iter().enumerate() {
@@ -305,7 +309,7 @@ mod tests {
         discs(pencil, &RigidMotions::default(), pairs, count)
     }
 
-    /// How far the disc's centre is from the truth, and its radius.
+    /// The distance of the disc's centre from the true pole, and its radius.
     fn error(disc: &Disc, truth: &Disc) -> (f64, f64) {
         let d = disc.s - truth.s;
         (d.re.mid.to_f64().hypot(d.im.mid.to_f64()), disc.s.re.rad.max(disc.s.im.rad))
@@ -319,7 +323,8 @@ mod tests {
         assert!(discs.iter().all(|disc| disc.clusters == [None; 2] && disc.s.re.rad < 1e-28), "{discs:?}");
     }
 
-    /// A pole too few, too many, or one twice where another is missing: nothing is certified.
+    /// Nothing is certified if a pole is missing, if there is one too many, or if one occurs twice and another is
+    /// missing.
     #[test]
     fn poles_that_are_not_counted_are_not_certified() {
         let (pencil, pairs) = chain();
@@ -330,7 +335,7 @@ mod tests {
         assert!(nothing(&pairs, 10), "there are more poles than pairs");
     }
 
-    /// Vectors of two poles that are nearly the same leave B singular, as far as can be decided.
+    /// Nearly equal vectors for two poles make B singular, as far as can be decided.
     #[test]
     fn vectors_that_depend_on_each_other_certify_nothing() {
         let (pencil, mut pairs) = chain();
@@ -338,8 +343,8 @@ mod tests {
         assert!(certified(&pencil, &pairs, 8).iter().all(|disc| !disc.is_certified()));
     }
 
-    /// One vector is wrong and all other pairs are right. Then the other columns of R vanish, Gershgorin's radius too, and what
-    /// is left of the error is the part of B^-1 R off the diagonal of B, quadratic in the slip.
+    /// One vector is wrong and all other pairs are exact. Then the other columns of R vanish and so does Gershgorin's
+    /// radius; the remaining error is the part of B^-1 R off the diagonal of B, which is quadratic in the slip.
     #[test]
     fn a_wrong_vector_widens_its_disc_by_the_square() {
         let (pencil, pairs) = chain();
@@ -360,7 +365,7 @@ mod tests {
         assert!(felt >= 9, "{felt}");
     }
 
-    /// Numbers that are wrong, and all vectors a little: what is certified holds the truth.
+    /// Wrong numbers, and slightly wrong vectors: everything that is certified contains the true poles.
     #[test]
     fn wrong_pairs_have_discs_that_hold_the_truth() {
         let (pencil, pairs) = chain();

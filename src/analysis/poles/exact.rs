@@ -1,7 +1,7 @@
-//! Poles by exact arithmetic: the roots of the polynomial det(M s^2 + C s + K) with integer coefficients. In: the terms of
-//! a small independent part, all rational. Out: every root with its multiplicity, however close to others, whether it is
-//! real, and whether it has fewer vectors than its multiplicity. For parts whose discs overlap, and for those with motions
-//! without inertia. See docs/method/poles.md#exact-arithmetic.
+//! Poles by exact arithmetic: the roots of the polynomial det(M s^2 + C s + K) with integer coefficients. In: the terms
+//! of a small independent part, all rational. Out: every root with its multiplicity, however close to others, whether
+//! it is real, and whether it has fewer vectors than its multiplicity. Used for parts whose discs overlap, and for
+//! those with motions without inertia. See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::modes::parts::Part;
 use crate::analysis::numeric::big_float::{ComplexFloat, Float};
@@ -16,14 +16,14 @@ use num_integer::Integer;
 use num_traits::One;
 use std::cmp::Ordering;
 
-/// Beyond this the polynomial's exact arithmetic takes longer than a user would wait for.
+/// For more coordinates than this, exact arithmetic on the polynomial takes longer than a user would wait.
 pub const MOST_COORDINATES: usize = 12;
-/// Bits that roots are sought with at first; doubled until their discs are apart.
+/// Initial working precision for roots, in bits; it is doubled until their discs are disjoint.
 const FIRST_BITS: u64 = 160;
-/// 2^-1000 is the distance of roots that are separated at last; the polynomials here have none closer.
+/// Largest working precision. It separates roots down to a distance of 2^-1000; the polynomials here have none closer.
 const MOST_BITS: u64 = 2560;
 
-/// The finite poles of a part, all of them: as many as the degree of det Q. Made by [`exact_poles`] alone.
+/// All finite poles of a part: as many as the degree of det Q. Made only by [`exact_poles`].
 #[derive(Clone, Debug)]
 pub struct ExactPoles {
     zeros: usize,
@@ -32,24 +32,24 @@ pub struct ExactPoles {
 }
 
 impl ExactPoles {
-    /// `None` where the roots and zeros are not as many as the degree.
+    /// `None` if the number of roots and zeros is not the degree.
     fn counted(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
         let sides = |root: &ExactRoot| if root.real { root.multiplicity } else { 2 * root.multiplicity };
         let count = zeros + roots.iter().map(sides).sum::<usize>();
         (count == degree).then_some(ExactPoles { zeros, roots, degree })
     }
 
-    /// The degree of det Q: how many there are, zeros included.
+    /// The degree of det Q: the number of finite poles, zeros included.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// How many are exactly zero.
+    /// The number of poles that are exactly zero.
     pub fn zeros(&self) -> usize {
         self.zeros
     }
 
-    /// The others, one of each conjugate pair (im > 0).
+    /// The nonzero poles, one of each conjugate pair (im > 0).
     pub fn roots(&self) -> &[ExactRoot] {
         &self.roots
     }
@@ -61,18 +61,18 @@ pub struct ExactRoot {
     pub s: Complex<Ball>,
     pub multiplicity: usize,
     pub real: bool,
-    /// There are fewer independent vectors x with Q(s) x = 0 than the multiplicity.
+    /// Whether there are fewer independent vectors x with Q(s) x = 0 than the multiplicity.
     pub defective: bool,
 }
 
-/// What exact arithmetic says.
+/// The result of exact arithmetic.
 pub enum Exact {
     Poles(ExactPoles),
     /// det Q vanishes for every s.
     Singular,
 }
 
-/// The poles of a part; `None` where it is too large, a term is not rational, or the roots are not separated.
+/// The poles of a part; `None` if it is too large, a term is not rational, or the roots cannot be separated.
 pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<Exact> {
     if part.coordinates.len() > MOST_COORDINATES {
         return None;
@@ -92,8 +92,8 @@ pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<
     Some(Exact::Poles(ExactPoles::counted(zeros, roots, polynomial.degree())?))
 }
 
-/// How many poles of a part lie to the left of the imaginary axis, on it and to its right, without any of their values
-/// (Routh); `None` where the part is too large or a term is not rational.
+/// The number of poles of a part to the left of the imaginary axis, on it and to its right, without computing any of
+/// them (Routh); `None` if the part is too large or a term is not rational.
 pub fn half_planes_of(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<HalfPlanes> {
     if part.coordinates.len() > MOST_COORDINATES {
         return None;
@@ -101,8 +101,8 @@ pub fn half_planes_of(system: &LinearSystem, part: &Part, local: &[u32]) -> Opti
     half_planes(&Matrices::of(system, part, local)?.characteristic(false))
 }
 
-/// Roots of multiplicity i. With Q(s) bordered by any vector u, det [Q, u; u^T, 0] vanishes at s if two independent vectors
-/// are annihilated: where it does not, there is only one.
+/// Roots of the given multiplicity. If two independent vectors are annihilated at s, then det [Q, u; u^T, 0] vanishes
+/// there for any vector u: if it does not vanish, there is only one such vector.
 fn with_multiplicity(factor: &Polynomial, multiplicity: usize, matrices: &Matrices) -> Option<Vec<ExactRoot>> {
     if multiplicity == 1 {
         return found(factor, 1, false);
@@ -118,7 +118,7 @@ fn found(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Ve
     Some(roots(factor)?.into_iter().map(root).collect())
 }
 
-/// M, C and K times one integer that clears all denominators.
+/// M, C and K, multiplied by one integer that clears all denominators.
 struct Matrices {
     m: Vec<Vec<BigInt>>,
     c: Vec<Vec<BigInt>>,
@@ -140,7 +140,7 @@ impl Matrices {
         Some(Matrices { m: cleared(&m), c: cleared(&c), k: cleared(&k) })
     }
 
-    /// det Q(s), or det [Q(s), u; u^T, 0] for a scattered vector u, from its values at small integers.
+    /// det Q(s), or det [Q(s), u; u^T, 0] for a pseudo-random vector u, interpolated from its values at small integers.
     fn characteristic(&self, bordered: bool) -> Polynomial {
         let n = self.m.len();
         let values: Vec<BigInt> = (0..=2 * n as i64).map(|s| determinant(self.at(s, bordered))).collect();
@@ -177,8 +177,8 @@ fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<
     Some(matrix)
 }
 
-/// The roots of a polynomial without repeated or zero ones: one of each conjugate pair and the real ones (marked),
-/// ascending in size, each in a disc of its own.
+/// The roots of a polynomial without repeated or zero roots: one of each conjugate pair and the real ones (marked),
+/// ascending in magnitude, each in a disc of its own.
 fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
     if f.degree() == 0 {
         return Some(Vec::new());
@@ -196,8 +196,8 @@ fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
     None
 }
 
-/// First values on circles whose radii are those of the Newton polygon (Bini, Numer. Algorithms 13 (1996) 179): between
-/// corners i and j of the upper hull of log2 |a_i| there are j - i roots of about 2^((l_i - l_j) / (j - i)).
+/// Initial values on circles whose radii are those of the Newton polygon (Bini, Numer. Algorithms 13 (1996) 179):
+/// between corners i and j of the upper hull of log2 |a_i| there are j - i roots of about 2^((l_i - l_j) / (j - i)).
 pub(in crate::analysis) fn circles(f: &Polynomial) -> Vec<ComplexFloat> {
     let corners = upper_hull(f);
     let (mut values, mut turn) = (Vec::new(), Complex::new(0.96, 0.28));
@@ -206,7 +206,7 @@ pub(in crate::analysis) fn circles(f: &Polynomial) -> Vec<ComplexFloat> {
         let exponent = (low - high) as f64 / (j - i) as f64;
         let whole = exponent.floor();
         for _ in i..j {
-            // An angle that no number of turns brings back.
+            // An angle that is not a rational part of a full turn.
             turn = turn * Complex::new(0.28, 0.96);
             let scale = Float::from(1.0 + (exponent - whole)).times_power_of_two(whole as i64);
             values.push(ComplexFloat::new(&Float::from(turn.re) * &scale, &Float::from(turn.im) * &scale));
@@ -233,7 +233,7 @@ fn upper_hull(f: &Polynomial) -> Vec<(usize, i64)> {
     hull
 }
 
-/// The iteration of Ehrlich and Aberth until no value moves by more than half of its bits, at most so many sweeps.
+/// The Ehrlich-Aberth iteration until no value moves by more than half of its bits, for a limited number of sweeps.
 pub(in crate::analysis) fn iterate(f: &Polynomial, slope: &Polynomial, values: &mut [ComplexFloat], bits: u64) {
     for _ in 0..100 {
         let mut settled = true;
@@ -257,7 +257,7 @@ fn is_small(step: &ComplexFloat, z: &ComplexFloat, places: i64) -> bool {
     }
 }
 
-/// f / (f' - f sum 1 / (z_i - z_j)), nothing where f vanishes or the divisor does.
+/// f / (f' - f sum 1 / (z_i - z_j)); zero if f or the divisor vanishes.
 fn correction(
     f: &Polynomial,
     slope: &Polynomial,
@@ -278,7 +278,7 @@ fn correction(
     (!p.is_zero() && !divisor.is_zero()).then(|| (&p * &divisor.recip(bits)).cut(bits))
 }
 
-/// f(z) by Horner's scheme, exact without `bits`.
+/// f(z) by Horner's scheme; exact if `bits` is `None`.
 pub(in crate::analysis) fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
     f.coefficients().iter().rev().fold(ComplexFloat::zero(), |sum, a| {
         let next = &(&sum * z) + &ComplexFloat::new(Float::from(a.clone()), Float::zero());
@@ -289,15 +289,15 @@ pub(in crate::analysis) fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<
     })
 }
 
-/// A disc that holds a root.
+/// A disc that contains a root.
 struct Rooted {
     z: ComplexFloat,
     radius: Float,
 }
 
 impl Rooted {
-    /// The disc around z, or around its real part where that is no farther off than the disc is wide: a disc around a real
-    /// centre that holds one root holds a real one.
+    /// The disc around z; if that meets the real axis, the disc around the real part of z instead: a disc around a real
+    /// centre that contains one root contains a real one.
     fn around(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rooted> {
         let disc = Rooted { z: z.clone(), radius: radius(f, slope, z)? };
         if disc.is_clear_of_the_axis() {
@@ -321,7 +321,7 @@ impl Rooted {
         is_less(&(&reach * &reach), &(&self.z - &other.z).norm())
     }
 
-    /// All digits that double-double can show.
+    /// Whether the disc determines all digits that double-double can represent.
     fn is_sharp(&self) -> bool {
         let wide = self.radius.clone().times_power_of_two(110);
         is_less(&(&wide * &wide), &self.z.norm())
@@ -332,10 +332,11 @@ fn is_less(a: &Float, b: &Float) -> bool {
     (b - a).sign() == Ordering::Greater
 }
 
-/// The disc |s - z| <= d |f / f'| holds a root (Laguerre; Henrici, Applied and Computational Complex Analysis I, 6.4), d
-/// disjoint ones hold one each, and those are all. A disc around a real centre holds its root's conjugate too, which is the
-/// root itself; one clear of the real axis holds the conjugate of a root in the mirrored half plane. Sturm's chain counts the real ones
-/// again. `None` where discs touch, or hide digits that double-double can show.
+/// The disc |s - z| <= d |f / f'| contains a root (Laguerre; Henrici, Applied and Computational Complex Analysis I,
+/// 6.4); d disjoint discs contain one each, and those are all roots. A disc around a real centre also contains the
+/// conjugate of its root, which is therefore the root itself; one clear of the real axis contains one root of a
+/// conjugate pair. Sturm's chain counts the real roots independently. `None` if discs touch, or leave digits open that
+/// double-double can represent.
 fn separated(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
     let discs: Vec<Rooted> = values.iter().map(|z| Rooted::around(f, slope, z)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &Rooted)| discs[..i].iter().all(|b| a.is_apart_from(b));
@@ -359,7 +360,7 @@ fn separated(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Opt
     Some(list.into_iter().map(enclosed).collect())
 }
 
-/// d |f(z) / f'(z)|, exactly but for one rounding upwards.
+/// d |f(z) / f'(z)|, exact except for one rounding upwards.
 fn radius(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Float> {
     let (p, q) = (value(f, z, None).norm(), value(slope, z, None).norm());
     (!q.is_zero()).then(|| &p.root_of_quotient_above(&q) * &Float::from(BigInt::from(f.degree())))
@@ -403,7 +404,7 @@ mod tests {
         ComplexFloat::new(Float::from(re), Float::from(im))
     }
 
-    /// Discs that meet, one too few, and discs on the axis and off it that hold the same root prove nothing.
+    /// Discs that meet, a missing disc, and discs on and off the axis that contain the same root prove nothing.
     #[test]
     fn values_that_are_not_apart_are_no_roots() {
         // (s + 1)(s + 3)
@@ -416,12 +417,12 @@ mod tests {
         assert!(separated(&[value(-1.0, tiny), value(-1.0, -tiny)]).is_none(), "a real one as a pair");
         assert!(separated(&[value(-1.0, 0.0)]).is_none(), "one is missing");
         assert!(separated(&[value(-1.0, 0.0), value(-2.9, 0.0)]).is_none(), "not sharp");
-        // Beside the axis by less than the disc is wide.
+        // The distance from the axis is less than the disc's radius.
         let real = separated(&[value(-1.0, tiny), value(-3.0, -tiny)]).expect("they are simple");
         assert!(real.iter().all(|(s, real)| *real && s.im.is_zero()));
     }
 
-    /// Beyond the squares of binary64 too, discs that meet are no roots.
+    /// Discs that meet are not separated roots, also for values whose squares exceed binary64.
     #[test]
     fn large_values_are_told_apart_exactly() {
         let big = BigInt::from(10).pow(160u32);
@@ -432,7 +433,7 @@ mod tests {
         assert!(separated(&f, &f.derivative(), &[at(1), at(1)]).is_none());
     }
 
-    /// Of (s + 1)^3 the nearest root is as far away as n |f / f'| says: nothing less will do.
+    /// The nearest root of (s + 1)^3 is exactly as far away as n |f / f'| says: no smaller radius would do.
     #[test]
     fn a_radius_reaches_the_nearest_root() {
         let f = polynomial(&[1, 3, 3, 1]);
@@ -440,7 +441,7 @@ mod tests {
         assert!(!is_less(&radius, &Float::from(0.5)), "{radius:?}");
     }
 
-    /// Discs with radii 1 that are 1.5 apart meet, each outside the other's centre.
+    /// Discs of radius 1 whose centres are 1.5 apart meet, although each is outside the other's centre.
     #[test]
     fn discs_that_meet_are_not_apart() {
         let disc = |at: f64, radius: f64| Rooted { z: value(at, 0.0), radius: Float::from(radius) };
@@ -448,7 +449,7 @@ mod tests {
         assert!(disc(0.0, 0.5).is_apart_from(&disc(1.5, 0.5)));
     }
 
-    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new place to hold i or -i.
+    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new centre to contain i or -i.
     #[test]
     fn a_disc_that_is_moved_to_the_axis_still_holds_a_root() {
         let f = polynomial(&[1, 0, 1]);

@@ -1,5 +1,5 @@
-//! Poles as they are found: what is known of each becomes its kind, its damping ratio and its bound, and at the end all are
-//! put in order. In: modes, roots, discs. Out: the list.
+//! Collects poles as they are found: determines the kind, damping ratio and bound of each from its enclosure, and
+//! finally sorts them. In: modes, roots, discs. Out: the list.
 //! See docs/method/poles.md#definition and docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
@@ -17,16 +17,16 @@ use std::cmp::Ordering;
 pub struct PoleList {
     list: Vec<Pole>,
     next_cluster: u32,
-    /// Those of the part at hand that are infinite.
+    /// Number of infinite poles of the current part.
     infinite: usize,
     tally: Tally,
-    /// Where the part at hand begins.
+    /// Index at which the current part begins.
     first: usize,
-    /// Where the poles of each part end, and those of each mode that is an oscillator of its own.
+    /// Indices at which the poles of each part end, and those of each mode that is an oscillator of its own.
     ends: Vec<usize>,
 }
 
-/// What is known of a pole that is not exactly zero.
+/// The known facts about a pole that is not exactly zero.
 struct Known {
     s: Complex<Ball>,
     kind: PoleKind,
@@ -36,7 +36,7 @@ struct Known {
 }
 
 impl PoleList {
-    /// The poles of modes without damping.
+    /// Adds the poles of modes without damping.
     pub fn undamped(&mut self, modes: &Modes) {
         let first = self.next_cluster;
         for mode in &modes.list {
@@ -44,7 +44,7 @@ impl PoleList {
         }
     }
 
-    /// `first` is where the numbers of this part's clusters start.
+    /// `first` is the first cluster number of this part.
     fn undamped_mode(&mut self, mode: &Mode, first: u32) {
         let sides = [0, 1].map(|side| self.numbered(first, mode.cluster.map(|number| 2 * number + side)));
         let zero = Ball::ZERO;
@@ -56,7 +56,7 @@ impl PoleList {
             ModeKind::Divergence => {
                 [(-mode.omega, zero, PoleKind::Overdamped), (mode.omega, zero, PoleKind::Divergence)]
             }
-            // On one of the two axes, both of them no farther from zero than this.
+            // The poles lie on one of the two axes, no farther from zero than this.
             ModeKind::Undetermined => [(mode.omega, mode.omega, PoleKind::Undetermined); 2],
         };
         for ((re, im, kind), cluster) in ends.into_iter().zip(sides) {
@@ -64,7 +64,7 @@ impl PoleList {
         }
     }
 
-    /// Poles that are exactly zero.
+    /// Adds poles that are exactly zero.
     pub fn zeros(&mut self, count: usize) {
         let zero = Pole {
             re: Ball::ZERO,
@@ -79,7 +79,7 @@ impl PoleList {
         self.list.extend(std::iter::repeat_n(zero, count));
     }
 
-    /// Poles that are there, and of which nothing is known.
+    /// Adds poles that exist, but of which nothing else is known.
     pub fn unknown(&mut self, count: usize) {
         let anything = Ball::new(Dd::ZERO, f64::INFINITY);
         for _ in 0..count {
@@ -89,17 +89,17 @@ impl PoleList {
         }
     }
 
-    /// Motions of the part at hand that have no inertia, proved to be so many.
+    /// Records `count` infinite poles of the current part, proved by its motions without inertia.
     pub fn infinite(&mut self, count: usize) {
         self.infinite += count;
     }
 
-    /// How many of so many are neither in the list nor known to be infinite.
+    /// How many of `of` poles are neither in the list nor known to be infinite.
     pub fn missing(&self, of: usize) -> usize {
         of.saturating_sub(self.list.len() + self.infinite)
     }
 
-    /// All poles of a part of so many coordinates are found.
+    /// Records that all poles of a part with this many coordinates are found.
     pub fn end_part(&mut self, coordinates: usize) {
         self.tally.part(coordinates, self.list.len() - self.first, self.infinite);
         if !self.list[self.first..].iter().all(is_enclosed) {
@@ -109,7 +109,7 @@ impl PoleList {
         self.ends.push(self.first);
     }
 
-    /// The roots of a quadratic.
+    /// Adds the roots of a quadratic.
     pub fn quadratic(&mut self, roots: Roots, passive: Passive) {
         let (pair, together, defective) = match roots {
             Roots::Apart(pair) => (pair, false, false),
@@ -123,16 +123,16 @@ impl PoleList {
         self.ends.push(self.list.len());
     }
 
-    /// A root that so many motions have.
+    /// Adds a root that `count` motions share.
     pub fn repeated(&mut self, root: Root, count: usize, passive: Passive) {
         let cluster = (count > 1).then(|| self.new_cluster());
         (0..count).for_each(|_| self.root(root, cluster, false, passive));
         self.ends.push(self.list.len());
     }
 
-    /// A root by itself.
+    /// Adds a single root.
     pub fn root(&mut self, Root { re, im, kind }: Root, cluster: Option<u32>, defective: bool, passive: Passive) {
-        // A ball around zero tells no sign; the dampers may.
+        // A ball around zero leaves the sign open; the dampers may decide it.
         let kind = match kind {
             PoleKind::Undetermined if im.is_zero() => real_kind(re, passive),
             PoleKind::Undetermined => complex_kind(Complex::new(re, im), passive),
@@ -141,12 +141,12 @@ impl PoleList {
         self.push(Known { s: Complex::new(re, im), kind, cluster, defective, route: Route::Decoupled });
     }
 
-    /// The discs of a part's pairs, each marked where its centre is real.
+    /// Adds the discs of a part's pairs, each marked if its centre is real.
     pub fn refined(&mut self, discs: impl Iterator<Item = (bool, Disc)>, passive: Passive) {
         let first = self.next_cluster;
         for (real, disc) in discs {
             let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));
-            // A disc around a real centre that holds one pole holds its conjugate too: it is real.
+            // A disc around a real centre that contains one pole also contains its conjugate: so the pole is real.
             let im = if real && cluster.is_none() { Ball::ZERO } else { disc.s.im };
             let known = |im: Ball, cluster: Option<u32>| Known {
                 s: Complex::new(disc.s.re, im),
@@ -162,7 +162,7 @@ impl PoleList {
         }
     }
 
-    /// Poles from exact arithmetic.
+    /// Adds poles from exact arithmetic.
     pub fn exact(&mut self, poles: &ExactPoles, passive: Passive) {
         self.zeros(poles.zeros());
         for root in poles.roots() {
@@ -191,7 +191,7 @@ impl PoleList {
         self.next_cluster - 1
     }
 
-    /// A cluster's number beside those of the parts before, which end below `first`.
+    /// Renumbers a cluster so that it follows those of earlier parts, whose numbers are below `first`.
     fn numbered(&mut self, first: u32, cluster: Option<u32>) -> Option<u32> {
         let number = first + cluster?;
         self.next_cluster = self.next_cluster.max(number + 1);
@@ -219,8 +219,8 @@ impl PoleList {
         });
     }
 
-    /// Ascending in |s|, re, im; clusters numbered in that order. `coordinates` of the system: each has two poles, some of
-    /// them infinite.
+    /// Sorts the poles by |s|, re, im, and numbers the clusters in that order. `coordinates`: those of the system, each
+    /// of which has two poles, some of them infinite.
     pub fn sorted(mut self, coordinates: usize) -> Poles {
         self.join_parts();
         let order = |a: Dd, b: Dd| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
@@ -238,8 +238,8 @@ impl PoleList {
         Poles { count: self.tally.counted(coordinates), list: self.list, ..Poles::default() }
     }
 
-    /// Poles of different parts, or of different modes, whose enclosures meet are a cluster too: equal ones, or such as are not
-    /// separated. Exact zeros are no news, and a defective pole keeps its number, which says that it has one shape.
+    /// Poles of different parts, or of different modes, whose enclosures meet are a cluster too: they are equal, or not
+    /// separated. Exact zeros are left alone, and a defective pole keeps its number, which says that it has one shape.
     fn join_parts(&mut self) {
         let may_join = |pole: &Pole| is_enclosed(pole) && pole.kind != PoleKind::Rigid && !pole.defective;
         let one = |i: usize| One {
@@ -265,7 +265,7 @@ impl PoleList {
         }
     }
 
-    /// The clusters that were known, and those that are joined.
+    /// Renumbers the clusters: those that were known, and those that were joined.
     fn number_anew(&mut self, mut joined: Joined) {
         let mut first: Vec<Option<usize>> = vec![None; self.next_cluster as usize];
         for i in 0..self.list.len() {
@@ -278,7 +278,7 @@ impl PoleList {
         (0..self.list.len()).for_each(|i| members[joined.root(i)] += 1);
         for i in 0..self.list.len() {
             let root = joined.root(i);
-            // One that is not distinguished from its conjugate may be a cluster of its own.
+            // A pole that cannot be distinguished from its conjugate may be a cluster of its own.
             if members[root] > 1 {
                 self.list[i].cluster = Some(self.next_cluster + root as u32);
             }
@@ -286,7 +286,7 @@ impl PoleList {
     }
 }
 
-/// A pole with the part that it is of, and the bounds of |s|.
+/// A pole with the index of its part and the bounds of |s|.
 struct One {
     pole: usize,
     part: usize,
@@ -326,12 +326,12 @@ fn meet(a: &Pole, b: &Pole) -> bool {
     (a.re - b.re).contains_zero() && (a.im - b.im).contains_zero()
 }
 
-/// The real part of an oscillation that is not distinguished from zero is shown as zero and its bound.
+/// If the real part of an oscillation cannot be distinguished from zero, it is shown as zero with a bound.
 fn not_told_from_zero(re: Ball, im: Ball) -> Ball {
     if re.contains_zero() && re.rad.is_finite() && !im.is_zero() { Ball::new(Dd::ZERO, re.magnitude()) } else { re }
 }
 
-/// The kind of a pole around a real centre.
+/// The kind of a pole whose enclosure has a real centre.
 fn real_kind(re: Ball, passive: Passive) -> PoleKind {
     match re.contains_zero() {
         false if re.mid.hi > 0.0 => PoleKind::Divergence,
@@ -340,7 +340,7 @@ fn real_kind(re: Ball, passive: Passive) -> PoleKind {
     }
 }
 
-/// x^H Q(s) x = 0 has the imaginary part im (2 re x^H M x + x^H C x): with M > 0 and C >= 0 no oscillation grows.
+/// For x^H Q(s) x = 0 the imaginary part is im (2 re x^H M x + x^H C x): with M > 0 and C >= 0 no oscillation grows.
 fn complex_kind(s: Complex<Ball>, passive: Passive) -> PoleKind {
     let off_axis = !s.im.contains_zero();
     match s.re.contains_zero() {
@@ -382,7 +382,7 @@ mod tests {
         found.infinite(1);
         found.end_part(1);
         assert_eq!(found.sorted(2).infinite(), Some(1));
-        // Three in one part and one in the other are four, and wrong.
+        // Three in one part and one in the other also make four, but are wrong.
         let mut found = PoleList::default();
         found.zeros(3);
         found.end_part(1);
@@ -403,7 +403,7 @@ mod tests {
         assert_eq!(clusters, [Some(0), Some(0), Some(0), None, None]);
     }
 
-    /// A real part in 1 +- 3 is reported as zero and a radius that holds 4.
+    /// A real part of 1 +- 3 is reported as zero with a radius that contains 4.
     #[test]
     fn a_real_part_about_zero_keeps_all_of_its_enclosure() {
         let told = not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ONE);
@@ -411,14 +411,15 @@ mod tests {
         assert_eq!(not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ZERO).mid, Dd::from(1.0));
     }
 
-    /// What may lie on either side of the axis is one kind or the other only where nothing can grow.
+    /// A pole whose enclosure crosses the axis is of a certain kind only if nothing can grow.
     #[test]
     fn poles_about_the_axis_are_undetermined() {
         let (about, feeding) = (Ball::new(Dd::from(-1e-20), 1e-19), Passive { damped: false, held: true });
         assert_eq!(real_kind(about, feeding), PoleKind::Undetermined);
         assert_eq!(real_kind(about, PASSIVE), PoleKind::Overdamped);
         assert_eq!(complex_kind(Complex::new(about, Ball::ONE), feeding), PoleKind::Undetermined);
-        // Dampers that take energy leave a real pole of a falling part free to grow: one that may be real is not told.
+        // With passive dampers a real pole of a falling part may still grow, so the kind of a pole that may be real is
+        // undetermined.
         let falling = Passive { damped: true, held: false };
         assert_eq!(complex_kind(Complex::new(about, about), falling), PoleKind::Undetermined);
         assert_eq!(complex_kind(Complex::new(about, Ball::ONE), falling), PoleKind::Oscillation);

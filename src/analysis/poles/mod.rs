@@ -1,9 +1,9 @@
-//! The poles of M s^2 + C s + K: every one of the 2n, each with a bound that holds. In: the linear system and its undamped
+//! The poles of M s^2 + C s + K: all 2n of them, each with a proven bound. In: the linear system and its undamped
 //! modes. Out: poles, ascending in |s|. See docs/method/poles.md.
 //!
-//! Independent parts are taken one by one. Without damping the poles are +-i omega; one coordinate is a quadratic; damping
-//! C = alpha M + beta K makes a quadratic of each mode; what is left is refined from the companion matrix. Where poles are
-//! not separated, and where motions have no inertia, the polynomial det Q decides exactly.
+//! Independent parts are treated one by one. Without damping the poles are +-i omega; one coordinate is a quadratic;
+//! damping C = alpha M + beta K makes a quadratic of each mode; otherwise eigenvalues of the companion matrix are
+//! refined. If poles are not separated, or motions have no inertia, the polynomial det Q decides exactly.
 
 pub(in crate::analysis) mod aberth;
 pub(in crate::analysis) mod batch;
@@ -66,7 +66,7 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     in_range(system, unscaled(system, modes)?)
 }
 
-/// Of a pole beyond binary64 nothing could be printed.
+/// Poles outside the range of binary64 could not be printed.
 fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError> {
     let is_finite = |pole: &Pole| pole.re.mid.is_finite() && pole.im.mid.is_finite();
     if poles.list.iter().all(is_finite) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
@@ -87,7 +87,7 @@ fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError
         } else if parts.len() == 1 {
             part.solve(modes, &mut found)?;
         } else {
-            // Modes of the whole may mix equal frequencies of different parts.
+            // Modes of the whole system may mix equal frequencies of different parts.
             part.solve(&crate::analysis::modes(&as_system(system, coordinates, &local))?, &mut found)?;
         }
         found.end_part(coordinates.coordinates.len());
@@ -95,8 +95,7 @@ fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError
     Ok(found.sorted(system.n()))
 }
 
-/// The poles of some of the modes, those listed: none where the modes do not decide them by themselves. `whole` is the system
-/// as one part.
+/// The poles of the listed modes; none if damping couples the modes. `whole` is the system as one part.
 pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
     let mut found = PoleList::default();
     if system.c.is_empty() {
@@ -110,13 +109,13 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
     beside_others(found, system, modes)
 }
 
-/// The poles of the modes listed where each oscillation has this damping ratio, besides what dampers give it: none where these
-/// join the modes.
+/// The poles of the listed modes with this damping ratio for each oscillation, added to the effect of dampers; `None`
+/// if the dampers couple the modes.
 pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio: &Number) -> Option<Poles> {
     let undamped = || Proportional { alpha: Number::ZERO, beta: Number::ZERO };
     let base = if system.c.is_empty() { undamped() } else { proportional(system, whole)? };
     let twice = ratio * &Number::from(2);
-    // s = omega z, z^2 + 2 zeta z + 1 = 0 exactly.
+    // s = omega z, with z^2 + 2 zeta z + 1 = 0 exactly.
     let unit = roots(&Number::ONE, &twice, &Number::ONE);
     let mut found = PoleList::default();
     let passive = Passive::of(system, whole, modes);
@@ -138,8 +137,9 @@ pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio:
     Some(beside_others(found, system, modes))
 }
 
-/// Motions without inertia where C = alpha M + beta K: det Q = (1 + beta s)^n det(sigma M + K), sigma = (s² + alpha s) /
-/// (1 + beta s), so each of them has one pole at -1 / beta and one that is infinite, or two of these.
+/// Poles of motions without inertia for C = alpha M + beta K: det Q = (1 + beta s)^n det(sigma M + K), sigma = (s² +
+/// alpha s) / (1 + beta s), so each of these motions has one pole at -1 / beta and an infinite one, or two infinite
+/// ones if beta = 0.
 fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, found: &mut PoleList) {
     if damping.beta.is_zero() || modes.infinite == 0 {
         return found.infinite(2 * modes.infinite);
@@ -149,7 +149,7 @@ fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, foun
     found.infinite(modes.infinite);
 }
 
-/// The poles that were found, and how many were not.
+/// The poles that were found, with the number of those that were not.
 fn beside_others(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
     let left_out = found.missing(2 * system.n());
     if modes.is_complete() {
@@ -158,8 +158,8 @@ fn beside_others(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> P
     Poles { left_out, ..found.sorted(system.n()) }
 }
 
-/// The poles that the first `wanted` of the modes become, which are the lowest of all: one by one, each proved by itself.
-/// `None` where no sparse method suits the system.
+/// The poles that the first `wanted` modes (the lowest of all) become with damping: computed one by one, each with its
+/// own proof. `None` if no sparse method suits the system.
 pub fn poles_followed(
     system: &LinearSystem,
     whole: &Part,
@@ -176,7 +176,7 @@ fn followed(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, t
     let mut found = PoleList::default();
     let discs = targeted(system, whole, &modes.list, wanted, tolerance)?;
     let rigid = modes.list.iter().take(wanted).filter(|mode| mode.kind == ModeKind::Rigid).count();
-    // K N = 0 is a pole at zero, and C N = 0 besides a double one.
+    // K N = 0 means a pole at zero, and C N = 0 in addition a double one.
     let free = rigid == 1 && [&system.k, &system.c].iter().all(|form| ignores_translation(form));
     found.zeros(if free { 2 } else { rigid });
     found.refined(discs.into_iter().map(|disc| (false, disc)), Passive::of(system, whole, modes));
@@ -188,7 +188,7 @@ fn ignores_translation(form: &Form) -> bool {
     form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
 }
 
-/// Each mode has poles of its own: nothing damps, or damping is proportional.
+/// Whether each mode has poles of its own: there is no damping, or damping is proportional.
 pub fn are_of_modes(system: &LinearSystem, whole: &Part) -> bool {
     system.c.is_empty() || proportional(system, whole).is_some()
 }
@@ -207,7 +207,7 @@ struct Portion<'a> {
 }
 
 impl Portion<'_> {
-    /// `modes` are those of the part.
+    /// Finds the poles of the part; `modes` are those of the part.
     fn solve(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
         if self.part.c.is_empty() {
             found.undamped(modes);
@@ -215,7 +215,7 @@ impl Portion<'_> {
         } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
             self.dampers_alone(found)?;
         } else if modes.list.len() != self.part.coordinates.len() {
-            // Motions without inertia that dampers hold have poles all the same.
+            // Motions without inertia have finite poles if dampers hold them.
             match exact_poles(self.system, self.part, self.local) {
                 Some(Exact::Poles(poles)) => self.take(&poles, modes, found),
                 Some(Exact::Singular) => return Err(self.massless()),
@@ -235,13 +235,13 @@ impl Portion<'_> {
         Ok(())
     }
 
-    /// Some motion has neither inertia nor a force against it.
+    /// Error: some motion has neither inertia nor a force against it.
     fn massless(&self) -> AnalysisError {
         let coordinates: Vec<usize> = self.part.coordinates.iter().map(|&c| c as usize).collect();
         AnalysisError::singular_mass(self.system, &coordinates)
     }
 
-    /// One coordinate: the sums of its terms, exact where they are.
+    /// One coordinate: a quadratic with the sums of its terms, exact if they are.
     fn single(&self, found: &mut PoleList) -> Result<(), AnalysisError> {
         let [m, c, k] =
             [(&self.system.m, &self.part.m), (&self.system.c, &self.part.c), (&self.system.k, &self.part.k)]
@@ -283,7 +283,7 @@ impl Portion<'_> {
 
     fn decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
         let list = decoupled(modes, damping);
-        // The ball of omega^2 cannot tell whether the damping is critical.
+        // With omega^2 known only as a ball it may be open whether the damping is critical.
         if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(modes, found) {
             return;
         }
@@ -319,20 +319,22 @@ impl Portion<'_> {
         }
         let count: usize = pairs.iter().map(|pair| if pair.is_real() { 1 } else { 2 }).sum();
         let rigid_modes = modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
-        // Each rigid motion has a pole at zero; whether a damper feels it, and so where its other pole is, may not be decided.
+        // Each rigid motion has a pole at zero; it may be undecided whether a damper acts on it, and so where its other
+        // pole is.
         let decided = rigid.free.len() + rigid.dragged.len() == rigid_modes;
         let zeros = if decided { basis.zeros() } else { rigid_modes };
         let Some(lost) = (2 * pencil.n).checked_sub(zeros + count) else {
             return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
         };
-        // Those that were not found are listed all the same: nothing is known of them, nor certified of the others.
+        // Poles that were not found are listed nevertheless: nothing is known of them, and nothing is certified of the
+        // others.
         found.unknown(lost);
         found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
         Ok(())
     }
 
-    /// The roots of det Q; false where that is beyond exact arithmetic.
+    /// Adds the roots of det Q; `false` if that is beyond exact arithmetic.
     fn exact(&self, modes: &Modes, found: &mut PoleList) -> bool {
         match exact_poles(self.system, self.part, self.local) {
             Some(Exact::Poles(poles)) => self.take(&poles, modes, found),
@@ -351,7 +353,7 @@ impl Portion<'_> {
     }
 }
 
-/// Every disc is certified and alone.
+/// Whether every disc is certified and overlaps no other.
 fn all_apart(discs: &[Disc]) -> bool {
     !discs.is_empty() && discs.iter().all(|disc| disc.is_certified() && disc.clusters == [None; 2])
 }

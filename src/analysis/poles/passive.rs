@@ -1,16 +1,16 @@
-//! What is certain of a part whatever the enclosures of its poles say: that its dampers feed nothing in, and that its springs
-//! hold it. In: terms, modes. Out: whether a sum of squares is positive, by its weights or exactly.
-//! See docs/method/poles.md#kinds-and-stability.
+//! Facts about a part that hold whatever the enclosures of its poles are: that its dampers feed no energy in, and that
+//! its springs hold it. In: terms, modes. Out: whether a sum of squares is positive, by its weights or exactly. See
+//! docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::Part;
 use crate::base::{Number, Rational};
 use crate::system::{Form, LinearSystem};
 
-/// Larger sums with negative weights are not looked at: the elimination is exact.
+/// Larger sums with negative weights are not examined, because the elimination is exact.
 const MOST_COORDINATES: usize = 24;
 
-/// Of which energies it is certain that they are never negative.
+/// Which energies are certainly never negative.
 #[derive(Clone, Copy, Debug)]
 pub struct Passive {
     /// M and C are positive: no oscillation grows.
@@ -20,7 +20,7 @@ pub struct Passive {
 }
 
 impl Passive {
-    /// Of a part with these modes.
+    /// The facts for a part with these modes.
     pub fn of(system: &LinearSystem, part: &Part, modes: &Modes) -> Passive {
         let held = modes.list.iter().all(|mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Rigid));
         Passive {
@@ -29,7 +29,7 @@ impl Passive {
         }
     }
 
-    /// Of a part whose springs alone tell whether they hold it.
+    /// The facts for a part without its modes: only its springs decide whether they hold it.
     pub fn of_springs(system: &LinearSystem, part: &Part) -> Passive {
         Passive { damped: is_damped(system, part), held: is_semidefinite(&system.k, &part.k) }
     }
@@ -43,18 +43,18 @@ fn is_damped(system: &LinearSystem, part: &Part) -> bool {
     is_semidefinite(&system.m, &part.m) && is_semidefinite(&system.c, &part.c)
 }
 
-/// Whether a damping ratio certainly feeds nothing in.
+/// Whether a damping ratio certainly feeds no energy in.
 pub fn takes_energy(ratio: &Number) -> bool {
     ratio.is_zero() || ratio.is_positive()
 }
 
-/// x^T (sum w a a^T) x >= 0 for every x: all weights are positive, or exact elimination says so.
+/// Whether x^T (sum w a a^T) x >= 0 for every x: all weights are positive, or exact elimination proves it.
 pub fn is_semidefinite(form: &Form, terms: &[u32]) -> bool {
     let positive = |&t: &u32| form.terms()[t as usize].weight.is_positive();
     terms.iter().all(positive) || matrix(form, terms).is_some_and(has_no_negative_pivot)
 }
 
-/// The sum on the coordinates that it has; `None` where these are many or a number is not rational.
+/// The sum as a matrix over its own coordinates; `None` if there are too many or a number is not rational.
 fn matrix(form: &Form, terms: &[u32]) -> Option<Vec<Vec<Rational>>> {
     let terms = || terms.iter().map(|&t| &form.terms()[t as usize]);
     let mut coordinates: Vec<u32> = Vec::new();
@@ -81,7 +81,7 @@ fn matrix(form: &Form, terms: &[u32]) -> Option<Vec<Vec<Rational>>> {
     Some(matrix)
 }
 
-/// Symmetric elimination with positive pivots, as long as there are some; what is left must vanish.
+/// Symmetric elimination with positive pivots as long as there are any; the remainder must vanish.
 fn has_no_negative_pivot(mut a: Vec<Vec<Rational>>) -> bool {
     let mut left: Vec<usize> = (0..a.len()).collect();
     while let Some(at) = left.iter().position(|&i| a[i][i].signum() > 0) {
@@ -104,7 +104,7 @@ mod tests {
     fn is_positive(terms: &[(&str, usize, Option<usize>)]) -> bool {
         let mut form = Form::new();
         terms.iter().for_each(|&(weight, i, j)| push(&mut form, weight, i, j));
-        // The helper's numbers have no sign: those after the first are taken away.
+        // The helper's numbers have no sign: all but the first are subtracted.
         let mut signed = Form::new();
         for (index, term) in form.terms().iter().enumerate() {
             let source = signed.source(form.source_of(term.source));
@@ -122,7 +122,7 @@ mod tests {
         assert!(!is_positive(&[("4", 0, Some(1)), ("0.001", 0, None)]));
         // (x0 - x1)² 4 - (x0 - x1)² 3
         assert!(is_positive(&[("4", 0, Some(1)), ("3", 0, Some(1))]));
-        // A zero on the diagonal beside what is not zero: x0 x1 has both signs.
+        // A zero on the diagonal of a nonzero row: x0 x1 takes both signs.
         let product = vec![vec![Rational::ZERO, Rational::from(1)], vec![Rational::from(1), Rational::ZERO]];
         assert!(!has_no_negative_pivot(product));
     }

@@ -1,7 +1,7 @@
-//! Q(s) = M s^2 + C s + K of an independent part, applied to a vector from its terms: each term stretches x first
-//! (t = a . x) and pushes back along its row (r += w z t a, z = s^2, s or 1), so a stiff spring that is hardly stretched
-//! adds hardly anything, and no rounding of an assembled matrix. In double-double it refines, in triple words with their
-//! radius it proves. See docs/method/poles.md#general-systems.
+//! Q(s) = M s^2 + C s + K of an independent part, applied to a vector term by term: each term first stretches x (t = a
+//! . x) and then pushes back along its row (r += w z t a, z = s^2, s or 1). So a stiff spring that is hardly stretched
+//! adds hardly any error, and there are no rounding errors of an assembled matrix. Double-double is used to refine,
+//! triple words with their radius to prove. See docs/method/poles.md#general-systems.
 
 use crate::analysis::modes::parts::Part;
 use crate::analysis::numeric::complex::{Complex, Real};
@@ -28,14 +28,14 @@ pub struct Squares<T> {
     values: Vec<T>,
 }
 
-/// A complex vector, exactly known; a real one has no imaginary part stored.
+/// A complex vector, taken as exact; a real one stores no imaginary part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vector {
     pub re: Vec<Dd>,
     pub im: Vec<Dd>,
 }
 
-/// Q(s) x with what was met on the way.
+/// Q(s) x and its intermediate results.
 #[derive(Clone, Debug)]
 pub struct Application<T> {
     /// Q(s) x
@@ -126,14 +126,14 @@ impl<T: Real> Squares<T> {
 }
 
 impl Pencil<Dd> {
-    /// Q(s) x.
+    /// Q(s) x in double-double.
     pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<Dd> {
         in_double_double(self, s, x)
     }
 }
 
 impl Pencil<Precise> {
-    /// Q(s) x.
+    /// Q(s) x in triple words with radii.
     pub fn apply(&self, s: Complex<Dd>, x: &Vector) -> Application<Precise> {
         in_triple_words(self, s, x)
     }
@@ -170,7 +170,7 @@ impl<T: Real> Pencil<T> {
         result
     }
 
-    /// From Q(s) x to Q(z) x, its energy too.
+    /// Turns Q(s) x into Q(z) x, including its energy.
     pub fn shift(&self, applied: &mut Application<T>, from: Complex<T>, to: Complex<T>) {
         let Application { force, energy, m_stretch, c_stretch } = applied;
         push(&self.m, to * to - from * from, m_stretch, force, energy);
@@ -217,7 +217,7 @@ fn push<T: Real>(
     }
 }
 
-/// Most factors are 1 or -1: those round nothing.
+/// Most factors are 1 or -1, which cause no rounding.
 #[inline(always)]
 fn by_factor<T: Real>(x: T, a: T) -> T {
     if a == T::ONE {

@@ -1,13 +1,13 @@
 //! Damping of the form C = alpha M + beta K (Rayleigh), recognised exactly: then each undamped mode is an oscillator
 //! s^2 + (alpha + beta omega^2) s + omega^2 of its own. In: the terms of an independent part. Out: alpha and beta, or
-//! nothing where C is not of that form or a number is not rational. See docs/method/poles.md#quadratics.
+//! nothing if C is not of that form or a number is not rational. See docs/method/poles.md#quadratics.
 
 use crate::analysis::modes::parts::Part;
 use crate::base::{Number, Rational};
 use crate::system::{Form, LinearSystem};
 use std::collections::BTreeMap;
 
-/// C = alpha M + beta K, exactly.
+/// The factors of C = alpha M + beta K, exact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proportional {
     pub alpha: Number,
@@ -15,7 +15,7 @@ pub struct Proportional {
 }
 
 impl Proportional {
-    /// Damping of the mode with this omega^2, per modal mass.
+    /// Damping of the mode with this omega^2, per unit of modal mass.
     pub fn of_mode(&self, omega_squared: &Number) -> Number {
         &self.alpha + &(&self.beta * omega_squared)
     }
@@ -53,7 +53,7 @@ fn accumulate(entries: &mut Entries, which: usize, form: &Form, terms: &[u32]) -
     Some(())
 }
 
-/// The only alpha and beta that two entries with independent (m, k) allow; where all are multiples of one, beta = 0.
+/// The unique alpha and beta given by two entries with independent (m, k); if all are multiples of one, beta = 0.
 fn solve(entries: &Entries) -> Option<(Rational, Rational)> {
     let [m1, c1, k1] = entries.values().find(|[m, _, _]| !m.is_zero())?;
     for [m2, c2, k2] in entries.values() {

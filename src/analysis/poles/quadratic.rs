@@ -1,13 +1,13 @@
-//! The two roots of m s^2 + c s + k, m > 0: closed forms without cancellation. In: three numbers, exact or enclosed. Out: the
-//! poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact where the numbers are.
-//! See docs/method/poles.md#quadratics.
+//! The two roots of m s^2 + c s + k, m > 0, by closed forms without cancellation. In: three numbers, exact or enclosed.
+//! Out: the poles with their kinds. The sign of the discriminant c^2 - 4 m k is exact if the numbers are. See
+//! docs/method/poles.md#quadratics.
 
 use crate::analysis::answer::PoleKind;
 use crate::analysis::numeric::complex::{Complex, Real};
 use crate::analysis::numeric::triple::Precise;
 use crate::base::{Ball, Dd, Number};
 
-/// A root, and whether it is known only together with the other one.
+/// A root and its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     pub re: Ball,
@@ -18,16 +18,16 @@ pub struct Root {
 /// Both roots of m s^2 + c s + k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Roots {
-    /// Distinct, each certain by itself.
+    /// Distinct roots, each certain by itself.
     Apart([Root; 2]),
     /// A double root, exactly.
     Double(Root),
-    /// Two that the digits of m, c and k do not tell apart.
+    /// Two roots that the digits of m, c and k do not separate.
     Together([Root; 2]),
 }
 
 impl Roots {
-    /// Each root times a positive number.
+    /// Multiplies each root by a positive number.
     pub fn times(self, rate: Ball) -> Roots {
         let scaled = |root: Root| Root { re: root.re * rate, im: root.im * rate, ..root };
         match self {
@@ -72,17 +72,17 @@ fn sharpened(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
     [of(&roots[0], &roots[1]), of(&roots[1], &roots[0])]
 }
 
-/// -c/2m twice.
+/// The double root -c/2m.
 fn double(m: &Number, c: &Number) -> Roots {
     Roots::Double(real_root((-&(c / &(m + m))).to_ball()))
 }
 
-/// -c/2m -+ i sqrt(-d)/2m.
+/// The pair -c/2m -+ i sqrt(-d)/2m.
 fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> [Root; 2] {
     let twice = m + m;
     let re = (-&(c / &twice)).to_ball();
     let im = (&root_of(&-discriminant) / &twice).to_ball();
-    // A ball around zero that no sign can be read from belongs to a sum of dampers that may cancel.
+    // An enclosure that contains zero leaves the sign open; it comes from dampers of both signs that may cancel.
     let kind = match re.contains_zero() {
         true if !re.is_zero() => PoleKind::Undetermined,
         false if re.mid.hi > 0.0 => PoleKind::Flutter,
@@ -91,7 +91,7 @@ fn complex_pair(m: &Number, c: &Number, discriminant: &Number) -> [Root; 2] {
     [Root { re, im: -im, kind }, Root { re, im, kind }]
 }
 
-/// With q = -(c + sgn(c) sqrt(d)) / 2, which adds what has one sign, the roots are q/m and k/q (Press et al., 5.6).
+/// With q = -(c + sgn(c) sqrt(d)) / 2, a sum of terms of equal sign, the roots are q/m and k/q (Press et al., 5.6).
 fn real_pair(m: &Number, c: &Number, k: &Number, discriminant: &Number) -> [Root; 2] {
     let root = root_of(discriminant);
     if c.is_zero() {
@@ -115,12 +115,12 @@ fn undecided(m: &Number, c: &Number, discriminant: &Number) -> Roots {
     Roots::Together([root, root])
 }
 
-/// The root of a number that is certainly positive.
+/// The square root of a number that is certainly positive.
 fn root_of(number: &Number) -> Number {
     number.sqrt().unwrap_or_else(|| Number::Ball(number.to_ball().sqrt()))
 }
 
-/// A real pole: its sign is its kind.
+/// A real root, with the kind that its sign gives.
 pub fn real_root(re: Ball) -> Root {
     let kind = if re.is_zero() {
         PoleKind::Rigid

@@ -1,7 +1,8 @@
-//! A pole and its vector from a rough start: Newton's method for Q(s) x = 0, b^H x = const, with residuals of the terms in
-//! double-double and corrections from one binary64 factorisation in the coordinates of the undamped modes
-//! (extra-precise refinement: Demmel et al., ACM TOMS 32 (2006) 325; bordering: Keller 1977). In: pencil, basis, start.
-//! Out: s and x in double-double; how good they are is the discs' business. See docs/method/poles.md#general-systems.
+//! Refinement of a pole and its vector from a rough start: Newton's method for Q(s) x = 0, b^H x = const, with
+//! residuals of the terms in double-double and corrections from one binary64 factorisation in the coordinates of the
+//! undamped modes (extra-precise refinement: Demmel et al., ACM TOMS 32 (2006) 325; bordering: Keller 1977). In:
+//! pencil, basis, start. Out: s and x in double-double; the discs determine how accurate they are. See
+//! docs/method/poles.md#general-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -9,7 +10,7 @@ use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::base::Dd;
 
-/// An approximate pole and its vector, as exactly these numbers.
+/// An approximate pole and its vector, taken as exact numbers.
 #[derive(Clone, Debug)]
 pub struct Pair {
     pub s: Complex<Dd>,
@@ -22,13 +23,13 @@ impl Pair {
     }
 }
 
-/// A correction below this is rounding: 2^-103.
+/// A smaller correction is rounding error: 2^-103.
 pub const SETTLED: f64 = 1e-31;
-/// Each step wins at least ten digits from a good start; this is for bad ones.
+/// From a good start each step gains at least ten digits; this many are for bad ones.
 const MOST_STEPS: usize = 24;
 
-/// Refines one start; `seed` scrambles the first vector, so that equal starts find different vectors.
-/// `None` where nothing finite comes out.
+/// Refines one start; `seed` selects a pseudo-random first vector, so that equal starts find different vectors. `None`
+/// if the result is not finite.
 pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usize) -> Option<Pair> {
     let real = start.im == 0.0;
     let mut y = inverse_iteration(basis, start, seed)?;
@@ -46,13 +47,13 @@ pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usi
         if size < SETTLED || (size < 1e-20 && size > 0.25 * last) {
             break;
         }
-        // A start of few digits deserves a new factorisation; a good one contracts by itself.
+        // A start with few digits is worth a new factorisation; a good one converges without it.
         if size > 1e-6 {
             newton = Newton::at(basis, s, &y)?;
         }
         last = size;
     }
-    // Rounding keeps a real pole that was found from beside the axis a little off it.
+    // Rounding leaves a real pole slightly off the axis if the iteration came from beside it.
     let off_axis = pair.s.im.to_f64().abs();
     if !real && off_axis < 1e-18 * pair.s.to_f64().abs() {
         return refine(pencil, basis, Complex::real(pair.s.re.to_f64()), seed);
@@ -61,13 +62,14 @@ pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usi
     Some(pair)
 }
 
-/// s <- s - x^T Q(s) x / x^T Q'(s) x: Rayleigh's quotient. The energies of stiff springs that hardly stretch are second-order
-/// small, so a slow pole beside fast ones gets all its digits, which the forces of those springs would drown.
+/// s <- s - x^T Q(s) x / x^T Q'(s) x, the Rayleigh quotient. The energies of stiff springs that hardly stretch are
+/// small of second order, so a slow pole among fast ones gets all its digits; the forces of those springs would drown
+/// them.
 pub fn balance_energies(pencil: &Pencil<Dd>, pair: &mut Pair) {
     let applied = pencil.apply(pair.s, &pair.x);
     let slope = pencil.slope(pair.s.to_f64(), &applied);
     let step = -(applied.energy.to_f64() * slope.recip());
-    // Near a double pole the slope vanishes and the quotient says nothing.
+    // Near a double pole the slope vanishes and the quotient is meaningless.
     if step.one_norm() < 1e-10 * pair.s.to_f64().one_norm() {
         pair.s = pair.s + step.into();
     }
@@ -103,8 +105,8 @@ pub fn norm(y: &[Complex<f64>]) -> f64 {
     y.iter().map(|z| z.one_norm()).fold(0.0, f64::max)
 }
 
-/// Phi^T Q(s) Phi = s^2 + C~ s + Omega^2, where the rows of free motions, which are s^2 alone, are divided by s^2 and those of
-/// dragged ones by s: the equations are N^T M x = 0 and N^T (s M + C) x = 0, without the forces of springs.
+/// Phi^T Q(s) Phi = s^2 + C~ s + Omega^2, with the rows of free motions, which are just s^2, divided by s^2 and those
+/// of dragged ones by s: the equations become N^T M x = 0 and N^T (s M + C) x = 0, without the forces of springs.
 fn modal(basis: &Basis, s: Complex<f64>, i: usize, j: usize) -> Complex<f64> {
     let (unit, damping) = (if i == j { 1.0 } else { 0.0 }, basis.damping[(i, j)]);
     if i < basis.free {
@@ -139,7 +141,7 @@ fn residual(pencil: &Pencil<Dd>, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>
     (0..basis.n()).map(of_row).collect()
 }
 
-/// The row of a rigid motion, from inertia and dampers alone; `None` for the other modes.
+/// The row of a rigid motion, from inertia and dampers only; `None` for the other modes.
 pub fn rigid_residual(basis: &Basis, s: Complex<Dd>, applied: &Application<Dd>, row: usize) -> Option<Complex<f64>> {
     if row < basis.free {
         return Some(weighted(&basis.rigid_inertia[row], &applied.m_stretch).to_f64());
@@ -154,8 +156,8 @@ fn weighted(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
     factors.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.scale(f))
 }
 
-/// Two steps of inverse iteration from a scrambled vector (a smooth one can be orthogonal to what is sought). No pole but
-/// zero moves a free motion.
+/// Two steps of inverse iteration from a pseudo-random vector (a smooth one may be orthogonal to the wanted one). No
+/// pole except zero moves a free motion.
 fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<Complex<f64>>> {
     let n = basis.n();
     let factors = Factors::of(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
@@ -172,13 +174,13 @@ fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<
     Some(y)
 }
 
-/// Numbers between 1/2 and 3/2 without a pattern: the fractional parts of multiples of the golden section.
+/// Pseudo-random numbers between 1/2 and 3/2: the fractional parts of multiples of the golden ratio.
 fn scrambled(i: usize) -> f64 {
     let x = (i + 1) as f64 * 0.618_033_988_749_894_9;
     0.5 + (x - x.floor())
 }
 
-/// The bordered matrix [Q(s), Q'(s) y; y^H, 0], factored.
+/// The factored bordered matrix [Q(s), Q'(s) y; y^H, 0].
 struct Newton {
     factors: Factors,
 }
@@ -205,15 +207,15 @@ impl Newton {
     }
 }
 
-/// LU with partial pivoting.
+/// LU factors with partial pivoting.
 pub struct Factors {
     lu: Matrix<Complex<f64>>,
     order: Vec<usize>,
 }
 
 impl Factors {
-    /// `None` for a matrix that is not finite. A pivot of zero becomes a very small one: the matrix of an eigenvalue is
-    /// singular, and that is what inverse iteration lives on.
+    /// `None` for a matrix that is not finite. A zero pivot is replaced by a very small one: the matrix of an
+    /// eigenvalue is singular, and inverse iteration relies on that.
     pub fn of(mut lu: Matrix<Complex<f64>>) -> Option<Factors> {
         let n = lu.rows();
         let largest = (0..n).flat_map(|j| lu.column(j)).map(|z| z.one_norm()).fold(0.0, f64::max);

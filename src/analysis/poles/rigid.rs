@@ -1,6 +1,7 @@
-//! The rigid motions of an independent part, exactly: K x = 0. Those that no damper feels either move on for ever and are a
-//! double pole at zero; the others come to rest at any place, which is a single pole at zero. In: the part as a system.
-//! Out: a basis of each kind, of rational vectors that are verified exactly. See docs/method/poles.md#rigid-body-modes.
+//! The rigid motions of an independent part, exactly: K x = 0. Those that stretch no damper either continue for ever
+//! and are a double pole at zero; the others come to rest anywhere, which is a single pole at zero. In: the part as a
+//! system. Out: a basis of each kind, of rational vectors that are verified exactly. See
+//! docs/method/poles.md#rigid-body-modes.
 
 use crate::analysis::modes::structure::{NullSpace, eliminated, enclosed_vectors, null_space};
 use crate::base::{Ball, Number, Rational};
@@ -11,18 +12,18 @@ use crate::system::{CoordinateId, Form, LinearSystem, Nature, Term};
 pub struct RigidMotions {
     /// K x = 0, and no damper is stretched.
     pub free: Vec<Vec<Number>>,
-    /// K x = 0; independent of the free ones.
+    /// K x = 0; independent of the free motions.
     pub dragged: Vec<Vec<Number>>,
 }
 
-/// The rigid motions of a part that has some, in a basis in which neither the inertia of the free ones nor the drag of the
-/// others couples them.
+/// The rigid motions of a part that has some, in a basis in which they are not coupled by inertia (the free ones) or by
+/// damping (the others).
 pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
     uncoupled(part, any_basis(part))
 }
 
-/// Gram and Schmidt's process with factors of binary64: combinations of rigid motions are as exactly rigid as these are, and
-/// nearly orthogonal is all that the discs ask for.
+/// Gram-Schmidt with binary64 factors: combinations of exactly rigid motions are exactly rigid, and the discs only need
+/// nearly orthogonal ones.
 fn uncoupled(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
     let mut free: Vec<Vec<Number>> = Vec::new();
     for motion in motions.free {
@@ -30,14 +31,14 @@ fn uncoupled(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
     }
     let mut dragged: Vec<Vec<Number>> = Vec::new();
     for motion in motions.dragged {
-        // What a free motion adds is not dragged.
+        // Adding free motions does not change the drag.
         let motion = without(&part.m, motion, &free);
         dragged.push(without(&part.c, motion, &dragged));
     }
     RigidMotions { free, dragged }
 }
 
-/// The motion less its parts along others, by the product x^T F y.
+/// The motion minus its components along others, in the product x^T F y.
 fn without(form: &Form, mut motion: Vec<Number>, others: &[Vec<Number>]) -> Vec<Number> {
     for other in others {
         let factor = -product(form, &motion, other) / product(form, other, other);
@@ -75,9 +76,9 @@ fn any_basis(part: &LinearSystem) -> RigidMotions {
     RigidMotions { free: exact(free), dragged: exact(dragged) }
 }
 
-/// The rigid-body modes as enclosures, for numbers that are not rational: for positive terms, whose null space is that of their
-/// rows. Motions that no damper feels solve the rows of both; those of K alone that such motions do not already choose at
-/// will are dragged.
+/// The rigid-body modes as enclosures, for numbers that are not rational. Only for positive terms, whose null space is
+/// that of their rows. Free motions annihilate the rows of springs and dampers; of the motions that annihilate those of
+/// K alone, the ones whose free coordinates the free motions do not already use are dragged.
 fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotions> {
     if !part.k.terms().iter().all(|term| term.weight.is_positive()) {
         return None;
@@ -91,8 +92,9 @@ fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotio
     are_dragged(part, &dragged).then_some(RigidMotions { free, dragged })
 }
 
-/// N^T C N is provably nonsingular: every combination of these rigid-body modes is damped. (Its rank in general position, from
-/// which they were chosen, is larger where numbers depend on each other in a way that nobody knows.)
+/// Whether N^T C N is provably nonsingular, so that every combination of these rigid-body modes is damped. (They were
+/// chosen by the rank in general position, which is larger if numbers depend on each other in a way that cannot be
+/// seen.)
 fn are_dragged(part: &LinearSystem, motions: &[Vec<Number>]) -> bool {
     let mut drag = vec![vec![Ball::ZERO; motions.len()]; motions.len()];
     for term in part.c.terms() {
@@ -112,14 +114,14 @@ fn exact(vectors: Vec<Vec<Rational>>) -> Vec<Vec<Number>> {
     vectors.into_iter().map(|vector| vector.into_iter().map(Number::from).collect()).collect()
 }
 
-/// The positive terms of K and the dampers' rows with the weight one: together they annihilate what neither feels.
+/// The positive terms of K and the dampers' rows with weight one: their common null space is that of both.
 fn with_dampers(part: &LinearSystem) -> Form {
     let mut form = part.k.clone();
     push_rows(&mut form, part, |row| row.to_vec());
     form
 }
 
-/// The dampers' rows on the weights of motions: what they stretch when sum y_j N_j moves.
+/// The dampers' rows in terms of the weights y of motions: their stretches for sum y_j N_j.
 fn felt(part: &LinearSystem, motions: &[Vec<Rational>]) -> Form {
     let mut form = Form::new();
     push_rows(&mut form, part, |row| {
@@ -144,7 +146,7 @@ fn combination(vectors: &[Vec<Rational>], weights: &[Rational], n: usize) -> Vec
     (0..n).map(|i| vectors.iter().zip(weights).fold(Rational::ZERO, |sum, (v, w)| &sum + &(&v[i] * w))).collect()
 }
 
-/// Those of the motions that are independent of the free ones and of each other: each is reduced by what was kept before.
+/// The motions that are independent of the free ones and of each other: each is reduced by those kept before.
 fn completing(free: &[Vec<Rational>], motions: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
     let mut reduced: Vec<(usize, Vec<Rational>)> = Vec::new();
     let mut kept = Vec::new();

@@ -1,15 +1,15 @@
-//! Very small and very large systems, brought near one by powers of two: exactly the same poles in another unit of time, and
-//! no word of any number falls below the range of binary64. In: a system. Out: 2^p M 4^q, 2^p C 2^q, 2^p K, whose poles are
-//! 2^-q times those of the system. See docs/method/poles.md#parts-and-scaling.
+//! Scales very small and very large systems near one by powers of two: the same poles exactly, in another unit of time,
+//! and no word of any number falls below the range of binary64. In: a system. Out: 2^p M 4^q, 2^p C 2^q, 2^p K, whose
+//! poles are 2^-q times those of the system. See docs/method/poles.md#parts-and-scaling.
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::base::{Ball, Number, Rational};
 use crate::system::{Form, LinearSystem};
 
-/// Powers of two beyond which products of a few numbers may leave the range of binary64, or their lower words.
+/// Exponents beyond which products of a few numbers, or their lower words, may leave the range of binary64.
 const FAR: f64 = 250.0;
 
-/// A system near one, and its unit of time.
+/// A system scaled near one, and its unit of time.
 pub struct Scaled {
     pub system: LinearSystem,
     /// Its poles times 2^rate are those of the system.
@@ -18,7 +18,7 @@ pub struct Scaled {
     inertia: i32,
 }
 
-/// The scaled system; `None` where nothing is far from one.
+/// The scaled system; `None` if no number is far from one.
 pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(range);
     let is_far = |range: Option<(f64, f64)>| range.is_some_and(|(low, high)| low < -FAR || high > FAR);
@@ -27,7 +27,7 @@ pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
     }
     let middle = |(low, high): (f64, f64)| (0.5 * (low + high)).round() as i32;
     let (m, slow) = (m.map_or(0, middle), k.map(middle));
-    // M times an even power, so that shapes are scaled by a power of two.
+    // M is multiplied by an even power of two, so that shapes are scaled by a power of two.
     let even = |power: i32| power / 2 * 2;
     let (power, rate) = match slow {
         Some(k) => (even(-k), (k - m) / 2),
@@ -43,7 +43,7 @@ pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
 }
 
 impl Scaled {
-    /// Its undamped modes from those of the system: shapes and frequencies in its units.
+    /// Converts the undamped modes of the system: shapes and frequencies in the scaled units.
     pub fn modes(&self, modes: &Modes) -> Modes {
         let mut modes = modes.clone();
         let (slower, lighter) = (halves(-self.rate), halves(-self.inertia));
@@ -52,7 +52,7 @@ impl Scaled {
             mode.omega = times(mode.omega, slower);
             mode.omega_squared = times(times(mode.omega_squared, slower), slower);
             mode.shape.iter_mut().for_each(|x| *x = *x * lighter[0] * lighter[1]);
-            // Poles are refined from shapes in binary64.
+            // Poles are refined from binary64 shapes.
             mode.precise = None;
         }
         modes
@@ -63,7 +63,7 @@ impl Scaled {
         let factors = halves(self.rate);
         let back = |x: Ball| {
             let scaled = factors.iter().fold(x, |x, &by| Ball::new(x.mid.scale(by), x.rad * by));
-            // What falls below the range is less than its least number.
+            // A number below the range is less than the least positive one.
             if scaled.mid.hi.abs() < 1e-280 && !x.is_zero() { scaled.widen(f64::MIN_POSITIVE) } else { scaled }
         };
         for pole in &mut poles.list {
@@ -89,7 +89,7 @@ fn range(form: &Form) -> Option<(f64, f64)> {
     sizes.map(|size| (size, size)).reduce(|(low, high), (size, _)| (low.min(size), high.max(size)))
 }
 
-/// The form times 2^power, exactly but for balls.
+/// The form times 2^power, exact except for balls.
 fn times(form: &Form, power: i32) -> Form {
     let mut result = Form::new();
     let factors = halves(power);

@@ -1,8 +1,9 @@
-//! The real Schur form A = Q T Q^T: eigenvalues, and (A - s)^-1 b for many shifts s at the price of a triangular solve each.
-//! In: a square matrix of binary64. Out: starting values and corrections, in binary64; nothing here is printed.
+//! The real Schur form A = Q T Q^T: eigenvalues, and (A - s)^-1 b for many shifts s at the cost of one triangular solve
+//! each. In: a square binary64 matrix. Out: starting values and corrections, in binary64; nothing here is printed.
 //!
-//! T is upper triangular but for blocks of two on its diagonal (Golub and Van Loan, Matrix Computations, 4th ed., 7.4). Each
-//! column of T is read once for a whole group of right-hand sides, since reading it is what a solve costs.
+//! T is upper triangular except for 2 x 2 blocks on its diagonal (Golub and Van Loan, Matrix Computations, 4th ed.,
+//! 7.4). Each column of T is read once for a group of right-hand sides, because reading it dominates the cost of a
+//! solve.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -10,10 +11,10 @@ use crate::analysis::numeric::fused::fused;
 use crate::analysis::numeric::product::{View, product};
 use nalgebra::{DMatrix, Schur};
 
-/// Right-hand sides for which a column of T is read once.
+/// Number of right-hand sides for which a column of T is read once.
 const GROUP: usize = 8;
 
-/// A complex matrix as its two parts, since all products here have a real factor.
+/// A complex matrix stored as its real and imaginary parts, because all products here have a real factor.
 #[derive(Clone, Debug)]
 pub struct ComplexColumns {
     pub re: Matrix<f64>,
@@ -32,7 +33,7 @@ pub struct Eigenvalue {
 pub struct SchurForm {
     q: Matrix<f64>,
     t: Matrix<f64>,
-    /// A pivot below this is rounding.
+    /// A smaller pivot is rounding error.
     least_pivot: f64,
 }
 
@@ -73,14 +74,15 @@ impl ComplexColumns {
 }
 
 impl SchurForm {
-    /// `None` if the iteration does not end, or a number is not finite.
+    /// `None` if the iteration does not converge, or a number is not finite.
     pub fn of(a: DMatrix<f64>) -> Option<SchurForm> {
         if a.iter().any(|x| !x.is_finite()) {
             return None;
         }
         let n = a.nrows();
         if n == 0 {
-            // All motions of the part are rigid, as far as binary64 can tell: nalgebra's Schur form has no case for it.
+            // All motions of the part are rigid, as far as binary64 can tell; nalgebra's Schur form does not handle an
+            // empty matrix.
             let empty = Matrix::filled(0, 0, 0.0);
             return Some(SchurForm { q: empty.clone(), t: empty, least_pivot: 0.0 });
         }
@@ -94,7 +96,7 @@ impl SchurForm {
         self.t.rows()
     }
 
-    /// All of them but conjugates, in the order of T.
+    /// The eigenvalues in the order of T, one of each conjugate pair.
     pub fn eigenvalues(&self) -> Vec<Eigenvalue> {
         let (mut list, mut k) = (Vec::with_capacity(self.n()), 0);
         while k < self.n() {
@@ -151,7 +153,7 @@ impl SchurForm {
         1 + usize::from(self.is_block(k))
     }
 
-    /// The eigenvector of the diagonal block; one of the two formulas vanishes only where the block is a multiple of 1.
+    /// The eigenvector of the diagonal block; one of the two formulas vanishes only if the block is a multiple of 1.
     fn block_vector(&self, eigenvalue: &Eigenvalue) -> [Complex<f64>; 2] {
         let k = eigenvalue.place;
         if !self.is_block(k) {
@@ -166,7 +168,7 @@ impl SchurForm {
         vector.map(|z| z.scale(scale))
     }
 
-    /// (T - s_j) w_j = b_j in place, of rows before `places[j]` alone.
+    /// Solves (T - s_j) w_j = b_j in place, for rows before `places[j]` only.
     fn back_substitute(&self, shifts: &[Complex<f64>], places: &[usize], w: &mut ComplexColumns) {
         let n = self.n();
         for first in (0..shifts.len()).step_by(GROUP) {
@@ -210,7 +212,8 @@ impl SchurForm {
         [(r0 * d - r1 * entry(0, 1)) * inverse, (r1 * a - r0 * entry(1, 0)) * inverse]
     }
 
-    /// A pivot of zero becomes a very small one: the matrix of an eigenvalue is singular, and inverse iteration lives on that.
+    /// Replaces a zero pivot by a very small one: the matrix of an eigenvalue is singular, and inverse iteration relies
+    /// on that.
     fn away_from_zero(&self, pivot: Complex<f64>, least: f64) -> Complex<f64> {
         if pivot.one_norm() < least { Complex::real(least) } else { pivot }
     }
@@ -229,7 +232,7 @@ fused! {
 mod tests {
     use super::*;
 
-    /// Rows without a pattern: fractional parts of multiples of the golden section, less a half.
+    /// Pseudo-random rows: fractional parts of multiples of the golden ratio, minus a half.
     fn matrix(n: usize) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |i, j| ((i * n + j + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
     }
@@ -251,7 +254,7 @@ mod tests {
         for (j, eigenvalue) in list.iter().enumerate() {
             let size = (0..23).map(|i| x.at(i, j).one_norm()).fold(0.0, f64::max);
             for i in 0..23 {
-                // A backward error of some units of |A| <= 23 / 2.
+                // The backward error is some units of |A| <= 23 / 2.
                 assert!((ax.at(i, j) - x.at(i, j) * eigenvalue.value).one_norm() < 1e-13 * size, "{i} {j}");
             }
         }

@@ -1,6 +1,6 @@
-//! A disc that certainly holds exactly one pole, a simple one. In: an approximate pole and its vector as exactly these numbers,
-//! the frame of the undamped modes. Out: the disc, or nothing where this proves none.
-//! See docs/method/poles.md#poles-followed-from-modes.
+//! A disc that certainly contains exactly one pole, a simple one. In: an approximate pole and its vector, taken as
+//! exact numbers, and the frame of the undamped modes. Out: the disc, or nothing if none can be proved. See
+//! docs/method/poles.md#poles-followed-from-modes.
 //!
 //! In the basis (x, X', Y), X' the modes X without the one that x comes from, det Q is a constant times det R^T Q R times
 //!
@@ -21,11 +21,11 @@ use crate::analysis::poles::refinement::{Factors, Pair};
 use crate::analysis::poles::targeted::frame::{Frame, Level};
 use crate::base::{Ball, Dd};
 
-/// Circles tried, each twice as large.
+/// The most circles that are tried; each is twice as large as the one before.
 const MOST_CIRCLES: usize = 40;
 
-/// The disc of a pair that comes from mode `from` of the frame, with a relative radius of about `tolerance` where that takes
-/// less time.
+/// The disc of a pair that comes from mode `from` of the frame, with a relative radius of about `tolerance` if that
+/// takes less time than a smaller one.
 pub fn disc(frame: &Frame, pencil: &Pencil<Precise>, pair: &Pair, from: usize, tolerance: f64) -> Option<Disc> {
     let applied = pencil.apply(pair.s, &pair.x);
     let s = pair.s.to_f64();
@@ -37,13 +37,13 @@ pub fn disc(frame: &Frame, pencil: &Pencil<Precise>, pair: &Pair, from: usize, t
     let enough = 0.1 * (tolerance * s.abs() * slope.least() * stiffness).sqrt();
     let found = Found { frame, pair, s, slope, star: Star::of(frame, pencil, pair, &applied, enough)?, from };
     let rho = [applied.energy.re, applied.energy.im];
-    // Fewer modes beside it mean fewer that damping joins to the rest, and a nearer mu.
+    // With fewer modes in the frame, damping joins fewer of them to the rest, and mu is nearer.
     let fewer = [1, 2, 4, 8].map(|more| from + more).into_iter().filter(|&count| count < frame.top.count);
     let levels = std::iter::once(Some(frame.top)).chain(fewer.map(|count| frame.level(count)));
     levels.flatten().find_map(|level| found.circle(level, rho))
 }
 
-/// All that is known of a pair.
+/// The quantities of a pair that the proof needs.
 struct Found<'a> {
     frame: &'a Frame<'a>,
     pair: &'a Pair,
@@ -54,10 +54,10 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The least of some circles on which the slope exceeds the rest.
+    /// The smallest of the tried circles on which the slope exceeds the rest.
     fn circle(&self, level: Level, [re, im]: [Precise; 2]) -> Option<Disc> {
         let slope = &self.slope;
-        // Rayleigh's quotient moves the centre by -rho / d.
+        // The Rayleigh quotient moves the centre by -rho / d.
         let rho = Complex::new(re, im).to_f64();
         let step = -(rho * slope.value.recip());
         let doubt = Complex::new(re.radius, im.radius).abs() + 1e-15 * rho.abs() + step.abs() * slope.error;
@@ -75,7 +75,7 @@ impl Found<'_> {
         None
     }
 
-    /// A bound of |u^T (R^T Q R)^-1 u| for all s within `reach` of s_0; `None` where R^T Q R may be singular.
+    /// A bound of |u^T (R^T Q R)^-1 u| for all s within `reach` of s_0; `None` if R^T Q R may be singular.
     ///
     /// On Y, Q is at least eta (|y^H Q y| >= eta |y|_P^2), so the Schur complement of X' in it differs from A = X'^T Q X' by
     /// E Q_YY^-1 E^T; rows and columns of A are scaled by D = diag |A_ii|.
@@ -97,7 +97,7 @@ impl Found<'_> {
     }
 }
 
-/// The disc about s_0 + step; what double-double cannot hold of the centre goes to the radius.
+/// The disc about s_0 + step; the part of the centre that double-double cannot hold is added to the radius.
 fn around(pair: &Pair, step: Complex<f64>, radius: f64) -> Option<Disc> {
     let enclose = |s: Dd, step: f64| {
         let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
@@ -119,7 +119,7 @@ impl Slope {
         let (m, m_size) = square(&pencil.m, &applied.m_stretch);
         let (c, c_size) = square(&pencil.c, &applied.c_stretch);
         let count = (pencil.m.len() + pencil.c.len() + 32) as f64;
-        // Sums of so many products in binary64, each of a few roundings; s_0 is rounded too.
+        // Sums of this many products in binary64, each with a few rounding errors; s_0 is rounded too.
         let error = count * f64::EPSILON * (2.0 * s.abs() * m_size + c_size) * UP;
         Slope { value: s.scale(2.0) * m + c, error, inertia: m_size * UP }
     }
@@ -129,7 +129,7 @@ impl Slope {
     }
 }
 
-/// sum w t^2, and the sum of the sizes of its parts, at the most.
+/// sum w t^2, and an upper bound of the sum of the magnitudes of its parts.
 fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Complex<f64>, f64) {
     let (mut sum, mut sizes) = (Complex::ZERO, 0.0);
     for (w, t) in squares.weights.iter().zip(stretches) {
@@ -137,15 +137,15 @@ fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Comple
         let size = near.abs() * (1.0 + 1e-15) + t.re.radius + t.im.radius;
         sum = sum + (near * near).scale(w.value.hi());
         sizes += (w.value.hi().abs() + w.radius) * size * size;
-        // What the radii leave open is far below the roundings, or is reported here.
+        // The uncertainty of the radii is far below the rounding errors, or it is added here.
         sizes += (w.radius * size + (t.re.radius + t.im.radius) * w.value.hi().abs()) * size / f64::EPSILON;
     }
     (sum, sizes * UP)
 }
 
-/// What couples x to the rest of the basis.
+/// Bounds of the coupling of x to the rest of the basis.
 struct Star {
-    /// |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x| at the most.
+    /// Upper bounds of |X_i^T r|, |X_i^T Q'(s_0) x|, |X_i^T M x|.
     along: Vec<[f64; 3]>,
     /// Bounds of the three vectors outside the span of the modes, in the norm of P^-1.
     outside: [f64; 3],
@@ -179,10 +179,10 @@ impl Star {
     }
 }
 
-/// A = X'^T Q(s) X' near s_0, its rows and columns scaled.
+/// A = X'^T Q(s) X' near s_0, with scaled rows and columns.
 struct Block {
     scale: Vec<f64>,
-    /// A bound from below of the least singular value.
+    /// A lower bound of the least singular value.
     least: f64,
 }
 
@@ -214,7 +214,7 @@ impl Block {
         let doubt: f64 =
             (0..count).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| scaled(i, j).1.powi(2)).sum();
         let inverse = inverse(&a)?;
-        // |A^-1| <= |B| / (1 - |1 - A B|), Frobenius' norms.
+        // |A^-1| <= |B| / (1 - |1 - A B|), in Frobenius norms.
         let norm = |b: &Matrix<Complex<f64>>| {
             (0..count).flat_map(|j| b.column(j)).map(|z| z.abs().powi(2)).sum::<f64>().sqrt() * UP
         };
@@ -244,7 +244,7 @@ fn inverse(a: &Matrix<Complex<f64>>) -> Option<Matrix<Complex<f64>>> {
     Some(b)
 }
 
-/// sum |w| |a| |a . x| on each coordinate, at the most.
+/// Upper bounds of sum |w| |a| |a . x| at each coordinate.
 fn sizes_of_forces(squares: &Squares<Precise>, stretches: &[Complex<Precise>], n: usize) -> Vec<f64> {
     let mut sizes = vec![0.0; n];
     for (t, stretch) in stretches.iter().enumerate() {
@@ -266,7 +266,7 @@ fused! {
         let (mut sum, mut error) = (Dd::ZERO, 0.0);
         for (x, (f, radius)) in x.iter().zip(f.value.iter().zip(&f.error)) {
             sum += *f * *x;
-            // Sums of a million products in double-double err by less than 1e-24 of their parts.
+            // Sums of a million products in double-double have an error below 1e-24 of their parts.
             error += x.abs() * (radius + 1e-24 * f.hi.abs());
         }
         (sum.hi.abs() + error) * UP
@@ -287,8 +287,8 @@ mod tests {
     use crate::analysis::poles::targeted::tests::band;
     use crate::analysis::poles::targeted::{Large, undamped};
 
-    /// On a circle of radius r the linear part of f is d r, the rest at most a r² + b: with d² < 4 a b no circle proves anything,
-    /// however good the pair is; with a ten thousandth of a, one does.
+    /// On a circle of radius r the linear part of f is d r and the rest is at most a r² + b. If d² < 4 a b, no circle
+    /// proves anything, however good the pair is; with a ten-thousandth of a, one does.
     #[test]
     fn a_circle_on_which_the_slope_does_not_exceed_the_rest_is_none() {
         let system = band(40, 2, -2, 2, true, 5);

@@ -1,15 +1,14 @@
 //! Q(s) = M s^2 + C s + K as a network with complex couplings, eliminated node by node in binary64. In: the networks of
-//! the three forms, s. Out: the factors, which solve. They steer: what is kept is corrected with residuals of the terms.
-//!
-//! Couplings c + k/s of springs and dampers lie in a sector, so their sums do not cancel where those of the assembled matrix
-//! would (compare [`crate::analysis::modes::mesh::elimination`]); the inertia m s^2 is carried apart in the grounds.
-//! See docs/method/poles.md#poles-followed-from-modes.
+//! the three forms, s. Out: factors for solving. They only steer: results are corrected with residuals of the terms.
+//! Couplings c + k/s of springs and dampers lie in a sector, so their sums do not cancel as those of the assembled
+//! matrix would (compare [`crate::analysis::modes::mesh::elimination`]); the inertia m s^2 is kept separate in the
+//! grounds. See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::modes::mesh::elimination::Pattern;
 use crate::analysis::modes::mesh::network::Network;
 use crate::analysis::numeric::complex::Complex;
 
-/// The networks of K, M and C over one pattern, which has them in this order.
+/// The networks of K, M and C over one pattern, in this order.
 pub struct Networks {
     pub k: Network,
     pub m: Network,
@@ -28,7 +27,7 @@ pub struct Factors<'a> {
 const NONE: u32 = u32::MAX;
 
 impl Networks {
-    /// The factors of Q(s); `None` where a pivot vanishes or nothing finite comes out.
+    /// The factors of Q(s); `None` if a pivot vanishes or a number is not finite.
     pub fn factor(&self, s: Complex<f64>) -> Option<Factors<'_>> {
         let n = self.k.n();
         let pattern = &self.pattern;
@@ -42,7 +41,7 @@ impl Networks {
         let mut couplings = vec![Complex::ZERO; pattern.entries()];
         let mut reciprocals: Vec<Complex<f64>> = Vec::with_capacity(n);
         let mut sum = vec![Complex::ZERO; n];
-        // For each column the entry that is due next, and the columns due at a row as lists.
+        // For each column the entry that is needed next, and lists of the columns needed at a row.
         let mut due: Vec<usize> = (0..n).map(|column| pattern.range(column).start).collect();
         let (mut first, mut next) = (vec![NONE; n], vec![NONE; n]);
         for column in 0..n {

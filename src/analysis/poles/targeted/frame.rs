@@ -1,10 +1,10 @@
-//! What is certain of the motions besides the lowest undamped modes. In: the terms, approximate modes. Out: a bound mu such that
-//! y^T K y >= mu y^T M y for every y in a complement Y of the modes X, and bounds of what couples X and Y, in the norm of
-//! P = K + tau M. See docs/method/poles.md#poles-followed-from-modes.
+//! Bounds of all motions outside the span of the lowest undamped modes. In: the terms, approximate modes. Out: a bound
+//! mu such that y^T K y >= mu y^T M y for every y in a complement Y of the modes X, and bounds of the coupling of X and
+//! Y, in the norm of P = K + tau M. See docs/method/poles.md#poles-followed-from-modes.
 //!
-//! K - mu M has at most k negative eigenvalues (a count that holds) and is negative definite on the k vectors X, so it is
-//! positive semidefinite on Y = {y : X^T (K - mu M) y = 0} (Sylvester). With R = K X - M X Theta and X^T K Y = mu X^T M Y,
-//! X^T M Y = (mu - Theta)^-1 R^T Y. So whatever numbers a are taken, of C X = M X a^T + F,
+//! K - mu M has at most k negative eigenvalues (a certified count) and is negative definite on the k vectors X, so it
+//! is positive semidefinite on Y = {y : X^T (K - mu M) y = 0} (Sylvester). With R = K X - M X Theta and X^T K Y = mu
+//! X^T M Y, X^T M Y = (mu - Theta)^-1 R^T Y. So for any choice of the numbers a in C X = M X a^T + F,
 //!
 //!   X_i^T Q(s) Y = s F_i^T Y + sum_l (s a_il + delta_il (s^2 + mu)) / (mu - theta_l) R_l^T Y,
 //!
@@ -37,7 +37,7 @@ pub struct Entry {
     pub error: f64,
 }
 
-/// The first `count` modes of a frame, beside which every y has y^T K y >= mu y^T M y.
+/// The first `count` modes of a frame; every y in their complement satisfies y^T K y >= mu y^T M y.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
     pub count: usize,
@@ -48,7 +48,7 @@ pub struct Frame<'a> {
     networks: &'a Networks,
     norm: DualNorm<'a>,
     pub x: Vec<Vec<f64>>,
-    /// All its modes.
+    /// All modes of the frame.
     pub top: Level,
     theta: Vec<f64>,
     /// X^T K X, X^T C X, X^T M X.
@@ -71,12 +71,12 @@ struct DualNorm<'a> {
     least: f64,
 }
 
-/// Corrections of the solution that a norm is read from.
+/// The most corrections of the solution from which a norm is computed.
 const MOST_CORRECTIONS: usize = 3;
 
 impl<'a> Frame<'a> {
-    /// The first of the modes, at least `wanted` of them, where a gap follows; `modes` ascend, each omega^2 and its shape.
-    /// `None` where nothing can be proved in this way.
+    /// A frame of the first modes, at least `wanted` of them, up to a gap; `modes` ascend, each with its omega^2 and
+    /// shape. `None` if this gives no proof.
     pub fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<Frame<'a>> {
         let (count, mu) = gap(networks, modes, wanted)?;
         let norm = DualNorm::of(forms, networks, modes)?;
@@ -90,14 +90,14 @@ impl<'a> Frame<'a> {
         frame.is_below(top).then(|| frame.coupled(forms))
     }
 
-    /// So many of its modes alone, where a gap follows them.
+    /// The first `count` modes of the frame, if a gap follows them.
     pub fn level(&self, count: usize) -> Option<Level> {
         let (below, above) = (self.theta[count - 1], *self.theta.get(count)?);
         let mu = in_gap(self.networks, count, below, above)?;
         Some(Level { count, mu }).filter(|&level| self.is_below(level))
     }
 
-    /// X^T (K - mu M) X is negative definite (Gershgorin).
+    /// Whether X^T (K - mu M) X is negative definite (Gershgorin).
     fn is_below(&self, Level { count, mu }: Level) -> bool {
         let entry = |i: usize, j: usize| {
             let (k, m) = (self.k[(i, j)], self.m[(i, j)]);
@@ -109,7 +109,7 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// With the norms of F and R. They need not be sharp: below `enough` they do no harm.
+    /// Adds the norms of F and R. They need not be sharp: below `enough` they do no harm.
     fn coupled(mut self, forms: &Forms) -> Frame<'a> {
         let n = self.norm.scale.len();
         let c = Multiplier::of(&forms.c, n);
@@ -130,8 +130,8 @@ impl<'a> Frame<'a> {
         self
     }
 
-    /// |y^H Q(s) y| is at least this times |y|_P^2 on Y, for every s within `radius` of this one, in the upper half plane: with
-    /// m, c, k = y^H (M, C, K) y real, im(y^H Q(s) y / s) = im s (m - k / |s|^2), and m <= k / mu.
+    /// |y^H Q(s) y| is at least this times |y|_P^2 on Y, for every s within `radius` of the given one, in the upper
+    /// half plane: with real m, c, k = y^H (M, C, K) y, im(y^H Q(s) y / s) = im s (m - k / |s|^2), and m <= k / mu.
     pub fn stiffness(&self, level: Level, s: Complex<f64>, radius: f64) -> f64 {
         let (size, height) = ((s.abs() + radius) * UP, s.im - radius);
         let slack = 1.0 + 1e-12;
@@ -139,8 +139,8 @@ impl<'a> Frame<'a> {
         height / size * part / (1.0 + self.norm.tau / level.mu) / slack
     }
 
-    /// A bound of |X_i^T Q(s) y| / |y|_P on Y, |s| <= size. Modes beyond the level are in Y: F has what damping gives them, and
-    /// (theta + tau) M x = P x - R.
+    /// A bound of |X_i^T Q(s) y| / |y|_P on Y, for |s| <= size. Modes beyond the level are in Y: F contains their
+    /// coupling by damping, and (theta + tau) M x = P x - R.
     pub fn coupling(&self, level: Level, i: usize, size: f64) -> f64 {
         let through = |l: usize| {
             let own = if l == i { size * size + level.mu } else { 0.0 };
@@ -156,7 +156,7 @@ impl<'a> Frame<'a> {
         (size * self.damping[i] + inside + (level.count..self.theta.len()).map(beyond).sum::<f64>()) * UP
     }
 
-    /// |f|_(P^-1) of a complex vector, by its parts.
+    /// A bound of |f|_(P^-1) for a complex vector, from its real and imaginary parts.
     pub fn dual(&self, re: &Image, im: &Image, enough: f64) -> f64 {
         libm::hypot(self.norm.of_image(re, enough), self.norm.of_image(im, enough)) * UP
     }
@@ -171,7 +171,7 @@ impl<'a> DualNorm<'a> {
     fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])]) -> Option<DualNorm<'a>> {
         let lowest = modes.first()?.0;
         let next = modes.iter().map(|mode| mode.0).find(|&theta| theta > 1e-9 * modes[modes.len() - 1].0)?;
-        // What floats or diverges is held by springs tau m.
+        // A part that floats or diverges is held by springs tau m.
         let (tau, below) =
             if lowest >= next { (0.0, 0.9 * lowest) } else { (2.0 * lowest.abs() + 0.1 * next, lowest.min(0.0)) };
         let below = below - 0.5 * tau;
@@ -188,7 +188,7 @@ impl<'a> DualNorm<'a> {
         })
     }
 
-    /// A bound of |f|_(P^-1); a rough one where that is enough.
+    /// A bound of |f|_(P^-1); a rough one if that is at most `enough`.
     fn of_image(&self, f: &Image, enough: f64) -> f64 {
         let mut best = self.rough(sizes(f));
         if best <= enough || !best.is_finite() {
@@ -217,19 +217,20 @@ impl<'a> DualNorm<'a> {
         best
     }
 
-    /// |f|_(P^-1) <= |f|_(diag(scale)^-1) / sqrt(least), from the sizes of the entries.
+    /// |f|_(P^-1) <= |f|_(diag(scale)^-1) / sqrt(least), from the magnitudes of the entries.
     fn rough(&self, sizes: impl Iterator<Item = f64>) -> f64 {
         let sum: f64 = sizes.zip(&self.scale).map(|(f, scale)| f * f / scale).sum();
         (sum * UP / self.least).sqrt() * UP
     }
 }
 
-/// The sizes of an image's entries, at the most.
+/// Upper bounds of the magnitudes of an image's entries.
 fn sizes(f: &Image) -> impl Iterator<Item = f64> {
     f.value.iter().zip(&f.error).map(|(f, error)| f.hi.abs() * (1.0 + 1e-15) + error)
 }
 
-/// A bound of |u|_P, P u being the image: sums of a million products in double-double err by less than 1e-24 of their parts.
+/// A bound of |u|_P, where P u is the image: sums of a million products in double-double have an error below 1e-24 of
+/// their parts.
 fn norm_of(u: &[Dd], image: &Image) -> f64 {
     let (mut energy, mut doubt) = (Dd::ZERO, 0.0);
     for (&u, (&p, error)) in u.iter().zip(image.value.iter().zip(&image.error)) {
@@ -260,7 +261,7 @@ fn entries(gram: &Gram) -> Matrix<Entry> {
     })
 }
 
-/// Where the modes wanted are followed by a gap: how many are below it, and a number in it below which no more lie.
+/// A gap after the wanted modes: the number of modes below it, and a number in it below which there are no more.
 fn gap(networks: &Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<(usize, f64)> {
     let room = |count: usize| (modes[count].0 - modes[count - 1].0) / modes[count].0;
     let mut counts: Vec<usize> = (wanted.max(1)..modes.len()).collect();
@@ -273,7 +274,7 @@ fn gap(networks: &Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<(u
     None
 }
 
-/// A number in a gap below which no more than so many omega^2 lie.
+/// A number in the gap such that at most `count` omega^2 lie below it.
 fn in_gap(networks: &Networks, count: usize, below: f64, above: f64) -> Option<f64> {
     let holds = |mu: f64| {
         let most = networks.pattern.count(&networks.k, &networks.m, mu, Rounding::Down);

@@ -1,6 +1,6 @@
-//! From a rough start to a pole: residual inverse iteration, x <- x - Q(sigma)^-1 Q(s) x with s from
-//! Rayleigh's quotient (Neumaier, SIAM J. Numer. Anal. 22 (1985) 914), residuals of the terms in double-double. In: networks,
-//! terms, a start. Out: s and x; how good they are is the discs' business.
+//! From a rough start to a pole: residual inverse iteration, x <- x - Q(sigma)^-1 Q(s) x with s from the Rayleigh
+//! quotient (Neumaier, SIAM J. Numer. Anal. 22 (1985) 914), residuals of the terms in double-double. In: networks,
+//! terms, a start. Out: s and x; the discs determine how accurate they are.
 //! See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::numeric::complex::Complex;
@@ -10,25 +10,25 @@ use crate::analysis::poles::targeted::elimination::Networks;
 use crate::base::Dd;
 use std::cmp::Ordering;
 
-/// A good start takes five.
+/// A good start takes five steps.
 const MOST_STEPS: usize = 16;
-/// After such a correction the vector's error is its square, about.
+/// After such a correction the vector's error is about its square.
 const SETTLED: f64 = 1e-10;
-/// A change of the vector above this deserves a new factorisation.
+/// A larger change of the vector is worth a new factorisation.
 const ROUGH: f64 = 1e-6;
 
-/// A pole farther than this part of it from the start is another one.
+/// A pole at a relative distance above this from the start is a different one.
 const FAR: f64 = 0.5;
 
-/// Where a pole is about, and its vector.
+/// A rough pole and its vector.
 pub struct Start {
     pub s: Complex<f64>,
     pub x: Vec<Complex<f64>>,
-    /// The mode that has the largest part in it.
+    /// The mode with the largest contribution to it.
     pub mode: usize,
 }
 
-/// The pole near a start (x of the size of x^T M x = 1); `None` where nothing settles near it.
+/// The pole near a start (with x scaled to about x^T M x = 1); `None` if the iteration does not converge near it.
 pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, start: &Start) -> Option<Pair> {
     let n = start.x.len();
     let mut pair = Pair { s: start.s.into(), x: words(&start.x) };
@@ -43,7 +43,7 @@ pub fn follow(networks: &Networks, pencil: &Pencil<Dd>, start: &Start) -> Option
             return None;
         }
         let Some(factors) = &factors else {
-            // Inverse iteration with a factorisation of its own; the vector keeps its product with the slope.
+            // Inverse iteration with a new factorisation; the vector keeps its product with the slope.
             let new = networks.factor(s.to_f64())?;
             let momentum = pencil.slope_force(s, &applied);
             let found = new.solve(&momentum);

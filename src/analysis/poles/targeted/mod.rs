@@ -1,13 +1,13 @@
-//! The damped poles of a few modes of a large system, each with a disc that proves it. In: a system, its lowest undamped modes.
-//! Out: a disc for each of the modes wanted that could be followed; of infinite size where nothing is proved.
-//! See docs/method/poles.md#poles-followed-from-modes.
+//! The damped poles of a few modes of a large system, each with a proven disc. In: a system, its lowest undamped modes.
+//! Out: a disc for each of the wanted modes that could be followed; of infinite size if nothing is proved. See
+//! docs/method/poles.md#poles-followed-from-modes.
 //!
-//! 1. The undamped modes and a count that holds bound what all other motions do to them ([`frame`]).
-//! 2. Q in the span of these modes gives starts ([`projection`]), which are followed to poles ([`iteration`]) with sparse factors
-//!    of Q(s) ([`elimination`]).
-//! 3. A circle about each is found on which Rouche's theorem counts one pole ([`disc`]).
+//! 1. The undamped modes and a certified count bound the influence of all other motions on them ([`frame`]).
+//! 2. Q in the span of these modes gives starts ([`projection`]), from which an iteration with sparse factors of Q(s)
+//!    ([`elimination`]) converges to poles ([`iteration`]).
+//! 3. About each pole a circle is found on which Rouche's theorem counts one pole ([`disc`]).
 //!
-//! That no other pole lies between is not proved: heavily damped motions of any mode may be as slow.
+//! It is not proved that no other pole lies between them: heavily damped motions of any mode may be as slow.
 
 mod disc;
 mod elimination;
@@ -32,8 +32,9 @@ use crate::analysis::poles::targeted::projection::projected;
 use crate::base::Ball;
 use crate::system::LinearSystem;
 
-/// Poles in the upper half plane, as many of least |s| as there are oscillations among the first `wanted` modes, without those
-/// that could not be followed; `None` where the system is not sparse. `modes` are the lowest, all of them up to the last; those beyond the wanted ones only prove.
+/// The poles of least |s| in the upper half plane, as many as there are oscillations among the first `wanted` modes,
+/// without those that could not be followed; `None` if the system is not sparse. `modes` are the lowest modes without a
+/// gap; those beyond the wanted ones serve only for proofs.
 pub fn targeted(
     system: &LinearSystem,
     whole: &Part,
@@ -55,7 +56,7 @@ pub fn targeted(
     Some(apart(found.collect()))
 }
 
-/// The oscillations themselves.
+/// Starts from the undamped oscillations.
 fn undamped(modes: &[Mode], wanted: usize) -> Vec<Start> {
     let oscillations = modes.iter().take(wanted).enumerate().filter(|(_, mode)| mode.kind == ModeKind::Oscillation);
     let start = |(mode, found): (usize, &Mode)| Start {
@@ -66,7 +67,7 @@ fn undamped(modes: &[Mode], wanted: usize) -> Vec<Start> {
     oscillations.map(start).collect()
 }
 
-/// A system in the forms in which it is worked with.
+/// A system in the representations that the steps need.
 struct Large {
     forms: Forms,
     networks: Networks,
@@ -91,13 +92,13 @@ impl Large {
     }
 }
 
-/// The midpoint was found, and nothing is proved of it.
+/// A disc for a midpoint of which nothing is proved.
 fn unproved(s: Complex<Ball>) -> Disc {
     let unknown = |x: Ball| Ball::new(x.mid, f64::INFINITY);
     Disc { s: Complex::new(unknown(s.re), unknown(s.im)), clusters: [None; 2] }
 }
 
-/// Discs that meet may hold one pole together: then neither proves its own.
+/// Discs that meet may contain the same pole: then neither is proved.
 fn apart(discs: Vec<Disc>) -> Vec<Disc> {
     let meets = |i: usize, j: usize| {
         let d = discs[i].s - discs[j].s;
@@ -113,7 +114,7 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::analysis::{Modes, Pole, modes, poles};
 
-    /// Numbers with decimal mantissas from a linear congruence (Knuth's MMIX).
+    /// Numbers with decimal mantissas from a linear congruential generator (Knuth's MMIX).
     struct Digits(u64);
 
     impl Digits {
@@ -128,7 +129,7 @@ mod tests {
         }
     }
 
-    /// A chain with springs to the second neighbour too, and dampers beside all, of about 10^c.
+    /// A chain with springs also to second neighbours, and dampers of about 10^c parallel to all springs.
     pub(super) fn band(n: usize, k_decades: u64, c: i32, c_decades: u64, held: bool, seed: u64) -> LinearSystem {
         let (mut system, mut digits) = (blank(n), Digits(seed));
         for i in 0..n {
@@ -157,13 +158,13 @@ mod tests {
         part(disc.s.re, pole.re).hypot(part(disc.s.im, pole.im))
     }
 
-    /// The poles within a disc, as far as they are known.
+    /// The number of known poles within a disc.
     fn held(disc: &Disc, truth: &[Pole]) -> usize {
         let room = |pole: &Pole| disc.s.radius() + pole.re.rad.hypot(pole.im.rad);
         truth.iter().filter(|pole| distance(disc, pole) <= room(pole)).count()
     }
 
-    /// Against all poles at once, another method: each disc holds one of them, and no two the same.
+    /// Compares with the method for all poles at once: each disc contains one of them, and no two the same.
     #[test]
     fn discs_hold_poles_of_the_whole_system() {
         for (k_decades, c, c_decades, is_held) in
@@ -182,7 +183,7 @@ mod tests {
         }
     }
 
-    /// Light and heavy dampers: where a disc is proved it holds one pole, however far motions are coupled.
+    /// Light and heavy dampers: a proved disc contains one pole, however strongly motions are coupled.
     #[test]
     fn no_disc_is_proved_that_holds_no_pole() {
         let (mut proved, mut found) = (0, 0);
@@ -200,7 +201,7 @@ mod tests {
         assert!(2 * proved > found, "{proved} of {found}");
     }
 
-    /// Wrong vectors and numbers: the disc is wider, and what it says is still true.
+    /// Wrong vectors and numbers: the disc is wider, and still valid.
     #[test]
     fn a_disc_is_as_wide_as_its_pair_is_wrong() {
         let system = band(40, 2, -2, 2, true, 5);
@@ -228,8 +229,8 @@ mod tests {
         }
     }
 
-    /// A vector that is half one motion and half another, a number between them, and pairs that are far off: a circle that is
-    /// not proved by Rouche's theorem is none.
+    /// A vector that is a mixture of two motions, a number between two poles, and pairs that are far off: a circle
+    /// without a proof by Rouche's theorem gives no disc.
     #[test]
     fn what_is_no_pole_gets_no_disc() {
         let system = band(40, 2, -2, 2, true, 5);
@@ -262,7 +263,7 @@ mod tests {
         assert!(refused >= 16, "{refused}");
     }
 
-    /// s^2 + 2 zeta_j omega_j s + omega_j^2 for C = alpha M + beta K, here not recognised as such.
+    /// s^2 + 2 zeta_j omega_j s + omega_j^2 for C = alpha M + beta K, which is not recognised as such here.
     #[test]
     fn proportional_damping_has_its_closed_form() {
         let mut system = band(30, 2, 0, 0, true, 5);

@@ -1,5 +1,5 @@
-//! Q in the span of the lowest undamped modes: a small dense problem, whose eigenvalues are starts. In: the frame of the modes.
-//! Out: where poles are about. Nothing here is printed. See docs/method/poles.md#poles-followed-from-modes.
+//! Q in the span of the lowest undamped modes: a small dense problem whose eigenvalues are starts. In: the frame of the
+//! modes. Out: rough poles. Nothing here is printed. See docs/method/poles.md#poles-followed-from-modes.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::dense::Matrix;
@@ -8,13 +8,13 @@ use crate::analysis::poles::targeted::frame::Frame;
 use crate::analysis::poles::targeted::iteration::Start;
 use nalgebra::{DMatrix, Schur};
 
-/// Below this part of its size an imaginary part is rounding.
+/// A relative imaginary part below this is rounding error.
 const REAL: f64 = 1e-9;
 
-/// So many starts of least |s| in the upper half plane; `None` where the QR method does not end.
+/// The `wanted` starts of least |s| in the upper half plane; `None` if the QR method does not converge.
 pub fn projected(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
     let count = frame.x.len();
-    // Modes are orthonormal to binary64: M^ is one. Energies as in `companion`, where omega^2 > 0.
+    // Modes are orthonormal to binary64, so M^ is the identity. Energies as in `companion`, for omega^2 > 0.
     let omega = |i: usize| frame.k[(i, i)].value.max(0.0).sqrt();
     let matrix = DMatrix::from_fn(2 * count, 2 * count, |i, j| match (i < count, j < count) {
         (true, false) if i == j - count => omega(i),
@@ -33,7 +33,7 @@ pub fn projected(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
     starts.collect()
 }
 
-/// The vector of an eigenvalue by two steps of inverse iteration from a scrambled one.
+/// The vector of an eigenvalue by two steps of inverse iteration from a pseudo-random vector.
 fn start(frame: &Frame, s: Complex<f64>, seed: usize) -> Option<Start> {
     let count = frame.x.len();
     let entry = |i: usize, j: usize| {
