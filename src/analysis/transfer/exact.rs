@@ -1,20 +1,20 @@
-//! The transfer function at a frequency where Q(s) is exactly singular, in rational arithmetic: at rest (s = 0) with rigid
-//! motions, and at an undamped natural frequency that is a rational number of rad/s.
+//! The transfer function at a frequency at which Q(s) is exactly singular, in rational arithmetic: at rest (s = 0) with
+//! rigid motions, and at an undamped natural frequency that is a rational number of rad/s.
 //!
-//! With N the null vectors of Q and G = N^T M N, the input b excites the share N G^-1 N^T b: where an output sees it,
-//! H is infinite; where none does (a pole cancelled by a zero), H is what the other motions add up to, the solution of
-//! Q x = b - M N G^-1 N^T b with N^T M x = 0. See docs/method/transfer.md.
+//! With N the null vectors of Q and G = N^T M N, the input b excites the share N G^-1 N^T b: if an output sees it, H is
+//! infinite; if it does not (a pole cancelled by a zero), H is the sum of the other motions, the solution of Q x = b -
+//! M N G^-1 N^T b with N^T M x = 0. See docs/method/transfer.md.
 
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Number, Rational};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// Exact elimination beyond this many coordinates takes too long.
+/// For more coordinates than this, exact elimination takes too long.
 const MOST_COORDINATES: usize = 40;
 
 type Matrix = Vec<Vec<Rational>>;
 
-/// Replaces the unknown gains by exact ones, where everything needed is rational.
+/// Replaces unknown gains by exact ones if all numbers needed are rational.
 pub(in crate::analysis) fn solve(
     system: &LinearSystem,
     frequency: &Frequency,
@@ -97,7 +97,7 @@ fn dense(form: &Form, n: usize) -> Option<Matrix> {
     Some(matrix)
 }
 
-/// b0 + s^2 b2 as a dense vector; `None` where it is not real and rational (s b1 is imaginary unless s = 0).
+/// b0 + s^2 b2 as a dense vector; `None` if it is not real and rational (s b1 is imaginary unless s = 0).
 fn column(b: &[Vec<(CoordinateId, Number)>; 3], square: &Rational, n: usize) -> Option<Vec<Rational>> {
     if !(square.is_zero() || b[1].is_empty()) {
         return None;
@@ -179,7 +179,7 @@ fn null_vectors(matrix: &Matrix) -> Matrix {
     .collect()
 }
 
-/// A solution of A x = b; `None` where there is none.
+/// A solution of A x = b; `None` if there is none.
 fn solve_consistent(matrix: &Matrix, b: &[Rational]) -> Option<Vec<Rational>> {
     let n = matrix.len();
     let augmented: Matrix =

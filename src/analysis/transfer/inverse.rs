@@ -1,13 +1,13 @@
-//! An approximate inverse R of a complex symmetric matrix Q, and the proof that it is near: with E = I - R Q, the solution
-//! of Q x = b satisfies x - y = R (b - Q y) + E (x - y) for every y. In: the entries of Q as enclosures. Out: R, a bound of
-//! |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*, Acta Numerica 19
-//! (2010), section 10). See docs/method/transfer.md.
+//! An approximate inverse R of a complex symmetric matrix Q, and a proof of its accuracy: with E = I - R Q, the
+//! solution of Q x = b satisfies x - y = R (b - Q y) + E (x - y) for every y. In: the entries of Q as enclosures. Out:
+//! R, a bound of |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*,
+//! Acta Numerica 19 (2010), section 10). See docs/method/transfer.md.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::base::{Ball, Dd, larger};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// What the elimination needs of its numbers; `Complex<f64>` first, `Complex<Dd>` where that is not enough.
+/// The arithmetic that the elimination needs: `Complex<f64>` first, `Complex<Dd>` if that is not enough.
 pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// Relative error of one real operation, doubled.
     const UNIT: f64;
@@ -16,7 +16,7 @@ pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn from_dd(z: Complex<Dd>) -> Self;
     fn to_dd(self) -> Complex<Dd>;
     fn recip(self) -> Self;
-    /// |re| + |im|, not less than the modulus.
+    /// |re| + |im|, an upper bound of the modulus.
     fn size(self) -> f64;
 }
 
@@ -67,7 +67,7 @@ pub struct Entry {
     pub value: Complex<Ball>,
 }
 
-/// R = D R' D, where D holds powers of two that bring the rows of Q' = D Q D near one.
+/// R = D R' D, where D is a diagonal of powers of two that bring the rows of Q' = D Q D near one.
 #[derive(Clone, Debug)]
 pub struct Inverse<T> {
     n: usize,
@@ -83,17 +83,17 @@ pub struct Inverse<T> {
     contraction: f64,
 }
 
-/// Above this a certificate would still hold, but the refinement hardly converges.
+/// With a larger contraction a certificate would still hold, but the refinement hardly converges.
 const CONTRACTION_LIMIT: f64 = 0.25;
-/// Covers what underflow takes from sums of scaled products.
+/// Covers underflow in sums of scaled products.
 const TINY: f64 = 1e-290;
-/// What is added to a component may have left the range of binary64, whatever the scale.
+/// Added to each component, which may have underflowed at any scale.
 const UNDERFLOW: f64 = 1e-317;
-/// Covers the roundings of a bound that is itself a sum of a few thousand numbers in binary64.
+/// Covers the rounding errors of a bound that is itself a sum of a few thousand binary64 numbers.
 const UP: f64 = 1.0 + 1e-12;
 
 impl<T: Scalar> Inverse<T> {
-    /// `None` where Q is singular to the precision of T, or its inverse cannot be proven.
+    /// `None` if Q is singular to the precision of T, or its inverse cannot be proven.
     pub fn of(n: usize, entries: &[Entry]) -> Option<Inverse<T>> {
         let scale = equilibrate(n, entries)?;
         let mut scaled = vec![T::ZERO; n * n];
@@ -138,8 +138,8 @@ impl<T: Scalar> Inverse<T> {
     }
 }
 
-/// Powers of two d with the largest |d_i Q_ij d_j| of each row near one (Ruiz 2001, symmetric); `None` for a row of zeros
-/// or numbers that are not finite.
+/// Powers of two d that bring the largest |d_i Q_ij d_j| of each row near one (Ruiz 2001, symmetric); `None` for a row
+/// of zeros or numbers that are not finite.
 fn equilibrate(n: usize, entries: &[Entry]) -> Option<Vec<f64>> {
     let mut exponent = vec![0i32; n];
     for _ in 0..4 {
@@ -164,7 +164,7 @@ fn equilibrate(n: usize, entries: &[Entry]) -> Option<Vec<f64>> {
     exponent.iter().all(|e| e.abs() < 500).then(|| exponent.iter().map(|&e| power_of_two(e)).collect())
 }
 
-/// The e of 2^e <= x < 2^(e+1), for normal numbers.
+/// The exponent e of 2^e <= x < 2^(e+1), for normal numbers.
 fn binary_exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
@@ -191,7 +191,7 @@ fn invert<T: Scalar>(n: usize, mut a: Vec<T>) -> Option<Vec<T>> {
         }
         eliminate(n, step, &mut a);
     }
-    // The columns of the inverse come out in the order of the pivots.
+    // The columns of the inverse result in the order of the pivots.
     let mut inverse = vec![T::ZERO; n * n];
     for i in 0..n {
         for (j, &original) in order.iter().enumerate() {
@@ -221,7 +221,7 @@ fn eliminate<T: Scalar>(n: usize, step: usize, a: &mut [T]) {
     }
 }
 
-/// A bound of |I - R' Q'|: the computed difference, its rounding, and what Q is uncertain by or lost when it was rounded.
+/// A bound of |I - R' Q'|: the computed difference, its rounding error, and the uncertainty and rounding of Q.
 fn defect<T: Scalar>(
     n: usize,
     entries: &[Entry],
@@ -248,8 +248,8 @@ fn defect<T: Scalar>(
     product.iter().zip(&slack).map(|(p, s)| (p.size() * UP + s + T::UNIT * p.size()) * UP + TINY).collect()
 }
 
-/// Weights that make the contraction small: the rows' sizes of R, then a few steps of the power method towards the Perron
-/// vector of |E|. `None` where E is not certainly small.
+/// Weights that make the contraction small: the row sizes of R, then a few steps of the power method towards the Perron
+/// vector of |E|. `None` if E is not certainly small.
 fn contraction(n: usize, sizes: &[f64], error: &[f64]) -> Option<(Vec<f64>, f64)> {
     let ones = vec![1.0; n];
     let mut weights = multiply(n, sizes, &ones);
@@ -286,7 +286,7 @@ mod tests {
         (0..n * n).map(|at| entry(at / n, at % n)).collect()
     }
 
-    /// The Hilbert matrix of order 6 times a vector of ones: the bound holds for the distance of any y from the solution.
+    /// The Hilbert matrix of order 6 times a vector of ones: the bound covers the distance of any y from the solution.
     #[test]
     fn the_bound_holds_for_any_approximation() {
         let n = 6;
@@ -303,8 +303,8 @@ mod tests {
         assert!(bound.iter().all(|b| *b < 1.0), "{bound:?}");
     }
 
-    /// Nearly singular matrices, whose inverses in binary64 keep three digits: |R| |r| alone is less than the distance wherever R
-    /// came out too small.
+    /// Nearly singular matrices, whose inverses in binary64 have three correct digits: |R| |r| alone is less than the
+    /// distance whenever R came out too small.
     #[test]
     fn the_bound_holds_with_a_poor_inverse() {
         let mut too_small = 0;

@@ -1,11 +1,12 @@
-//! Several frequencies side by side: real, complex and double-double numbers in the lanes of a vector, for the loops of the
-//! two-sided method. One text of the loops serves every vector; the results are the same on all of them, for each operation
-//! is that of IEEE 754, lane by lane.
+//! Several frequencies in parallel: real, complex and double-double numbers in the lanes of a vector, for the loops of
+//! the two-sided method. The same source serves every vector width, and the results are the same for all of them,
+//! because each operation follows IEEE 754, lane by lane.
 
 use crate::base::Dd;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A function of the lanes' type, compiled for each vector of the processor and called with the widest.
+/// Compiles a function, generic in the lanes' type, for each vector width of the processor, and calls the widest that
+/// is available.
 macro_rules! side_by_side {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident<$lanes:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
         $(#[$meta])*
@@ -41,13 +42,13 @@ macro_rules! side_by_side {
 
 pub(in crate::analysis) use side_by_side;
 
-/// Binary64 numbers side by side.
+/// A vector of binary64 numbers.
 pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     const WIDTH: usize;
     fn splat(x: f64) -> Self;
-    /// From the first [`Vector::WIDTH`] numbers.
+    /// Loads the first [`Vector::WIDTH`] numbers.
     fn load(x: &[f64; MOST]) -> Self;
-    /// Into the first [`Vector::WIDTH`] numbers.
+    /// Stores into the first [`Vector::WIDTH`] numbers.
     fn store(self) -> [f64; MOST];
     /// self b + c with one rounding.
     fn fused(self, b: Self, c: Self) -> Self;
@@ -59,7 +60,7 @@ pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
 /// Lanes of the widest vector.
 pub const MOST: usize = 16;
 
-/// Two vectors as one: while one waits the other goes on.
+/// Two vectors as one: their latencies overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Twice<V>([V; 2]);
 
@@ -169,8 +170,8 @@ impl Vector for f64 {
     }
 }
 
-/// The vectors of x86-64. They are made only inside of functions that are compiled for their instructions, and these are
-/// called only where the processor has them.
+/// The vectors of x86-64. They are used only inside functions that are compiled for their instructions, and these
+/// functions are called only if the processor has them.
 #[cfg(target_arch = "x86_64")]
 pub mod x86 {
     use super::{MOST, Vector};
@@ -212,7 +213,7 @@ pub mod x86 {
                 type Output = $name;
                 #[inline(always)]
                 fn neg(self) -> $name {
-                    // -0 - x is -x, zeros too.
+                    // -0 - x is -x, also for zeros.
                     $name(unsafe { $sub($splat(-0.0), self.0) })
                 }
             }
@@ -299,7 +300,7 @@ pub struct Pair<V> {
     pub im: V,
 }
 
-/// An unevaluated sum hi + lo; lo is a correction, not always below half a unit of hi.
+/// An unevaluated sum hi + lo; lo is a correction, and not always below half a unit in the last place of hi.
 #[derive(Clone, Copy, Debug)]
 pub struct Double<V> {
     pub hi: V,
@@ -338,7 +339,7 @@ impl<V: Vector> Pair<V> {
         Pair { re: self.re * square, im: -(self.im * square) }
     }
 
-    /// |re| + |im|, not below the modulus.
+    /// |re| + |im|, an upper bound of the modulus.
     #[inline(always)]
     pub fn size(self) -> V {
         self.re.abs() + self.im.abs()
@@ -351,7 +352,7 @@ impl<V: Vector> Double<V> {
         Double { hi: V::splat(0.0), lo: V::splat(0.0) }
     }
 
-    /// self + x y, the errors of both operations kept in `lo`.
+    /// self + x y, with the errors of both operations added to `lo`.
     #[inline(always)]
     pub fn plus_product(self, x: Double<V>, y: V) -> Double<V> {
         let p = x.hi * y;
@@ -365,9 +366,9 @@ impl<V: Vector> Double<V> {
         Double { hi: V::splat(x.hi), lo: V::splat(x.lo) }
     }
 
-    /// self + x y for normalised x and y, the errors kept in `lo`. After l of them from zero, and [`Double::normalised`], the
-    /// sum is within (l + 3)^2 u^2 of the sum of |x y|, u = 2^-53: a product loses 6 u^2, `lo` stays below (l + 3) u of it
-    /// and is rounded l times.
+    /// self + x y for normalised x and y, with the errors added to `lo`. After l of these from zero, followed by
+    /// [`Double::normalised`], the sum is within (l + 3)^2 u^2 of the sum of |x y|, u = 2^-53: a product loses 6 u^2,
+    /// `lo` stays below (l + 3) u of it and is rounded l times.
     #[inline(always)]
     pub fn plus_double(self, x: Double<V>, y: Double<V>) -> Double<V> {
         let p = x.hi * y.hi;
@@ -384,7 +385,7 @@ impl<V: Vector> Double<V> {
         Double { hi, lo }
     }
 
-    /// The sum as [`Dd`] has it.
+    /// The sum, computed as in [`Dd`].
     #[inline(always)]
     pub fn plus(self, b: Double<V>) -> Double<V> {
         let (sh, sl) = two_sum(self.hi, b.hi);
@@ -394,7 +395,7 @@ impl<V: Vector> Double<V> {
         Double { hi, lo }
     }
 
-    /// The product as [`Dd`] has it.
+    /// The product, computed as in [`Dd`].
     #[inline(always)]
     pub fn times(self, b: Double<V>) -> Double<V> {
         let ch = self.hi * b.hi;

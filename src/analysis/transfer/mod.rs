@@ -1,10 +1,10 @@
-//! The transfer function H(s) = P(s) Q(s)^-1 B(s) + D(s) at s = i omega, Q(s) = s^2 M + s C + K, from the terms of the system,
-//! each value with a bound that holds. In: a linear system and a frequency. Out: one value for each input and output:
-//! a complex number in a disc, or infinite where the system answers its own frequency without damping.
+//! The transfer function H(s) = P(s) Q(s)^-1 B(s) + D(s) at s = i omega, Q(s) = s^2 M + s C + K, from the terms of the
+//! system, each value with a proven bound. In: a linear system and a frequency. Out: one value for each input and
+//! output: a complex number in a disc, or infinity if the system is excited at its own frequency without damping.
 //!
-//! Each frequency is solved by sparse elimination in double-double discs; where these get too wide, with an approximate
-//! inverse in binary64 and residuals of the terms in balls; where that inverse cannot be proven, with one in double-double;
-//! where that fails too, with exact rational numbers. See docs/method/transfer.md.
+//! Each frequency is solved by sparse elimination in double-double discs; if these get too wide, with an approximate
+//! inverse in binary64 and residuals of the terms in balls; if that inverse cannot be proven, with one in
+//! double-double; if that fails too, with exact rational numbers. See docs/method/transfer.md.
 
 pub(in crate::analysis) mod exact;
 pub mod extrema;
@@ -33,9 +33,9 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gain {
     Finite(Disc),
-    /// A pole on the imaginary axis, at this very frequency.
+    /// A pole on the imaginary axis, exactly at this frequency.
     Infinite,
-    /// Too near to a pole to be resolved with double-double numbers.
+    /// Too close to a pole to be resolved with double-double numbers.
     Unknown,
 }
 
@@ -55,11 +55,11 @@ pub struct Frequency {
     /// rad/s
     pub omega: Ball,
     omega_squared: Ball,
-    /// omega itself, where it is known exactly: what an undamped pole may coincide with.
+    /// omega itself if it is known exactly: an undamped pole may coincide with it.
     exact: Option<Number>,
 }
 
-/// A system made ready for many frequencies.
+/// A system prepared for many frequencies.
 #[derive(Clone, Debug)]
 pub struct Transfer<'a> {
     system: &'a LinearSystem,
@@ -68,9 +68,9 @@ pub struct Transfer<'a> {
     k: Squares,
     /// The assembled matrices, both triangles.
     entries: Vec<MatrixEntry>,
-    /// How they are eliminated; `None` where that would fill them.
+    /// The elimination order and pattern; `None` if elimination would fill the matrices.
     pattern: Option<Pattern>,
-    /// Zeros and poles, once somebody asks for them: of each input and output in turn.
+    /// Zeros and poles, computed on demand, for each input and output in turn.
     parts: OnceLock<Vec<parts::Part>>,
     denominator: OnceLock<Option<Denominator>>,
     exactly: Vec<OnceLock<Option<Exactly>>>,
@@ -92,30 +92,30 @@ struct Solution {
     error: Vec<f64>,
 }
 
-/// Refinement stops below this relative radius: the value is then right in binary64, and two digits more.
+/// Refinement stops below this relative radius: the value is then correct in binary64 with two extra digits.
 const SETTLED: f64 = 1e-18;
-/// Small parts are not sought in larger systems.
+/// In larger systems, small independent parts are not looked for.
 const MOST_WITH_PARTS: usize = 2000;
-/// Zeros and poles are kept of so many pairs of inputs and outputs, and not sought of others.
+/// Zeros and poles are kept for at most this many pairs of inputs and outputs, and not computed for others.
 const MOST_PAIRS: usize = 10_000;
-/// What half a unit in the last place of binary64 allows.
+/// Relative error below half a unit in the last place of binary64.
 const TO_THE_LAST_DIGIT: f64 = 1e-17;
 /// Sums in binary64 are hardly ever better than this.
 const FAST_ABOVE: f64 = 1e-14;
-/// Inverses of more coordinates take too long at every frequency.
+/// For more coordinates, an inverse at every frequency takes too long.
 const MOST_DENSE: usize = 300;
-/// What a few products lose by underflow.
+/// Underflow error of a few products.
 const UNDERFLOW: f64 = 1e-317;
-/// From a certified inverse each step wins at least half a digit; this is for the worst.
+/// With a certified inverse each step gains at least half a digit; this many are for the worst case.
 const MOST_STEPS: usize = 40;
 
 impl Frequency {
-    /// Cycles per second, exact or enclosed: omega = 2 pi f.
+    /// A frequency in cycles per second, exact or enclosed: omega = 2 pi f.
     pub fn hertz(f: &Number) -> Frequency {
         Frequency::of(&(&two_pi() * f), f.clone())
     }
 
-    /// Radians per second: an exact number stays so, whatever it is in Hz.
+    /// A frequency in radians per second: an exact number stays exact, whatever it is in Hz.
     pub fn radians(omega: &Number) -> Frequency {
         Frequency::of(omega, omega / &two_pi())
     }
@@ -141,7 +141,7 @@ fn two_pi() -> Number {
 }
 
 impl Gain {
-    /// The disc, where there is one.
+    /// The disc of a finite value.
     pub fn disc(&self) -> Option<Disc> {
         match self {
             Gain::Finite(disc) => Some(*disc),
@@ -159,7 +159,7 @@ impl Disc {
         if self.radius.is_finite() { Gain::Finite(self) } else { Gain::Unknown }
     }
 
-    /// |value|, a ball: |true| lies within the disc's radius of it.
+    /// |value| as a ball: |true| lies within the disc's radius of it.
     pub fn gain(&self) -> Ball {
         modulus(Ball::exact(self.value.re), Ball::exact(self.value.im)).widen(self.radius)
     }
@@ -190,7 +190,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// H of one input and one output by its zeros and poles, where exact arithmetic finds them.
+    /// H of one input and one output by its zeros and poles, if exact arithmetic finds them.
     pub fn exactly(&self, input: usize, output: usize) -> Option<&Exactly> {
         let found = || {
             if self.system.n() > MOST_WITH_PARTS {
@@ -241,7 +241,7 @@ impl<'a> Transfer<'a> {
         gains
     }
 
-    /// What no elimination tells well, zeros and poles may: next to a pole that hardly any damper holds.
+    /// Next to a very lightly damped pole, zeros and poles may give better values than elimination.
     fn mend(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize], gains: &mut [Vec<Gain>]) {
         for (&input, row) in inputs.iter().zip(gains) {
             for (&output, gain) in outputs.iter().zip(row).filter(|(_, gain)| is_poor(gain)) {
@@ -251,8 +251,9 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// H at many frequencies: for each of them every input, for each input every output, all in one list. Several frequencies
-    /// are computed at once where dampers resist every motion; the others take the method of [`Transfer::between`].
+    /// H at many frequencies, in one list: for each frequency every input, for each input every output. Several
+    /// frequencies are computed at once if dampers resist every motion; otherwise each is computed as in
+    /// [`Transfer::between`].
     pub fn many(&self, frequencies: &[Frequency], inputs: &[usize], outputs: &[usize], tolerance: f64) -> Vec<Gain> {
         let road = TwoSided::of(self);
         let pairs = inputs.len() * outputs.len();
@@ -267,7 +268,7 @@ impl<'a> Transfer<'a> {
         })
     }
 
-    /// What the two-sided method gives, in the order of [`Transfer::many`]; unknown where it proves nothing.
+    /// The values of the two-sided method, in the order of [`Transfer::many`]; unknown if it proves nothing.
     fn side_by_side(
         &self,
         frequencies: &[Frequency],
@@ -295,7 +296,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// Fills in what sparse elimination in discs gives.
+    /// Fills in the values from sparse elimination in discs.
     fn eliminate(
         &self,
         entries: &[Entry],
@@ -314,7 +315,8 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// Fills in what a proven inverse gives where that is known better; leaves the gains as they are without one.
+    /// Fills in the values from a proven inverse if they are more accurate; leaves the gains unchanged if there is no
+    /// such inverse.
     fn solve_with<T: Scalar>(
         &self,
         inverse: Option<Inverse<T>>,
@@ -332,7 +334,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// Corrections until every output is settled, or the bounds shrink no more.
+    /// Applies corrections until every output is settled, or the bounds shrink no further.
     fn refine<T: Scalar>(
         &self,
         inverse: &Inverse<T>,
@@ -397,7 +399,8 @@ impl<'a> Transfer<'a> {
                     let (i, p) = (i.index(), p.to_ball());
                     let product = Complex::new(Ball::exact(x.re[i]) * p, Ball::exact(x.im[i]) * p);
                     y = y + times_power(frequency, power, product);
-                    // In the order of the values, so that what underflows there does here, and is then more than nothing.
+                    // In the order of the values, so that an underflow there occurs here too, and is then counted as
+                    // more than zero.
                     let least = if x.error[i] > 0.0 { UNDERFLOW } else { 0.0 };
                     let times_omega = |error: f64, _| error * frequency.omega.magnitude() + least;
                     radius += (0..power).fold(p.magnitude() * x.error[i] + least, times_omega);
@@ -445,7 +448,7 @@ fn subtract(squares: &Squares, x: &Solution, r: &mut [Complex<Ball>], z: impl Fn
     }
 }
 
-/// Most factors are 1 or -1: those round nothing.
+/// Most factors are 1 or -1, which cause no rounding.
 #[inline]
 fn by_factor(z: Complex<Ball>, a: Ball) -> Complex<Ball> {
     if a == Ball::ONE {
@@ -457,7 +460,7 @@ fn by_factor(z: Complex<Ball>, a: Ball) -> Complex<Ball> {
     }
 }
 
-/// Worse than what a binary64 number can show.
+/// Whether the value is less accurate than a binary64 number can show.
 fn is_poor(gain: &Gain) -> bool {
     match gain {
         Gain::Finite(disc) => disc.relative_error() > TO_THE_LAST_DIGIT,
@@ -466,10 +469,10 @@ fn is_poor(gain: &Gain) -> bool {
     }
 }
 
-/// The one of two that is known better, the first where neither is.
+/// The more accurate of two values; the first if neither is known.
 fn better(gain: Gain, other: Gain) -> Gain {
     let error = |gain: &Gain| match gain {
-        // Of two that may be zero the smaller disc says more.
+        // If both may be zero, the smaller disc is more informative.
         Gain::Finite(disc) => (disc.relative_error(), disc.radius),
         Gain::Infinite => (0.0, 0.0),
         Gain::Unknown => (f64::INFINITY, f64::INFINITY),
@@ -477,12 +480,12 @@ fn better(gain: Gain, other: Gain) -> Gain {
     if error(&other) < error(&gain) { other } else { gain }
 }
 
-/// Every value is right in binary64.
+/// Whether every value is correct in binary64.
 fn settled(gains: &[Vec<Gain>]) -> bool {
     gains.iter().all(|row| worst_radius(row) <= SETTLED)
 }
 
-/// The largest radius relative to the computed value (an absolute one where that is zero).
+/// The largest radius relative to the computed value (absolute if that is zero).
 fn worst_radius(gains: &[Gain]) -> f64 {
     let radius = |gain: &Gain| match gain {
         Gain::Finite(disc) => {
@@ -494,14 +497,14 @@ fn worst_radius(gains: &[Gain]) -> f64 {
     gains.iter().map(radius).fold(0.0, larger)
 }
 
-/// M, C and K as sums of their terms, exact until the sum is complete; the entries of any of them.
+/// M, C and K as sums of their terms, exact until the sum is complete: the nonzero entries of all of them.
 fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
     let mut parts: Vec<Part> = Vec::new();
     for (which, form) in [&system.m, &system.c, &system.k].into_iter().enumerate() {
         collect(form, which, &mut parts);
     }
     summed(&mut parts);
-    // The coordinates may be without any term: a row of zeros, singular at every frequency.
+    // A coordinate may have no term: a row of zeros, singular at every frequency.
     let mut entries: Vec<MatrixEntry> = Vec::new();
     for (i, j, which, sum) in parts {
         let sum = sum.to_ball();
@@ -515,10 +518,10 @@ fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
     entries
 }
 
-/// What a term adds to an entry: its place, M, C or K, and how much.
+/// The contribution of a term to an entry: row, column, which of M, C and K, and the value.
 type Part = (u32, u32, usize, Number);
 
-/// Sorts the parts and adds up those of one entry, in their order.
+/// Sorts the contributions and adds up those of each entry, in their order.
 fn summed(parts: &mut Vec<Part>) {
     parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
     parts.dedup_by(|part, sum| {
@@ -531,7 +534,8 @@ fn summed(parts: &mut Vec<Part>) {
 }
 
 fn collect(form: &Form, which: usize, parts: &mut Vec<Part>) {
-    /// Parts beside those that are summed already: long rows have many times more of them than the matrix has entries.
+    /// The most contributions that wait to be summed: long rows have many times more of them than the matrix has
+    /// entries.
     const WAITING: usize = 1 << 20;
     let index = |i: &CoordinateId| i.0;
     let mut room = parts.len() + WAITING;
@@ -572,8 +576,8 @@ mod tests {
         assert!(matches!(transfer.at(&Frequency::radians(&Number::from("2.000000000001")))[0][0], Gain::Finite(_)));
     }
 
-    /// 4.7e297 kg on 5e-9 N/m: the product of its displacement and its mass is beyond binary64, so that a residual says nothing,
-    /// and what elimination has enclosed stands. H = 1 / (k - m omega^2) in exact arithmetic.
+    /// 4.7e297 kg on 5e-9 N/m: the product of displacement and mass exceeds binary64, so that a residual is meaningless
+    /// and the enclosure from elimination stands. H = 1 / (k - m omega^2) in exact arithmetic.
     #[test]
     fn what_overflows_in_a_residual_is_no_bound() {
         let (m, k, omega) = ("4.66694e297", "5e-9", "1.0367255756846e-153");

@@ -1,21 +1,23 @@
-//! Many frequencies on all cores. No frequency depends on its neighbours, so where the list is cut changes no bit of what
-//! comes out, and neither does the number of cores. See docs/method/transfer.md#two-sided-approximation.
+//! Many frequencies on all cores. No frequency depends on its neighbours, so neither the division of the list nor the
+//! number of cores changes a bit of the result. See docs/method/transfer.md#two-sided-approximation.
 
 use super::Frequency;
 use super::lanes::MOST;
 use std::thread;
 
-/// Less work than this, in coordinates times frequencies, takes a millisecond: starting threads would cost a part of it.
+/// Less work than this, in coordinates times frequencies, takes a millisecond: starting threads would take a part of
+/// that.
 const WORTH_IT: usize = 1 << 18;
 
-/// `work` on the whole list, cut into a piece for each core where there is enough of it; the results in order.
+/// Applies `work` to the whole list, split into a piece for each core if there is enough work; returns the results in
+/// order.
 pub(super) fn in_pieces<T: Send>(
     frequencies: &[Frequency],
     coordinates: usize,
     work: impl Fn(&[Frequency]) -> Vec<T> + Sync,
 ) -> Vec<T> {
     let cores = if frequencies.len().saturating_mul(coordinates) < WORTH_IT { 1 } else { cores() };
-    // Whole vectors of frequencies.
+    // Pieces consist of whole vectors of frequencies.
     let length = frequencies.len().div_ceil(cores).next_multiple_of(MOST);
     if length >= frequencies.len() {
         return work(frequencies);

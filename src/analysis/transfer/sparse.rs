@@ -1,11 +1,11 @@
-//! Q x = b by sparse elimination in discs: Q = L D L^T, complex symmetric, without pivoting. Every operation encloses the true
-//! value, so the result is right whatever the pivots; where one is too small, the discs are wide and another method is taken.
-//! On chains and trees no number is used twice, so the discs stay as narrow as the conditioning allows (rectangles would not:
-//! each product turns and widens them). In: the pattern of
-//! M, C and K, then the entries of Q at a frequency. Out: x as discs. See docs/method/transfer.md.
+//! Q x = b by sparse elimination in discs: Q = L D L^T, complex symmetric, without pivoting. Every operation encloses
+//! the true value, so the result is valid whatever the pivots are; if one is too small, the discs get wide and another
+//! method is used. On chains and trees no number is used twice, so the discs stay as narrow as the conditioning allows
+//! (rectangles would not: each product rotates and widens them). In: the pattern of M, C and K, then the entries of Q
+//! at a frequency. Out: x as discs. See docs/method/transfer.md.
 //!
-//! The order is that of approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards; the elimination is up-looking (Davis, *LDL*,
-//! ACM TOMS 31 (2005) 587).
+//! The elimination order is approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards;
+//! the elimination is up-looking (Davis, *LDL*, ACM TOMS 31 (2005) 587).
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::numeric::fused::fused;
@@ -18,23 +18,23 @@ use crate::system::order::least_fill;
 #[derive(Clone, Debug)]
 pub struct Pattern {
     n: usize,
-    /// Place of each coordinate in the elimination.
+    /// Position of each coordinate in the elimination.
     place: Vec<usize>,
     /// The entries of each column on or above the diagonal, as (row, index of the entry), in the order of elimination.
     columns: Vec<Vec<(usize, usize)>>,
     parent: Vec<usize>,
-    /// Where the columns of L begin.
+    /// Index at which each column of L begins.
     starts: Vec<usize>,
 }
 
-/// What an elimination computes with: [`Disc`] proves, binary64 steers.
+/// The arithmetic of an elimination: [`Disc`] proves, binary64 steers.
 pub trait Scalar: Copy {
     const ZERO: Self;
     fn of(z: Complex<Ball>) -> Self;
     fn is_zero(&self) -> bool;
     fn times(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
-    /// `None` where it may be zero.
+    /// `None` if the number may be zero.
     fn reciprocal(self) -> Option<Self>;
     /// See [`Pattern::factor`] and [`Factors::solve`].
     fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Self>>;
@@ -56,21 +56,21 @@ pub struct Lower<T> {
     reciprocal: Vec<T>,
 }
 
-/// The steps of an elimination.
+/// The symbolic steps of an elimination.
 pub struct Symbolic {
-    /// For each place the columns of L that it needs, in order, and where its own entry of them stands.
+    /// For each position the columns of L that it needs, in order, and the index of its own entry in them.
     pub touched: Vec<Vec<(u32, u32)>>,
-    /// Where the columns of L begin, and the row of each entry.
+    /// Index at which each column of L begins, and the row of each entry.
     pub starts: Vec<u32>,
     pub below: Vec<u32>,
 }
 
 const NONE: usize = usize::MAX;
-/// More entries of L than this are slower than the other methods.
+/// With more entries of L than this, the other methods are faster.
 const MOST_ENTRIES: usize = 4_000_000;
 
 impl Pattern {
-    /// `None` where L would be too full.
+    /// `None` if L would have too many entries.
     pub fn of(n: usize, entries: &[(u32, u32)]) -> Option<Pattern> {
         let place = order(n, entries);
         let mut columns: Vec<Vec<(usize, usize)>> = vec![Vec::new(); n];
@@ -107,12 +107,12 @@ impl Pattern {
         Some(Pattern { n, place, columns, parent, starts })
     }
 
-    /// The place of a coordinate in the elimination.
+    /// The position of a coordinate in the elimination.
     pub fn place(&self, coordinate: usize) -> usize {
         self.place[coordinate]
     }
 
-    /// What [`Pattern::factor`] does, without numbers.
+    /// The steps of [`Pattern::factor`], without numbers.
     pub fn symbolic(&self) -> Symbolic {
         let n = self.n;
         let (mut filled, mut flag) = (self.starts[..n].to_vec(), vec![NONE; n]);
@@ -132,12 +132,12 @@ impl Pattern {
         Symbolic { touched: plan, starts: self.starts.iter().map(|&start| start as u32).collect(), below }
     }
 
-    /// `None` where a pivot may be zero.
+    /// `None` if a pivot may be zero.
     pub fn factor<T: Scalar>(&self, entries: &[Entry]) -> Option<Factors<'_, T>> {
         Some(Factors { pattern: self, lower: T::eliminate(self, entries)? })
     }
 
-    /// The rows of L's row k, later ones first.
+    /// The columns of L that row k needs, in the order of elimination.
     fn reach(&self, k: usize, flag: &mut [usize], path: &mut Vec<usize>, touched: &mut Vec<usize>) {
         touched.clear();
         flag[k] = k;
@@ -149,7 +149,7 @@ impl Pattern {
                 flag[i] = k;
                 i = self.parent[i];
             }
-            // A path leads up the tree; the newest path goes before the earlier ones.
+            // A path leads up the elimination tree; the newest path goes before the earlier ones.
             touched.extend(path.iter().rev());
         }
     }
@@ -241,10 +241,10 @@ impl<T: Scalar> Factors<'_, T> {
 /// Relative error of a complex operation in double-double: two products and a sum for each part are below 2^-100 of the
 /// modulus, a reciprocal below 2^-98.
 const UNIT: f64 = 4.0 * Dd::EPSILON;
-/// Covers the roundings of a radius, and underflow.
+/// Covers the rounding errors of a radius, and underflow.
 const UP: f64 = 1.0 + 1e-14;
 const TINY: f64 = 1e-300;
-/// What the four products and two sums of a complex product lose by underflow.
+/// Underflow error of the four products and two sums of a complex product.
 const UNDERFLOW: f64 = 1e-317;
 
 impl Disc {
@@ -253,7 +253,7 @@ impl Disc {
     fn size(&self) -> f64 {
         let (re, im) = (self.value.re.hi, self.value.im.hi);
         let root = (re * re + im * im).sqrt();
-        // Squares of smaller numbers are not what they should be.
+        // Squares of smaller numbers may underflow.
         if root > 1e-150 { root * UP + TINY } else { re.abs() + im.abs() + TINY }
     }
 }
@@ -287,7 +287,7 @@ impl Scalar for Disc {
         Disc { value, radius: (self.radius + b.radius + UNIT * difference.size()) * UP }
     }
 
-    /// `None` where it may be zero: |1/z - 1/m| <= r / (|m| (|m| - r)).
+    /// `None` if the number may be zero: |1/z - 1/m| <= r / (|m| (|m| - r)).
     #[inline(always)]
     fn reciprocal(self) -> Option<Disc> {
         let (re, im) = (self.value.re, self.value.im);
@@ -345,14 +345,14 @@ impl Scalar for Complex<f64> {
     }
 }
 
-/// The place of each coordinate; as they are where the ordering fails.
+/// The position of each coordinate; the original order if the ordering fails.
 fn order(n: usize, entries: &[(u32, u32)]) -> Vec<usize> {
     let some = || least_fill(n, entries.iter().copied()).map(|place| place.into_iter().map(|i| i as usize).collect());
     leaves_first(n, entries).or_else(some).unwrap_or_else(|| (0..n).collect())
 }
 
-/// A tree from all of its leaves inwards, which fills nothing in: neighbours in this order are on different branches, so the
-/// processor need not finish with one before it begins with the next. `None` where there is a cycle.
+/// Eliminates a tree from all of its leaves inwards, without fill: neighbours in this order are on different branches,
+/// so the processor can work on them in parallel. `None` if there is a cycle.
 fn leaves_first(n: usize, entries: &[(u32, u32)]) -> Option<Vec<usize>> {
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); n];
     for &(i, j) in entries.iter().filter(|(i, j)| i != j) {
@@ -379,7 +379,7 @@ fn leaves_first(n: usize, entries: &[(u32, u32)]) -> Option<Vec<usize>> {
 mod tests {
     use super::*;
 
-    /// A chain from both ends, a star from its rays; a ring has no end.
+    /// A chain is eliminated from both ends, a star from its rays; a ring has no end.
     #[test]
     fn a_tree_is_taken_from_its_leaves() {
         let both =
@@ -400,7 +400,7 @@ mod tests {
         (0..n * n).filter_map(at).collect()
     }
 
-    /// Q times a known vector gives the vector back, for an arrow and for a ring.
+    /// Solving for Q times a known vector encloses that vector, for an arrow and for a ring.
     #[test]
     fn the_solution_is_enclosed() {
         let n = 7;
@@ -448,13 +448,13 @@ mod tests {
         assert!(pattern.factor::<Disc>(&entries).is_none());
     }
 
-    /// A product that leaves the range of binary64 is not known to be zero, and small factors have their size.
+    /// A product that underflows is not known to be zero, and the radius of a product with a small factor is small.
     #[test]
     fn what_underflows_keeps_a_radius() {
         let real = |x: f64, radius: f64| Disc { value: Complex { re: Dd::from(x), im: Dd::ZERO }, radius };
         let product = real(1e-200, 0.0).times(real(1e-150, 0.0));
         assert!(product.radius > 0.0 && !product.is_zero());
-        // 1e-170 (3 +- 2): within 2e-170 of its middle, no less.
+        // 1e-170 (3 +- 2): within 2e-170 of its midpoint, and no less.
         let scaled = real(1e-170, 0.0).times(real(3.0, 2.0));
         assert!(scaled.radius >= 2e-170, "{:e}", scaled.radius);
     }

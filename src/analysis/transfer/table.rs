@@ -1,8 +1,8 @@
-//! Tables of transfer functions: which frequencies, and what is to be seen there. In: a system, its poles, what was asked.
-//! Out: rows in ascending frequency, and the peaks, antiresonances and half-power widths of each pair of input and output.
+//! Tables of transfer functions: their frequencies and features. In: a system, its poles, a request. Out: rows in
+//! ascending frequency, and the peaks, antiresonances and half-power widths of each pair of input and output.
 //!
-//! The range and the grid come from the poles; every pole gets a star of points at distances of decades, so that a zero
-//! however near to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
+//! The range and the grid come from the poles; every pole gets a star of points at distances in decades, so that a zero
+//! however close to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::numeric::complex::Complex;
@@ -12,17 +12,17 @@ use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, TO_THE_LAST_DIGIT, 
 use crate::base::{Number, Rational};
 use crate::system::LinearSystem;
 
-/// What a table is to hold.
+/// The requested content of a table.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
-    /// Hz, from below to above; from the poles where it is not given.
+    /// Lower and upper end, Hz; from the poles if not given.
     pub range: Option<(Number, Number)>,
-    /// Points of the grid; the default grid is refined, one that is asked for is kept as it is.
+    /// Number of grid points; the default grid is refined, a requested one is used unchanged.
     pub points: Option<usize>,
     pub linear: bool,
-    /// Frequencies asked for by themselves: then there is no grid.
+    /// Single requested frequencies: then there is no grid.
     pub at: Vec<Frequency>,
-    /// The relative error that is good enough; without it every value is right to the last digits of binary64.
+    /// The relative error that is sufficient; if not given, every value is correct to the last digits of binary64.
     pub tolerance: Option<f64>,
     /// Indices of inputs and outputs.
     pub inputs: Vec<usize>,
@@ -43,16 +43,17 @@ pub struct Table {
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub rows: Vec<Row>,
-    /// The extrema of each pair, `[input][output]`; none where a grid was asked for.
+    /// The extrema of each pair, `[input][output]`; `None` if a grid was requested.
     pub extrema: Option<Vec<Vec<Extrema>>>,
 }
 
-/// Points of the default grid between the poles' stars.
+/// Number of points of the default grid, without those of the poles' stars.
 const DEFAULT_POINTS: usize = 200;
 /// A star reaches from a tenth of a pole's frequency down to 1e-9 of it.
 const STAR: [f64; 9] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 
-/// The cheapest method for each value that is good enough: a sum over modes in binary64, in double-double, the solution.
+/// Chooses the cheapest sufficient method for each value: a sum over modes in binary64 or in double-double, or the
+/// solution.
 #[derive(Clone, Debug)]
 pub struct Roads<'a> {
     system: &'a LinearSystem,
@@ -60,7 +61,7 @@ pub struct Roads<'a> {
     sum: Option<ModalSum>,
 }
 
-/// What is made ready for one input and one output.
+/// The prepared computations for one input and one output.
 #[derive(Clone, Debug)]
 struct Pair<'a> {
     modal: Option<ModalPair>,
@@ -75,7 +76,7 @@ impl<'a> Roads<'a> {
         Roads { system, transfer: Transfer::of(system), sum: ModalSum::of(system, modes) }
     }
 
-    /// `[input][output]` at one frequency.
+    /// The gains at one frequency, `[input][output]`.
     fn gains(&self, pairs: &Pairs, sweep: &Sweep, frequency: &Frequency) -> Vec<Vec<Gain>> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
         let by_pair = |pair: &Pair| -> Option<Gain> {
@@ -94,8 +95,8 @@ impl<'a> Roads<'a> {
             .unwrap_or_else(|| self.transfer.between(frequency, &sweep.inputs, &sweep.outputs))
     }
 
-    /// Rows at many frequencies: sums in binary64 where they are good enough, then the two-sided method, several
-    /// frequencies at once; one by one what is left.
+    /// Rows at many frequencies: sums in binary64 if they are accurate enough, then the two-sided method for several
+    /// frequencies at once; the remaining ones one by one.
     fn rows(&self, pairs: &Pairs, sweep: &Sweep, frequencies: &[Frequency]) -> Vec<Row> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
         let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
@@ -110,7 +111,7 @@ impl<'a> Roads<'a> {
             }
         }
         let left: Vec<usize> = (0..rows.len()).filter(|&i| !rows[i].iter().all(good)).collect();
-        // Products over zeros and poles are fast enough where they are at hand.
+        // Products over zeros and poles, if available, are fast enough.
         let at_hand = pairs.iter().flatten().all(|pair| pair.exactly.is_some());
         if left.len() >= WORTH_SETTING_UP && !at_hand {
             let some: Vec<Frequency> = left.iter().map(|&i| frequencies[i].clone()).collect();
@@ -130,7 +131,7 @@ impl<'a> Roads<'a> {
         frequencies.iter().zip(rows).map(row).collect()
     }
 
-    /// Zeros and poles are worth while where extrema are sought.
+    /// Zeros and poles are worth computing if extrema are wanted.
     fn pairs(&self, sweep: &Sweep, refined: bool) -> Pairs<'_> {
         let pair = |input: usize, output: usize| Pair {
             modal: self.sum.as_ref().map(|sum| sum.pair(self.system, input, output)),
@@ -141,7 +142,7 @@ impl<'a> Roads<'a> {
     }
 }
 
-/// `[input][output]`
+/// Prepared pairs, `[input][output]`.
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
 /// Computes a table.
@@ -152,7 +153,8 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
     let extrema = refined.then(|| extrema(roads, poles, sweep, &pairs, &rows));
     if let Some(extrema) = &extrema {
         let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list);
-        // The binary64 number that is printed: beside a light pole |H| is another there than at the peak itself.
+        // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
+        // peak itself.
         let more = at
             .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
             .map(|hertz| Row { gains: roads.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
@@ -162,7 +164,7 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
     Table { inputs: sweep.inputs.clone(), outputs: sweep.outputs.clone(), rows, extrema }
 }
 
-/// `[input][output]`
+/// The extrema of each pair, `[input][output]`.
 fn extrema(roads: &Roads, poles: &Poles, sweep: &Sweep, pairs: &Pairs, rows: &[Row]) -> Vec<Vec<Extrema>> {
     let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
     let omega = |hertz: &Number| Frequency::hertz(hertz).omega;
@@ -197,7 +199,7 @@ fn frequencies(poles: &Poles, sweep: &Sweep) -> Vec<Frequency> {
     if sweep.at.is_empty() { grid(poles, sweep).iter().map(Frequency::hertz).collect() } else { sweep.at.clone() }
 }
 
-/// Hz, ascending.
+/// The grid in Hz, ascending.
 fn grid(poles: &Poles, sweep: &Sweep) -> Vec<Number> {
     let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
     let points = sweep.points.unwrap_or(DEFAULT_POINTS);
@@ -227,7 +229,7 @@ fn pole_size(pole: &crate::analysis::answer::Pole) -> f64 {
     Complex::new(pole.re.to_f64(), pole.im.to_f64()).abs()
 }
 
-/// 1, 2 and 5 times the powers of ten about a size, ascending.
+/// 1, 2 and 5 times the powers of ten around x, ascending.
 fn round_numbers(x: f64) -> impl DoubleEndedIterator<Item = Number> {
     let decade = libm::log10(x).floor().clamp(-300.0, 300.0) as i32;
     (decade - 1..decade + 3).flat_map(|exponent| {
@@ -274,7 +276,7 @@ fn stars(poles: &Poles) -> Vec<f64> {
         for distance in STAR {
             list.extend([f * (1.0 - distance), f * (1.0 + distance)]);
         }
-        // Three points of each half-power width.
+        // The ends of each half-power width, and points halfway to them.
         let width = pole.re.to_f64().abs() / (2.0 * std::f64::consts::PI);
         list.extend([f - width, f + width, f - 0.5 * width, f + 0.5 * width].into_iter().filter(|f| *f > 0.0));
     }

@@ -1,6 +1,6 @@
-//! Extrema of systems too large for their zeros: between the frequencies of a grid. In: a system made ready, its poles, values on
-//! a grid. Out: the grid's maxima and minima, each enclosed by itself; that there are no others is not proved.
-//! See docs/method/transfer.md#extrema-of-larger-systems.
+//! Extrema of systems that are too large for computing their zeros, found between the frequencies of a grid. In: a
+//! prepared system, its poles, values on a grid. Out: the grid's maxima and minima, each with its own enclosure; it is
+//! not proved that there are no others. See docs/method/transfer.md#extrema-of-larger-systems.
 
 use super::jet::Jet;
 use super::{Extrema, Extremum, FeatureKind};
@@ -10,18 +10,18 @@ use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Gain, Transfer};
 use crate::base::{Ball, Dd};
 
-/// Steps towards one extremum, and doublings of its enclosure.
+/// The most steps towards one extremum, and the most doublings of its enclosure.
 const MOST_STEPS: usize = 100;
 const DOUBLINGS: usize = 40;
-/// Relative step below which binary64 has no more to say.
+/// Relative step below which binary64 gains nothing more.
 const ROUGH: f64 = 1e-9;
-/// How far from a pole without damping |H| is looked at, relative to its frequency, and the circle about it on which |H| is
-/// compared with that; the arcs that the circle is covered with.
+/// Relative distance from an undamped pole at which |H| is evaluated, the relative radius of the circle about the pole
+/// on which |H| is compared with that value, and the number of arcs that cover the circle.
 const BESIDE_POLE: f64 = 1e-9;
 const CIRCLE: f64 = 1e-6;
 const ARCS: usize = 32;
 
-/// One pair.
+/// One pair of input and output.
 struct Pair<'a> {
     transfer: &'a Transfer<'a>,
     input: usize,
@@ -31,14 +31,14 @@ struct Pair<'a> {
 /// An interval of omega, rad/s.
 type Interval = (f64, f64);
 
-/// `gains` are the values on the grid, ascending, Hz.
+/// `gains` are the values on the grid, in ascending frequency, Hz.
 pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles, gains: &[(f64, Gain)]) -> Extrema {
     let pair = Pair { transfer, input, output };
     let two_pi = 2.0 * std::f64::consts::PI;
     let (Some(first), Some(last)) = (gains.first(), gains.last()) else {
         return Extrema { list: Vec::new(), complete: None, open: Vec::new() };
     };
-    // A little more than the range, whose ends are rounded here.
+    // Slightly more than the range, because its ends are rounded here.
     let range = (first.0 * two_pi * (1.0 - 1e-15), last.0 * two_pi * (1.0 + 1e-15));
     let infinite = axis_poles(poles, range);
     let holds_pole = |(low, high): Interval| infinite.iter().any(|pole| (low..=high).contains(&pole.to_f64()));
@@ -55,8 +55,8 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
     Extrema { list, complete: None, open: vec![(first.0, last.0)] }
 }
 
-/// The extrema of a complete list with the frequencies and values that H itself tells: from zeros and poles they are known up to
-/// these only.
+/// Replaces the frequencies and values of a complete list by enclosures from H itself, if these are better: the
+/// accuracy of those from zeros and poles is limited by that of the zeros and poles.
 pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Extrema) -> Extrema {
     let pair = Pair { transfer, input, output };
     for index in 0..found.list.len() {
@@ -70,7 +70,7 @@ pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Ex
             false => pair.root((omega.to_f64() - reach, omega.to_f64() + reach), kind),
         };
         let Some(better) = better.map(|omega| pair.extremum(omega, kind)) else { continue };
-        // A root of the slope within the ball of one extremum and of no other is that one.
+        // A root of the slope that lies within the ball of one extremum and of no other belongs to that extremum.
         let apart = |other: &Ball| !(*other - better.frequency).contains_zero();
         let same = (better.frequency.mid - frequency.mid).abs().to_f64() + better.frequency.rad <= frequency.rad;
         if same && beside.iter().flatten().all(apart) {
@@ -87,7 +87,8 @@ fn axis_poles(poles: &Poles, (low, high): Interval) -> Vec<Ball> {
     on_axis.filter(|omega| (low..=high).contains(&omega.to_f64())).collect()
 }
 
-/// The maxima and minima of the grid between two values with a digit: between others there is nothing but rounding.
+/// The maxima and minima of the grid between two values with at least one correct digit: between others there is only
+/// rounding error.
 fn told_brackets(gains: &[(f64, Gain)]) -> Vec<(Interval, FeatureKind)> {
     let two_pi = 2.0 * std::f64::consts::PI;
     let is_told = |gain: Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= 0.1);
@@ -115,12 +116,12 @@ impl Pair<'_> {
         Jet::of(self.transfer, omega, self.input, self.output)
     }
 
-    /// The sign of d|H|^2 / d omega, 0 where it is not certain.
+    /// The sign of d|H|^2 / d omega; 0 if it is not certain.
     fn sign(&self, omega: Dd) -> i8 {
         self.jet(Ball::exact(omega)).map_or(0, |jet| sign_of(jet.slope()))
     }
 
-    /// A root of the slope where it changes its sign, alone in the ball.
+    /// A root of the slope with a change of sign, the only one in the ball.
     fn root(&self, (low, high): Interval, kind: FeatureKind) -> Option<Ball> {
         let before = if kind == FeatureKind::Peak { 1 } else { -1 };
         let mut omega = Dd::from(self.rough_root((low, high), before));
@@ -159,7 +160,8 @@ impl Pair<'_> {
         None
     }
 
-    /// The same in binary64 as far as it goes, from the middle: `before` is the sign of the slope below the root.
+    /// Approximates the root in binary64 as far as possible, starting in the middle: `before` is the sign of the slope
+    /// below the root.
     fn rough_root(&self, (mut low, mut high): Interval, before: i8) -> f64 {
         let mut omega = 0.5 * (low + high);
         for _ in 0..MOST_STEPS {
@@ -189,8 +191,8 @@ impl Pair<'_> {
         Extremum { kind, frequency: hertz(omega), gain, width: None }
     }
 
-    /// Whether H has a pole at a pole of the system on the axis: without it |H| within a circle were at most what it is on the
-    /// circle (the maximum principle), and no other pole is near.
+    /// Whether H has a pole at a pole of the system on the axis: if it had none, |H| within a circle would be at most
+    /// its maximum on the circle (the maximum principle). No other pole may be near.
     fn sees(&self, pole: Ball, poles: &Poles) -> bool {
         let radius = pole.to_f64() * CIRCLE;
         let centre = Complex::new(Ball::ZERO, pole);
@@ -204,7 +206,7 @@ impl Pair<'_> {
         }
         let mut most = 0.0f64;
         let mut direction = Complex::new(1.0f64, 0.0);
-        // A turn by a little less than 2 pi / ARCS, of length one but for rounding.
+        // A rotation by a little less than 2 pi / ARCS, of length one up to rounding.
         let turn = Complex::new(0.980_785_280_403_230_4, 0.195_090_322_016_128_27);
         for _ in 0..ARCS {
             let offset = direction.scale(radius);
@@ -233,7 +235,7 @@ mod tests {
     use crate::analysis::poles::poles;
     use crate::analysis::test_systems::{blank, oscillator, push};
 
-    /// m = 1, k = 1, c = 0.2: a peak at sqrt 0.98, and nothing beside it.
+    /// m = 1, k = 1, c = 0.2: a peak at sqrt 0.98, and no other extremum.
     #[test]
     fn a_bracket_without_an_extremum_gives_none() {
         let system = oscillator("1", "0.2", "1");
@@ -249,8 +251,8 @@ mod tests {
         }
     }
 
-    /// Two oscillators that nothing joins: the receptance of the first is infinite at its own frequency, and no pole of the second
-    /// is one of it, be it far away or closer to 1 rad/s than the circle on which |H| is looked at.
+    /// Two uncoupled oscillators: the receptance of the first is infinite at its own frequency, and no pole of the
+    /// second is a pole of it, whether it is far away or closer to 1 rad/s than the circle on which |H| is evaluated.
     #[test]
     fn a_pole_that_an_output_does_not_see_is_no_peak() {
         for (stiffness, omega) in [("4", 2.0), ("1.0000000200000001", 1.00000001)] {
@@ -267,7 +269,7 @@ mod tests {
             let transfer = Transfer::of(&system);
             let pair = Pair { transfer: &transfer, input: 0, output: 0 };
             assert!(!pair.sees(near(omega), &poles), "{omega}");
-            // A pole with a neighbour within the circle is not told.
+            // A pole with a neighbour within the circle is not reported.
             assert_eq!(pair.sees(near(1.0), &poles), omega == 2.0);
         }
     }

@@ -1,21 +1,21 @@
-//! What the coefficients of a determinant of polynomials are off by. In: the entries' coefficients, each with a bound of its size
-//! and a radius. Out: a radius for each coefficient: Laplace's expansion over rows, every product with its sizes, so that nothing
-//! cancels. See docs/method/transfer.md#extrema.
+//! Error bounds for the coefficients of a determinant of polynomials. In: the entries' coefficients, each with a bound
+//! of its magnitude and a radius. Out: a radius for each coefficient: Laplace's expansion over rows with the magnitudes
+//! of all products, so that nothing cancels. See docs/method/transfer.md#extrema.
 
-/// |a| <= size for the middle, |a - middle| <= radius.
+/// |a| <= size for the midpoint, |a - midpoint| <= radius.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sized {
     pub size: f64,
     pub radius: f64,
 }
 
-/// Covers the roundings of the sums, a few thousand additions of positive numbers.
+/// Covers the rounding errors of the sums, a few thousand additions of positive numbers.
 const UP: f64 = 1.0 + 1e-11;
 
 impl Sized {
     fn times(self, other: Sized) -> Sized {
         let radius = self.size * other.radius + self.radius * other.size + self.radius * other.radius;
-        // What falls below the range of binary64 is not nothing.
+        // A number that underflows must not become zero.
         let seen = |x: f64, nothing: bool| if nothing { 0.0 } else { x.max(f64::MIN_POSITIVE) };
         let exact = self.radius == 0.0 && other.radius == 0.0;
         Sized { size: seen(self.size * other.size, self.size == 0.0 || other.size == 0.0), radius: seen(radius, exact) }
@@ -25,7 +25,7 @@ impl Sized {
 /// Radii of the coefficients of det, by power of s.
 pub fn spread(rows: &[Vec<[Sized; 3]>]) -> Vec<f64> {
     let n = rows.len();
-    // Of the first rows and a set of as many columns: the sum of the products over all their permutations.
+    // For the first rows and a set of as many columns: the sum of the products over all permutations.
     let mut sums: Vec<Vec<Sized>> = vec![Vec::new(); 1 << n];
     sums[0] = vec![Sized { size: 1.0, radius: 0.0 }];
     for columns in 0..sums.len() {
@@ -55,7 +55,8 @@ pub fn spread(rows: &[Vec<[Sized; 3]>]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// (2 +- 0.1)(3 +- 0.2) - (1)(5) s: the constant is off by 2 * 0.2 + 3 * 0.1 + 0.02, the slope by nothing.
+    /// (2 +- 0.1)(3 +- 0.2) - (1)(5) s: the error of the constant is 2 * 0.2 + 3 * 0.1 + 0.02, that of the slope is
+    /// zero.
     #[test]
     fn a_determinant_of_two_rows() {
         let of = |size, radius| Sized { size, radius };

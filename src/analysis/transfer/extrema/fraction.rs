@@ -1,6 +1,7 @@
-//! H of an input and an output as a quotient of two polynomials in s: det [Q, b; -p^T, d] / det Q. In: a small system. Out: its
-//! zeros and poles, and the factor before them. Rational numbers give exact polynomials, and what cancels is taken out; of others
-//! the middles are taken, and each coefficient gets a bound of what it is off by. See docs/method/transfer.md#extrema.
+//! H of an input and an output as a quotient of two polynomials in s: det [Q, b; -p^T, d] / det Q. In: a small system.
+//! Out: its zeros and poles, and the factor before them. Rational numbers give exact polynomials, and common factors
+//! are cancelled; for others the midpoints are used, and each coefficient gets an error bound. See
+//! docs/method/transfer.md#extrema.
 
 use super::expansion::{Sized, spread};
 use super::roots::{Coefficients, Root, roots};
@@ -13,23 +14,24 @@ use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
 
-/// Exact arithmetic beyond this many coordinates takes longer than the tables.
+/// For more coordinates than this, exact arithmetic takes longer than the tables.
 const MOST_COORDINATES: usize = 12;
 
-/// Limit of coordinates for numbers that are enclosed.
+/// Limit of coordinates for numbers known as enclosures.
 const MOST_ENCLOSED: usize = 9;
 
-/// det Q of a system, ready for its inputs and outputs.
+/// det Q of a system, prepared for its inputs and outputs.
 #[derive(Clone, Debug)]
 pub struct Denominator {
-    /// The coordinates that it is about, ascending.
+    /// The coordinates of Q, ascending.
     coordinates: Vec<u32>,
     q: Vec<Vec<Entry>>,
     determinant: Determinant,
     roots: Vec<Root>,
 }
 
-/// The coordinates of the independent parts that the input acts on and the output sees: no others have a part in H.
+/// The coordinates of the independent parts on which the input acts and that the output sees: no others contribute to
+/// H.
 pub fn coordinates_between(system: &LinearSystem, parts: &[Part], input: usize, output: usize) -> Vec<u32> {
     let among = |powers: &[Vec<(CoordinateId, Number)>; 3], part: &Part| {
         powers.iter().flatten().any(|(i, _)| part.coordinates.binary_search(&i.0).is_ok())
@@ -53,7 +55,7 @@ pub struct Factored {
 /// a0 + a1 s + a2 s^2
 type Entry = [Known; 3];
 
-/// The middle of an enclosure, and its radius.
+/// The midpoint of an enclosure, and its radius.
 #[derive(Clone, Debug)]
 struct Known {
     middle: Rational,
@@ -68,7 +70,7 @@ struct Determinant {
 }
 
 impl Denominator {
-    /// `None` where the system is too large, det Q vanishes at every s, or its roots are not separated.
+    /// `None` if the system is too large, det Q vanishes for every s, or its roots cannot be separated.
     pub fn of(system: &LinearSystem, coordinates: &[u32]) -> Option<Denominator> {
         let n = coordinates.len();
         if n > MOST_COORDINATES {
@@ -88,7 +90,7 @@ impl Denominator {
         Some(Denominator { coordinates: coordinates.to_vec(), q, determinant, roots })
     }
 
-    /// `None` where roots are not separated, or nothing is known of a number of the input or the output.
+    /// `None` if roots cannot be separated, or a number of the input or the output is unknown.
     pub fn pair(&self, system: &LinearSystem, input: usize, output: usize) -> Option<Factored> {
         let n = self.coordinates.len();
         let column = |powers| column(powers, &self.coordinates);
@@ -100,7 +102,7 @@ impl Denominator {
         rows.push(p.into_iter().map(negated).chain([through(system, input, output)?]).collect());
         let numerator = Determinant::of(&rows, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
-            // Nothing of the input reaches the output.
+            // The input has no effect on the output.
             let nothing = Factored { lead: Ball::ZERO, unit: 1.0, zeros: Vec::new(), poles: Vec::new() };
             return numerator.polynomial.is_exact().then_some(nothing);
         }
@@ -121,7 +123,7 @@ impl Denominator {
 }
 
 impl Determinant {
-    /// Of a degree that is not above `most`; `None` where that is beyond the arithmetic here.
+    /// The determinant, of degree at most `most`; `None` if that is too large for the arithmetic here.
     fn of(rows: &[Vec<Entry>], most: usize) -> Option<Determinant> {
         let is_exact = rows.iter().flatten().flatten().all(|x| x.radius == 0.0);
         if !is_exact && rows.len() > MOST_ENCLOSED + 1 {
@@ -144,7 +146,7 @@ impl Determinant {
             let radii = if is_exact { Vec::new() } else { vec![f64::INFINITY] };
             return Some(Determinant { factor: BigRational::one(), polynomial: Coefficients { middle, radii } });
         }
-        // The polynomial is primitive: one value tells by which factor it differs.
+        // The polynomial is primitive: one value determines the missing factor.
         let (s, found) = values.iter().enumerate().find(|(_, value)| !value.is_zero())?;
         let all = (0..rows.len()).fold(BigInt::one(), |power, _| power * &common);
         let factor = BigRational::new(found.clone(), all * value(&middle, s as i64));
@@ -166,7 +168,7 @@ fn value(f: &Polynomial, s: i64) -> BigInt {
 }
 
 impl Known {
-    /// `None` where nothing is known.
+    /// `None` if nothing is known of the number.
     fn of(number: &Number) -> Option<Known> {
         if let Some(exact) = number.exact() {
             return Some(Known { middle: exact.clone(), radius: 0.0 });
@@ -182,7 +184,7 @@ fn entry(numbers: [Number; 3]) -> Option<Entry> {
     Some([a?, b?, c?])
 }
 
-/// sum w a a^T, times s^power
+/// Adds sum w a a^T, times s^power.
 fn add(form: &Form, power: usize, coordinates: &[u32], q: &mut [Vec<[Number; 3]>]) {
     for term in form.terms() {
         let row = || form.row(term).iter().filter_map(|(i, a)| Some((coordinates.binary_search(&i.0).ok()?, a)));
@@ -196,7 +198,7 @@ fn add(form: &Form, power: usize, coordinates: &[u32], q: &mut [Vec<[Number; 3]>
     }
 }
 
-/// Entries of other coordinates have no part in H.
+/// Entries of other coordinates have no effect on H.
 fn column(powers: &[Vec<(CoordinateId, Number)>; 3], coordinates: &[u32]) -> Option<Vec<Entry>> {
     let mut dense: Vec<[Number; 3]> = vec![[Number::ZERO, Number::ZERO, Number::ZERO]; coordinates.len()];
     for (power, list) in powers.iter().enumerate() {
@@ -224,7 +226,7 @@ mod tests {
     use crate::analysis::transfer::Frequency;
     use crate::analysis::transfer::extrema::Exactly;
 
-    /// A stiffness known to 1e-3: the gain is that of 4.001 too.
+    /// A stiffness known to 1e-3: the enclosure of the gain contains that for 4.001 too.
     #[test]
     fn what_is_not_known_of_a_stiffness_is_not_known_of_the_gain() {
         let gain = |stiffness: Number| {

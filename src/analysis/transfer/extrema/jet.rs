@@ -1,6 +1,6 @@
-//! H and its first two derivatives over s, at a frequency or over an interval of frequencies, by sparse elimination in discs:
-//! Q x0 = b, Q x1 = b' - Q' x0, Q x2 = b'' - 2 Q' x1 - Q'' x0. In: a system made ready, a frequency as a ball. Out: enclosures
-//! for every frequency of the ball. See docs/method/transfer.md#extrema-of-larger-systems.
+//! H and its first two derivatives with respect to s, at a frequency or over an interval of frequencies, by sparse
+//! elimination in discs: Q x0 = b, Q x1 = b' - Q' x0, Q x2 = b'' - 2 Q' x1 - Q'' x0. In: a prepared system, a frequency
+//! as a ball. Out: enclosures for every frequency of the ball. See docs/method/transfer.md#extrema-of-larger-systems.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;
@@ -16,17 +16,17 @@ pub struct Jet([Complex<Ball>; 3]);
 type Powers = [Vec<(CoordinateId, Number)>; 3];
 
 impl Jet {
-    /// `None` where Q may be singular.
+    /// H and its derivatives for all frequencies of a ball, rad/s; `None` if Q may be singular.
     pub fn of(transfer: &Transfer, omega: Ball, input: usize, output: usize) -> Option<Jet> {
         Jet::at(transfer, Complex::new(Ball::ZERO, omega), input, output)
     }
 
-    /// H and its derivatives anywhere in the complex plane; `None` where Q may be singular.
+    /// H and its derivatives anywhere in the complex plane; `None` if Q may be singular.
     pub fn at(transfer: &Transfer, s: Complex<Ball>, input: usize, output: usize) -> Option<Jet> {
         Jet::by(transfer, s, (input, output), rectangle)
     }
 
-    /// In binary64, without bounds: to find the way to where an enclosure is worth its price.
+    /// H and its derivatives in binary64, without bounds: to approach a place where an enclosure is worth its cost.
     pub fn roughly(transfer: &Transfer, omega: f64, input: usize, output: usize) -> Option<Jet> {
         let exactly = |z: Complex<f64>| Complex::new(Ball::from(z.re), Ball::from(z.im));
         Jet::by(transfer, Complex::new(Ball::ZERO, Ball::from(omega)), (input, output), exactly)
@@ -79,13 +79,13 @@ impl Jet {
         self.0[0]
     }
 
-    /// Half of d|H|^2 / d omega = Re (conj H i H'), with H' over s.
+    /// Half of d|H|^2 / d omega = Re (conj H i H'), where H' is the derivative with respect to s.
     pub fn slope(&self) -> Ball {
         let [h, first, _] = self.0;
         h.im * first.re - h.re * first.im
     }
 
-    /// Its derivative over omega: |H'|^2 - Re (conj H H'').
+    /// The derivative of [`Self::slope`] with respect to omega: |H'|^2 - Re (conj H H'').
     pub fn curvature(&self) -> Ball {
         let [h, first, second] = self.0;
         first.re.square() + first.im.square() - (h.re * second.re + h.im * second.im)
@@ -96,7 +96,7 @@ fn rectangle(disc: Disc) -> Complex<Ball> {
     Complex::new(Ball::new(disc.value.re, disc.radius), Ball::new(disc.value.im, disc.radius))
 }
 
-/// The derivative of a0 + a1 s + a2 s^2.
+/// The derivative of this order of a0 + a1 s + a2 s^2.
 fn derivative(a: [Ball; 3], s: Complex<Ball>, order: usize) -> Complex<Ball> {
     let two = Ball::from(2.0);
     match order {
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use crate::analysis::test_systems::oscillator;
 
-    /// m = 1, c = 0.2, k = 1: |H|^2 = 1/D with D = (1 - w^2)^2 + 0.04 w^2, by hand.
+    /// m = 1, c = 0.2, k = 1: |H|^2 = 1/D with D = (1 - w^2)^2 + 0.04 w^2, differentiated by hand.
     #[test]
     fn slope_and_curvature_are_those_of_the_textbook() {
         let system = oscillator("1", "0.2", "1");

@@ -28,7 +28,8 @@ pub struct Extremum {
     /// Hz
     pub frequency: Ball,
     pub gain: Gain,
-    /// The distance of the two frequencies where |H| is its peak over the root of 2, Hz; `None` where |H| rises again before.
+    /// The distance of the two frequencies at which |H| is its peak over the root of 2, Hz; `None` if |H| rises again
+    /// before.
     pub width: Option<Ball>,
 }
 
@@ -39,7 +40,7 @@ pub enum FeatureKind {
 }
 
 impl FeatureKind {
-    /// As in the JSON and in reports.
+    /// The name in JSON and in reports.
     pub fn name(self) -> &'static str {
         match self {
             FeatureKind::Peak => "peak",
@@ -48,21 +49,22 @@ impl FeatureKind {
     }
 }
 
-/// No extremum in the range is missing. The search makes it, where every interval of the range is settled.
+/// Proof that no extremum in the range is missing. Only the search makes it, when every interval of the range is
+/// settled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Complete(());
 
-/// What is known of the extrema of one pair.
+/// The extrema of one pair of input and output.
 #[derive(Clone, Debug)]
 pub struct Extrema {
     pub list: Vec<Extremum>,
     pub complete: Option<Complete>,
-    /// Where it is open whether there are others, Hz, from and to.
+    /// Ranges in which there may be other extrema, Hz, from and to.
     pub open: Vec<(f64, f64)>,
 }
 
 impl Extrema {
-    /// With what another method has enclosed besides.
+    /// Adds extrema that another method has enclosed.
     pub(in crate::analysis) fn with(mut self, others: Vec<Extremum>) -> Extrema {
         let known = |list: &[Extremum], other: &Extremum| {
             list.iter().any(|extremum| (extremum.frequency - other.frequency).contains_zero())

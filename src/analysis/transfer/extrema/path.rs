@@ -1,13 +1,14 @@
-//! Zeros and poles of larger systems, where the zeros are poles of a system that is held somewhere:
+//! Zeros and poles of larger systems, for the cases in which the zeros are poles of a system with some motions held:
 //!
 //! ```text
 //! p^T Q^-1 p = p_j^2 det (Z^T Q Z) / det Q                                            p^T Z = 0
 //! (Q^-1)_ij = +- prod of the entries along the path from i to j  det Q_without the path / det Q
 //! ```
 //!
-//! The first where the output sees what the input drives (Z spans the motions that it does not see); the second where a single path
-//! joins the coordinates i and j, as in a chain and any other tree. In: a system made ready, an input and an output. Out: zeros and
-//! poles, each in a disc of its own bound. See docs/method/transfer.md#extrema-of-larger-systems.
+//! The first formula applies if the output sees what the input drives (Z spans the motions that it does not see), the
+//! second if a single path joins the coordinates i and j, as in a chain and any other tree. In: a prepared system, an
+//! input and an output. Out: zeros and poles, each in a disc with its own bound. See
+//! docs/method/transfer.md#extrema-of-larger-systems.
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};
@@ -20,15 +21,16 @@ use crate::analysis::transfer::{Frequency, MatrixEntry, Transfer, feed_through};
 use crate::base::{Ball, Dd, Number, Rational};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// The search looks at every root from every other one: beyond this it takes longer than the tables.
+/// The search evaluates every root from every other one: for more coordinates than this it takes longer than the
+/// tables.
 const MOST_COORDINATES: usize = 320;
-/// A value of H that tells the factor before zeros and poles must be better than this.
+/// A value of H from which the factor before zeros and poles is computed must be better than this.
 const GOOD_FACTOR: f64 = 1e-12;
 
 /// a0 + a1 s + a2 s^2
 type Entry = [Ball; 3];
 
-/// `poles` are those of the whole system. `None` where no single path joins the two, or a root is not enclosed.
+/// `poles` are those of the whole system. `None` if there is no single path between the two, or a root is not enclosed.
 pub fn factored(transfer: &Transfer, all: &Poles, input: usize, output: usize) -> Option<Factored> {
     let system = transfer.system;
     if system.n() > MOST_COORDINATES || !system.chain.is_empty() {
@@ -68,7 +70,8 @@ pub fn factored(transfer: &Transfer, all: &Poles, input: usize, output: usize) -
 type Powers = [Vec<(CoordinateId, Number)>; 3];
 type Row = Vec<(usize, Number)>;
 
-/// What the output sees, where the input drives just that, each with one power of s; and the sum of both powers.
+/// The row that the output sees, if the input drives the same one, each with one power of s; and the sum of both
+/// powers.
 fn same_row(system: &LinearSystem, input: usize, output: usize) -> Option<(Row, usize)> {
     let (mut b, left) = only_power(&system.inputs[input].b)?;
     let (mut p, right) = only_power(&system.outputs[output].p)?;
@@ -104,7 +107,7 @@ fn single(powers: &Powers) -> Option<(usize, Entry)> {
     Some((first.index(), entry))
 }
 
-/// Which coordinates share an entry of Q.
+/// The coordinates that share an entry of Q.
 struct Net<'a> {
     neighbours: Vec<Vec<(usize, &'a MatrixEntry)>>,
 }
@@ -119,7 +122,7 @@ impl Net<'_> {
         Net { neighbours }
     }
 
-    /// What is coupled with some coordinates, ascending.
+    /// The coordinates coupled with the given ones, directly or indirectly, ascending.
     fn part(&self, first: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut seen = vec![false; self.neighbours.len()];
         let mut left: Vec<usize> = first.into_iter().collect();
@@ -134,7 +137,7 @@ impl Net<'_> {
         (0..seen.len()).filter(|&i| seen[i]).collect()
     }
 
-    /// The only path of a tree; `None` in a part that is none, or from one part to another.
+    /// The unique path in a tree; `None` in a part that is not a tree, or between different parts.
     fn path(&self, from: usize, to: usize, part: &[usize]) -> Option<Vec<usize>> {
         let ends: usize = part.iter().map(|&i| self.neighbours[i].len()).sum();
         if ends != 2 * (part.len() - 1) {
@@ -162,8 +165,8 @@ impl Net<'_> {
     }
 }
 
-/// The poles of some coordinates where all others are held, or where the last coordinate of a row moves so that the row sees
-/// nothing.
+/// The poles of the `kept` coordinates with all others held; if `row` is given, its last coordinate moves so that the
+/// row sees nothing.
 fn of_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Option<Vec<Root>> {
     if kept.is_empty() {
         return Some(Vec::new());
@@ -208,7 +211,7 @@ fn of_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Op
     roots_of(&poles(&part, &modes).ok()?)
 }
 
-/// `None` where a pole is missing or not enclosed, or may or may not be real or on the imaginary axis.
+/// `None` if a pole is missing or not enclosed, or if it is open whether it is real or on the imaginary axis.
 fn roots_of(poles: &Poles) -> Option<Vec<Root>> {
     if !poles.is_complete() {
         return None;
@@ -219,10 +222,10 @@ fn roots_of(poles: &Poles) -> Option<Vec<Root>> {
     (count == poles.list.len()).then_some(list)
 }
 
-/// `Some(None)` for the lower one of a pair.
+/// `Some(None)` for the lower pole of a conjugate pair.
 fn root_of(pole: &Pole) -> Option<Option<Root>> {
     let known = |x: Ball| x.is_finite() && (x.is_zero() || !x.contains_zero());
-    // A centre at zero would be taken for a pole on the axis itself.
+    // A centre at zero would be taken for a pole exactly on the axis.
     if !known(pole.im) || !known(pole.re) {
         return None;
     }
@@ -250,7 +253,7 @@ fn real(s: Ball, multiplicity: usize) -> Root {
     Root { centre, radius: Float::from(s.rad), multiplicity, place: Place::Real }
 }
 
-/// The roots of an entry: at zero and one other; `None` where there are more, or a coefficient may be zero.
+/// The roots of an entry: one at zero and another one; `None` if there are more, or a coefficient may be zero.
 fn roots_of_entry(entry: Entry) -> Option<Vec<Root>> {
     if entry.iter().any(|a| !a.is_finite() || (a.contains_zero() && !a.is_zero())) {
         return None;
@@ -295,7 +298,7 @@ fn with_factor(
         return None;
     }
     let ball = |x: Dd| Ball::new(x, value.radius);
-    // Both are complex, their quotient is real.
+    // Both are complex, but their quotient is real.
     let norm = of_roots.re * of_roots.re + of_roots.im * of_roots.im;
     let lead = (ball(value.value.re) * of_roots.re + ball(value.value.im) * of_roots.im) / norm;
     (lead.is_finite() && !lead.contains_zero()).then_some(Factored { lead, ..product })

@@ -1,6 +1,6 @@
-//! From brackets to extrema: each root of g is enclosed between two points where g has different signs, and there |H| and its
-//! half-power width are read off. In: zeros and poles. Out: values of H, and all extrema in a range.
-//! See docs/method/transfer.md#extrema.
+//! From brackets to extrema: each root of g is enclosed between two points at which g has different signs, and |H| and
+//! its half-power width are computed there. In: zeros and poles. Out: values of H, and all extrema in a range. See
+//! docs/method/transfer.md#extrema.
 
 use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};
@@ -13,7 +13,7 @@ use crate::base::{Ball, Dd, Number};
 use num_bigint::BigInt;
 use std::ops::RangeInclusive;
 
-/// H of one pair by its zeros and poles.
+/// H of one pair of input and output, represented by its zeros and poles.
 #[derive(Clone, Debug)]
 pub struct Exactly {
     lead: Ball,
@@ -22,31 +22,31 @@ pub struct Exactly {
     largest: f64,
 }
 
-/// A frequency: its distance from an anchor, rad/s.
+/// A frequency as its distance from an anchor, rad/s.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     anchor: usize,
     t: Ball,
 }
 
-/// An extremum's place, and what it is.
+/// The position of an extremum, and its kind.
 #[derive(Clone, Copy, Debug)]
 struct Located {
     at: Point,
     kind: FeatureKind,
-    /// A zero or a pole on the axis itself.
+    /// Whether it is a zero or a pole exactly on the axis.
     singular: bool,
 }
 
-/// 1/s: of zeros, poles and frequencies; and of the factor before their products.
+/// Range of zeros, poles and frequencies, 1/s, and of the factor before their products.
 const RANGE: RangeInclusive<f64> = 1e-100..=1e100;
-/// Steps of bisection in binary64, of Newton in double-double, doublings of an enclosure.
+/// The most steps of bisection in binary64, of Newton in double-double, and doublings of an enclosure.
 const MOST_STEPS: usize = 2200;
 const NEWTON_STEPS: usize = 4;
 const DOUBLINGS: usize = 60;
 
 impl Exactly {
-    /// `None` where numbers lie so far from one that products of them may leave the range of binary64.
+    /// `None` if numbers lie so far from one that their products may leave the range of binary64.
     pub fn of(factored: &Factored) -> Option<Exactly> {
         let roots = factored.zeros.iter().chain(&factored.poles);
         let size = |x: f64| x.abs();
@@ -59,7 +59,7 @@ impl Exactly {
         in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest })
     }
 
-    /// H at a frequency; unknown at a pole, or too near to one.
+    /// H at a frequency; unknown at a pole or too close to one.
     pub fn gain(&self, frequency: &Frequency) -> Gain {
         if self.lead.is_zero() {
             return Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 });
@@ -77,7 +77,8 @@ impl Exactly {
         };
         let anchor = &self.anchors[nearest];
         let mut t = anchor.distance_of(omega);
-        // Next to a pole with hardly any damping its distance counts, of which double-double keeps too little.
+        // Next to a pole with hardly any damping the distance from it matters, and double-double keeps too few digits
+        // of it.
         if t.mignitude() < 1e-8 * omega.magnitude()
             && let Some((omega, radius)) = wide_omega(frequency)
         {
@@ -98,7 +99,7 @@ impl Exactly {
         if self.lead.is_zero() || self.anchors[0].terms.is_empty() {
             return Extrema { list: Vec::new(), complete: Some(Complete(())), open: Vec::new() };
         }
-        // A half-power width may reach beyond the range.
+        // A half-power width may extend beyond the range.
         let top = 2.0 * high.magnitude().max(2.0 * self.largest);
         let mut search = search(&self.anchors, top, (low.to_f64() * (1.0 - 1e-15), high.to_f64() * (1.0 + 1e-15)));
         let located = self.located(&mut search);
@@ -115,7 +116,7 @@ impl Exactly {
         self.anchors[point.anchor].omega(point.t)
     }
 
-    /// What is open between two frequencies, Hz, neighbours joined.
+    /// The open intervals between two frequencies, Hz, with neighbours merged.
     fn open(&self, search: &Search, low: f64, high: f64) -> Vec<(f64, f64)> {
         let mut list: Vec<(f64, f64)> = Vec::new();
         for interval in &search.open {
@@ -133,7 +134,7 @@ impl Exactly {
         list.into_iter().map(|(from, to)| (hertz(from), hertz(to))).collect()
     }
 
-    /// The places of what was found. A bracket whose root is not enclosed is open again.
+    /// The positions of everything found. A bracket whose root is not enclosed becomes open again.
     fn located(&self, search: &mut Search) -> Vec<Located> {
         let mut list: Vec<Located> = Vec::new();
         for found in std::mem::take(&mut search.found) {
@@ -148,7 +149,8 @@ impl Exactly {
                 },
             };
             let kind = if rising { FeatureKind::Antiresonance } else { FeatureKind::Peak };
-            // Maxima and minima alternate: two of a kind are one, found from both sides of a cut.
+            // Maxima and minima alternate: two in a row of the same kind are the same one, found from both sides of a
+            // cut.
             if list.last().is_none_or(|last| last.kind != kind) {
                 list.push(Located { at, kind, singular });
             }
@@ -156,7 +158,7 @@ impl Exactly {
         list
     }
 
-    /// The only root of g within an interval in which it is monotone, between two points with different signs.
+    /// The only root of g within an interval in which it is monotone, between two points at which the signs differ.
     fn root(&self, within: Interval, rising: bool) -> Option<Ball> {
         let anchor = &self.anchors[within.anchor];
         let before = if rising { -1 } else { 1 };
@@ -181,7 +183,7 @@ impl Exactly {
         self.enclosed(t, blur, within, |t| sign(t) == before, |t| sign(t) == -before)
     }
 
-    /// A ball about t, as small as may be, before which one thing holds and behind which the other does.
+    /// A ball about t, as small as possible, such that `before` holds at its lower end and `behind` at its upper end.
     fn enclosed(
         &self,
         t: Dd,
@@ -194,7 +196,7 @@ impl Exactly {
         for _ in 0..DOUBLINGS {
             let (low, high) = (t - Dd::from(reach), t + Dd::from(reach));
             if low.hi < within.low || high.hi > within.high {
-                // At the very end of an interval whose ends have been decided.
+                // At the end of an interval, at which the sign is known already.
                 let low_is_outside = low.hi < within.low;
                 if low_is_outside && high.hi > within.high {
                     return None;
@@ -221,7 +223,7 @@ impl Exactly {
         Extremum { kind, frequency: hertz(self.omega(at)), gain, width: width.map(hertz) }
     }
 
-    /// rad/s
+    /// The half-power width of a peak, rad/s.
     fn width(&self, located: &[Located], index: usize, search: &Search) -> Option<Ball> {
         let at = located[index].at;
         let peak = self.anchors[at.anchor].size(self.lead.abs(), at.t);
@@ -237,7 +239,7 @@ impl Exactly {
         Some(if left.anchor == right.anchor { right.t - left.t } else { right.t - left.t + between })
     }
 
-    /// Where |H| falls to half its power between a peak and the next extremum, over which it is monotone.
+    /// The point between a peak and the next extremum at which |H| has fallen to half its power; |H| is monotone there.
     fn crossing(&self, factor: Ball, from: Point, to: Option<Point>, search: &Search, up: bool) -> Option<Point> {
         let mut segment = from.anchor;
         loop {
@@ -258,7 +260,7 @@ impl Exactly {
             if self.anchors[segment].near_size(factor.to_f64(), outer) < 1.0 {
                 return Some(Point { anchor: segment, t: self.half_power(factor, path, up)? });
             }
-            // At the next extremum, at rest or beyond all roots.
+            // The half-power point would be beyond the next extremum, below rest or beyond all roots.
             if end.is_some() {
                 return None;
             }
@@ -269,7 +271,7 @@ impl Exactly {
         }
     }
 
-    /// Where `factor` |H| is one, in an interval over which |H| is monotone: falling where `up`.
+    /// The point at which `factor` |H| is one, in an interval over which |H| is monotone: falling if `up`.
     fn half_power(&self, factor: Ball, within: Interval, up: bool) -> Option<Ball> {
         let anchor = &self.anchors[within.anchor];
         let start = bisect(within.low, within.high, |t| (anchor.near_size(factor.to_f64(), t) > 1.0) == up);
@@ -293,7 +295,7 @@ impl Exactly {
     }
 }
 
-/// omega to a hundred digits, and what that is off by, where the frequency is exact.
+/// omega to a hundred digits with a bound of its error, if the frequency is exact.
 fn wide_omega(frequency: &Frequency) -> Option<(Float, f64)> {
     const BITS: u64 = 360;
     let (fraction, of_pi) = match (frequency.exact().and_then(Number::exact), &frequency.hertz) {
@@ -304,7 +306,7 @@ fn wide_omega(frequency: &Frequency) -> Option<(Float, f64)> {
     let part = |x: &BigInt| Float::from(x.clone());
     let rational = part(fraction.numer()).divided_by(&part(fraction.denom()), BITS);
     let omega = if of_pi { &rational * &wide_pi() } else { rational };
-    // Both factors are cut behind 360 bits.
+    // Both factors are cut off after 360 bits.
     let radius = omega.to_f64().abs() / (1u128 << 100) as f64 / (1u128 << 100) as f64 / (1u128 << 100) as f64;
     Some((omega, radius + f64::MIN_POSITIVE))
 }
@@ -326,7 +328,7 @@ fn wide_pi() -> Float {
     Float::from(pi).times_power_of_two(-(BITS as i64))
 }
 
-/// The binary64 number behind which `holds` fails, which holds at the low end and not at the high one.
+/// The binary64 number after which `holds` fails; it holds at the low end and fails at the high one.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..MOST_STEPS {
         let middle = 0.5 * (low + high);
@@ -356,8 +358,8 @@ mod tests {
         exactly(system, input, output).extrema(Ball::from(1e-6), Ball::from(1e6))
     }
 
-    /// m = 1, k = 1, c = 2 zeta: a peak at sqrt(1 - 2 zeta^2), 1 / (2 zeta sqrt(1 - zeta^2)) high; |H|^2 is half of it at
-    /// w^2 = 1 - 2 zeta^2 +- 2 zeta sqrt(1 - zeta^2).
+    /// m = 1, k = 1, c = 2 zeta: a peak at sqrt(1 - 2 zeta^2) of height 1 / (2 zeta sqrt(1 - zeta^2)); |H|^2 is half of
+    /// its peak at w^2 = 1 - 2 zeta^2 +- 2 zeta sqrt(1 - zeta^2).
     #[test]
     fn an_oscillator_of_any_damping_has_its_textbook_peak() {
         for exponent in [0, 2, 7, 16, 17, 40, 60, 100] {
@@ -424,7 +426,7 @@ mod tests {
         let told: Vec<(FeatureKind, bool, f64)> = (found.list.iter())
             .map(|e| (e.kind, e.gain == Gain::Infinite, (e.frequency * Ball::from(2.0) * Ball::PI).to_f64()))
             .collect();
-        // omega^2 = (3 -+ sqrt 5) / 2; the second mass alone stands at 1 rad/s.
+        // omega^2 = (3 -+ sqrt 5) / 2; only the second mass stands still at 1 rad/s.
         let root = 5f64.sqrt();
         let expected = [
             (FeatureKind::Peak, true, ((3.0 - root) / 2.0).sqrt()),
@@ -438,14 +440,14 @@ mod tests {
         assert_eq!(found.list[1].gain, Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 }));
     }
 
-    /// Stronger than 1 / sqrt 2 there is no peak, and that is proved.
+    /// With damping above 1 / sqrt 2 there is no peak, and that is proved.
     #[test]
     fn heavy_damping_leaves_no_peak() {
         let found = all(&oscillator("1", "1.5", "1"), 0, 0);
         assert!(found.list.is_empty() && found.complete.is_some(), "{found:?}");
     }
 
-    /// At 1 / sqrt 2 exactly, g has a triple root at rest: nothing above it.
+    /// At exactly 1 / sqrt 2, g has a triple root at rest, and none above it.
     #[test]
     fn a_flat_top_at_rest_is_no_peak() {
         let mut system = oscillator("1", "1", "1");
@@ -455,7 +457,7 @@ mod tests {
         assert!(found.list.is_empty() && found.complete.is_some(), "{found:?}");
     }
 
-    /// Two pendulums, one below the other, whose numbers come from sines: off by 1e-31 of what they are.
+    /// Two pendulums, one below the other, whose numbers come from sines, with a relative uncertainty of 1e-31.
     #[test]
     fn enclosed_numbers_tell_the_same() {
         let mut system = blank(2);
@@ -476,7 +478,7 @@ mod tests {
         assert_eq!(told, [(Peak, true), (Antiresonance, false), (Peak, true)]);
     }
 
-    /// Poles at re +- i im, anywhere within a radius.
+    /// Poles at re +- i im, with a radius of uncertainty.
     fn resonance(re: f64, im: f64, radius: f64) -> Exactly {
         use crate::analysis::numeric::big_float::ComplexFloat;
         use crate::analysis::transfer::extrema::roots::{Place, Root};
@@ -485,7 +487,7 @@ mod tests {
         Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole] }).expect("in range")
     }
 
-    /// However poor the first guess, what is reported holds the change of sign, or nothing is reported.
+    /// However poor the first guess, the reported enclosure contains the change of sign, or nothing is reported.
     #[test]
     fn an_enclosure_holds_the_change_of_sign() {
         let exactly = resonance(-0.1, 1.0, 0.0);
@@ -499,7 +501,8 @@ mod tests {
         }
     }
 
-    /// Poles known to 0.05: the peak, its height and its width are those of poles there too, or it is not told that these are all.
+    /// Poles known to 0.05: the enclosures of the peak, its height and its width also cover poles anywhere in there, or
+    /// the list is not reported as complete.
     #[test]
     fn what_a_pole_may_be_is_in_what_is_told() {
         for radius in [1e-9, 1e-4, 0.05] {

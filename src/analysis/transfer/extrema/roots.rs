@@ -1,6 +1,6 @@
-//! The roots of a polynomial with integer coefficients, as many as its degree: each with its multiplicity, and whether it lies
-//! on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with so many digits that the distance of any
-//! two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
+//! The roots of a polynomial with integer coefficients, as many as its degree: each with its multiplicity, and whether
+//! it lies on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with so many digits that the
+//! distance of any two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
 //! See docs/method/transfer.md#extrema.
 
 use crate::analysis::numeric::big_float::{ComplexFloat, Float};
@@ -12,38 +12,38 @@ use num_bigint::BigInt;
 use num_traits::Zero;
 use std::cmp::Ordering;
 
-/// A root, or a pair of conjugate ones, of which this is that with a positive imaginary part.
+/// A root, or a conjugate pair represented by the root with a positive imaginary part.
 #[derive(Clone, Debug)]
 pub struct Root {
-    /// The root lies within the radius of this centre, rad/s; a part that is exactly zero is so here.
+    /// The root lies within the radius of this centre, rad/s; a part that is exactly zero is stored as zero.
     pub centre: ComplexFloat,
     pub radius: Float,
     pub multiplicity: usize,
     pub place: Place,
 }
 
-/// What is exactly known of a root's place.
+/// Exact information about the position of a root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Real, a root by itself.
+    /// A single real root.
     Real,
-    /// With its conjugate on the imaginary axis, not at zero.
+    /// On the imaginary axis with its conjugate, not at zero.
     Axis,
-    /// With its conjugate off both axes.
+    /// Off both axes, with its conjugate.
     Pair,
 }
 
-/// Bits that roots are sought with at first, and at last.
+/// First and last working precision for roots, in bits.
 const FIRST_BITS: u64 = 160;
 const MOST_BITS: u64 = 2560;
 /// Radii are below 2^-SHARP of the root, and of its distance from the imaginary axis.
 const SHARP: i64 = 110;
 
-/// The coefficients of a polynomial: integers, or within radii of integers.
+/// The coefficients of a polynomial: integers, or numbers within a radius of integers.
 #[derive(Clone, Debug)]
 pub struct Coefficients {
     pub middle: Polynomial,
-    /// By power; empty where they are exact.
+    /// By power; empty if the coefficients are exact.
     pub radii: Vec<f64>,
 }
 
@@ -66,7 +66,7 @@ impl Coefficients {
         self.radii.get(power).copied().unwrap_or(0.0)
     }
 
-    /// The size of the radii's sum at |s| = size.
+    /// The sum of radius times |s|^power at |s| = size.
     fn blur(&self, size: &Float) -> Float {
         self.radii.iter().rev().fold(Float::zero(), |sum, &radius| (&(&sum * size) + &Float::from(radius)).cut(64))
     }
@@ -76,7 +76,8 @@ impl Coefficients {
         Coefficients { middle: self.middle.derivative(), radii: radii.collect() }
     }
 
-    /// How often s divides for certain, and what is left; `None` where the number of roots, or of those at zero, is not certain.
+    /// How often s certainly divides the polynomial, and the quotient; `None` if the number of roots, or of those at
+    /// zero, is not certain.
     fn without_zero_roots(&self) -> Option<(usize, Coefficients)> {
         let (zeros, middle) = self.middle.without_zero_roots();
         let radii: Vec<f64> = self.radii.iter().skip(zeros).copied().collect();
@@ -90,7 +91,7 @@ impl Coefficients {
     }
 }
 
-/// All roots; `None` where they are not separated.
+/// All roots; `None` if they cannot be separated.
 pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
     let (zeros, rest) = f.without_zero_roots()?;
     let mut list = Vec::new();
@@ -113,8 +114,8 @@ pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
     (count == f.middle.degree()).then_some(list)
 }
 
-/// f = g(s^2) h(s) with the largest g: with f = E(s^2) + s O(s^2) it is the common divisor of E and O. A root on the imaginary
-/// axis is one of E and O, so h has none.
+/// f = g(s^2) h(s) with the largest g: with f = E(s^2) + s O(s^2) it is the common divisor of E and O. A root on the
+/// imaginary axis is one of E and O, so h has none.
 fn split(f: &Polynomial) -> Option<(Polynomial, Polynomial)> {
     let part = |from: usize| Polynomial::new(f.coefficients().iter().skip(from).step_by(2).cloned().collect());
     let common = part(0).gcd(&part(1))?;
@@ -124,7 +125,8 @@ fn split(f: &Polynomial) -> Option<(Polynomial, Polynomial)> {
     Some((even, other))
 }
 
-/// The roots of a polynomial whose roots are simple, and not zero. That of s^2 alone has them mirrored at both axes.
+/// The roots of a polynomial whose roots are simple and nonzero. Those of a polynomial in s^2 (`even`) are symmetric
+/// about both axes.
 fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>> {
     if f.middle.degree() == 0 {
         return Some(Vec::new());
@@ -132,7 +134,7 @@ fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>
     let slope = f.derivative();
     let mut values = in_binary64(&f.middle, circles(&f.middle));
     let mut bits = FIRST_BITS;
-    // What is not exact is not told better with more digits.
+    // More digits do not help if the coefficients are not exact.
     let most = if f.is_exact() { MOST_BITS } else { FIRST_BITS };
     while bits <= most {
         iterate(&f.middle, &slope.middle, &mut values, bits);
@@ -144,11 +146,12 @@ fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>
     None
 }
 
-/// Sweeps in binary64: a dozen are usual.
+/// The most sweeps in binary64; a dozen are usual.
 const MOST_SWEEPS: usize = 80;
 
-/// Better first values, as good as binary64 tells: the iteration of Ehrlich and Aberth on f(2^e z), scaled so that the roots'
-/// geometric mean is near one. Nothing is proved here; where coefficients leave the range of binary64, `start` comes back.
+/// Better initial values, as good as binary64 allows: the Ehrlich-Aberth iteration on f(2^e z), scaled so that the
+/// roots' geometric mean is near one. Nothing is proved here; if coefficients leave the range of binary64, returns
+/// `start`.
 fn in_binary64(f: &Polynomial, start: Vec<ComplexFloat>) -> Vec<ComplexFloat> {
     let a = f.coefficients();
     let d = f.degree();
@@ -203,14 +206,15 @@ fn logarithmic_slope(a: &[f64], z: Complex<f64>) -> Complex<f64> {
     }
 }
 
-/// A disc that holds a root.
+/// A disc that contains a root.
 struct Disc {
     centre: ComplexFloat,
     radius: Float,
 }
 
-/// Discs |s - z| <= d |f / f'|: each holds a root (Laguerre; Henrici, Applied and Computational Complex Analysis I, 6.4), and d
-/// disjoint ones hold them all. `None` where they touch one another or the real axis, or are wider than they need be.
+/// Discs |s - z| <= d |f / f'|: each contains a root (Laguerre; Henrici, Applied and Computational Complex Analysis I,
+/// 6.4), and d disjoint ones contain them all. `None` if they touch one another or the real axis, or are wider than
+/// necessary.
 fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<Disc>> {
     let discs: Vec<Disc> = values.iter().map(|z| Disc::around(f, slope, z, even)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &Disc)| discs[..i].iter().all(|b| a.is_apart_from(b));
@@ -220,8 +224,8 @@ fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: 
 }
 
 impl Disc {
-    /// Around z; where that is no farther from an axis of symmetry than the disc is wide, around the point there: such a disc
-    /// holds the mirror image of its root too, so that the root, if it is the only one, is on the axis.
+    /// The disc around z; if that meets an axis of symmetry, the disc around the nearest point of the axis instead: it
+    /// also contains the mirror image of its root, so that the root, if it is the only one, is on the axis.
     fn around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<Disc> {
         let radius = radius(f, slope, z)?;
         let centre = if !is_less(&radius, &z.im.abs()) {
@@ -240,19 +244,19 @@ impl Disc {
         is_less(&(&reach * &reach), &(&self.centre - &other.centre).norm())
     }
 
-    /// Its root is real, or one of a pair.
+    /// Whether it is certain that its root is real, or one of a pair.
     fn is_certain(&self) -> bool {
         !self.centre.is_zero() && (self.centre.im.is_zero() || is_less(&self.radius, &self.centre.im.abs()))
     }
 
-    /// Small against the root and its distance from the imaginary axis.
+    /// Whether the radius is small relative to the root and its distance from the imaginary axis.
     fn is_sharp(&self) -> bool {
         let wide = self.radius.clone().times_power_of_two(SHARP);
         let clear = self.centre.re.is_zero() || is_less(&wide, &self.centre.re.abs());
         clear && is_less(&(&wide * &wide), &self.centre.norm())
     }
 
-    /// `None` for the other one of a pair.
+    /// `None` for the lower root of a pair.
     fn root(self, multiplicity: usize) -> Option<Root> {
         let Disc { centre, radius } = self;
         let place = match (centre.re.is_zero(), centre.im.is_zero()) {
@@ -265,13 +269,13 @@ impl Disc {
 }
 
 impl Root {
-    /// Roots of the polynomial that this stands for.
+    /// Number of roots of the polynomial that this disc represents.
     fn count(&self) -> usize {
         if self.place == Place::Real { self.multiplicity } else { 2 * self.multiplicity }
     }
 }
 
-/// d |f(z) / f'(z)|, not less for any coefficients within their radii.
+/// An upper bound of d |f(z) / f'(z)| for all coefficients within their radii.
 fn radius(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat) -> Option<Float> {
     let (p, q) = (value(&f.middle, z, None).norm(), value(&slope.middle, z, None).norm());
     if q.is_zero() {
@@ -331,7 +335,7 @@ mod tests {
         assert_eq!(told(&f), expected);
     }
 
-    /// 10^60 s^2 + 2 s + 10^60: a damping ratio of 1e-60 is not none.
+    /// 10^60 s^2 + 2 s + 10^60: a damping ratio of 1e-60 is not zero.
     #[test]
     fn a_root_next_to_the_axis_is_not_on_it() {
         let big = BigInt::from(10).pow(60u32);
@@ -347,7 +351,7 @@ mod tests {
         assert_eq!(told(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
     }
 
-    /// s^2 + 2 s + 5 with coefficients off by 1e-3: the roots of s^2 + 2.001 s + 5.001 are in the discs.
+    /// s^2 + 2 s + 5 with coefficients off by 1e-3: the discs contain the roots of s^2 + 2.001 s + 5.001.
     #[test]
     fn uncertain_coefficients_widen_the_discs() {
         let f = Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![1e-3, 1e-3, 0.0] };
@@ -356,7 +360,7 @@ mod tests {
         let distance = (rounded(&found[0].centre.re) - re).hypot(rounded(&found[0].centre.im) - im);
         let radius = found[0].radius.to_f64();
         assert!(distance <= radius && radius < 5e-3, "{distance} {radius}");
-        // What may be a root at zero is not told.
+        // A root that may be at zero is not reported.
         assert!(roots(&Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![6.0, 0.0, 0.0] }).is_none());
     }
 
@@ -365,7 +369,7 @@ mod tests {
         assert!(roots(&Coefficients::exact(Polynomial::new(vec![BigInt::one()]))).expect("no roots").is_empty());
     }
 
-    /// Of (s + 1)^3 the nearest root is as far away as n |f / f'| says: nothing less will do.
+    /// The nearest root of (s + 1)^3 is exactly as far away as n |f / f'| says: no smaller radius would do.
     #[test]
     fn a_radius_reaches_the_nearest_root() {
         let f = Coefficients::exact(polynomial(&[1, 3, 3, 1]));
@@ -374,7 +378,8 @@ mod tests {
         assert!(!is_less(&radius, &Float::from(0.5)), "{radius:?}");
     }
 
-    /// (s - 1)(s - 100), its middle coefficient known to 60: the slope at 1, -99, is known to 60, more than a half.
+    /// (s - 1)(s - 100), with the middle coefficient known to 60: the slope at 1, -99, is known to 60, which is more
+    /// than half of it.
     #[test]
     fn a_slope_that_is_hardly_known_gives_no_radius() {
         let at = ComplexFloat::new(Float::from(1.0), Float::zero());
@@ -385,7 +390,7 @@ mod tests {
         assert!(radius(60.0).is_none() && radius(1.0).is_some());
     }
 
-    /// Discs with radii 1 that are 1.5 apart meet, each outside the other's centre.
+    /// Discs of radius 1 whose centres are 1.5 apart meet, although each is outside the other's centre.
     #[test]
     fn discs_that_meet_are_not_apart() {
         let disc =
@@ -393,7 +398,7 @@ mod tests {
         assert!(!disc(0.0).is_apart_from(&disc(1.5)) && disc(0.0).is_apart_from(&disc(2.5)));
     }
 
-    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new place to hold i or -i.
+    /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new centre to contain i or -i.
     #[test]
     fn a_disc_that_is_moved_to_an_axis_still_holds_a_root() {
         let f = Coefficients::exact(polynomial(&[1, 0, 1]));

@@ -1,10 +1,10 @@
-//! Where g changes its sign, all of it: the frequencies from zero up are cut into intervals, each seen from the anchor next to it,
-//! until in each g has no root, or g' has none and the signs of g at the ends tell whether g has one. What stays open is reported.
-//! In: anchors. Out: brackets with one extremum each. See docs/method/transfer.md#extrema.
+//! All sign changes of g: the frequencies from zero up are cut into intervals, each seen from its nearest anchor, until
+//! in each either g has no root, or g' has none and the signs of g at the ends decide whether g has one. Intervals that
+//! stay open are reported. In: anchors. Out: brackets with one extremum each. See docs/method/transfer.md#extrema.
 
 use super::slope::Anchor;
 
-/// A part of the frequencies, by distances from an anchor, rad/s.
+/// A range of frequencies, as distances from an anchor, rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     pub anchor: usize,
@@ -15,13 +15,13 @@ pub struct Interval {
 /// An extremum of |H|.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Found {
-    /// Alone in an interval over which g is monotone; `rising` where it is a minimum.
+    /// The only extremum in an interval over which g is monotone; `rising` if it is a minimum.
     Bracket { within: Interval, rising: bool },
     /// A zero or a pole on the imaginary axis, at the anchor: |H| is zero (`rising`) or infinite.
     Singular { anchor: usize, rising: bool },
 }
 
-/// All that was found, ascending, and where nothing is proved.
+/// Everything that was found, ascending, and the intervals in which nothing is proved.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     pub segments: Vec<Interval>,
@@ -32,14 +32,14 @@ pub struct Search {
     beyond: usize,
 }
 
-/// More intervals than this are not looked at: a few dozen for each root are usual.
+/// The most intervals that are examined; a few dozen for each root are usual.
 const MOST_CELLS: usize = 200_000;
 /// Limit of intervals outside the range, where only half-power points may lie.
 const MOST_BEYOND: usize = 5_000;
-/// Where an interval is cut: not in the middle, where models with round numbers have their extrema.
+/// The position at which an interval is cut: not the middle, where models with round numbers have their extrema.
 const CUT: f64 = 0.4871;
 
-/// From zero to `top`, rad/s; most care is taken within the range.
+/// Searches from zero to `top`, rad/s; outside `range` fewer intervals are allowed.
 pub fn search(anchors: &[Anchor], top: f64, range: (f64, f64)) -> Search {
     let mut search = Search { segments: segments(anchors, top), range, ..Search::default() };
     for segment in search.segments.clone() {
@@ -48,7 +48,7 @@ pub fn search(anchors: &[Anchor], top: f64, range: (f64, f64)) -> Search {
     search
 }
 
-/// The frequencies nearest to each anchor; neighbours overlap by a rounding.
+/// The frequencies nearest to each anchor; neighbours overlap by a rounding error.
 fn segments(anchors: &[Anchor], top: f64) -> Vec<Interval> {
     let mut low = 0.0;
     let mut list = Vec::with_capacity(anchors.len());
@@ -104,7 +104,7 @@ impl Search {
         }
     }
 
-    /// Counts an interval that is cut, and tells whether it was one too many.
+    /// Counts an interval that is cut, and returns whether the limit is exceeded.
     fn is_spent(&mut self, anchor: &Anchor, interval: Interval) -> bool {
         let inside = anchor.near(interval.high) >= self.range.0 && anchor.near(interval.low) <= self.range.1;
         let (count, most) = if inside { (&mut self.cells, MOST_CELLS) } else { (&mut self.beyond, MOST_BEYOND) };
@@ -112,9 +112,10 @@ impl Search {
         *count > most
     }
 
-    /// What an interval holds in which g is monotone; false where the sign at an end is not certain.
+    /// Records the extremum, if any, of an interval in which g is monotone; `false` if the sign at an end is not
+    /// certain.
     fn decide(&mut self, anchor: &Anchor, within: Interval) -> bool {
-        // g is odd: at zero it is zero.
+        // g is odd, so it is zero at zero.
         if within.anchor == 0 && within.low == 0.0 {
             return true;
         }
@@ -126,7 +127,8 @@ impl Search {
     }
 }
 
-/// How far about a singular root w / t outweighs all the rest of g, which then has no root there.
+/// The distance from a singular root within which its term w / t outweighs all others of g, so that g has no root
+/// there.
 fn alone_within(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
     let mut reach = if whole.low < 0.0 { whole.high.min(-whole.low) } else { whole.high };
     while reach > f64::MIN_POSITIVE {
@@ -160,7 +162,7 @@ mod tests {
         (anchors, search)
     }
 
-    /// Whether a frequency is in a bracket or in what is left open.
+    /// Whether a frequency is in a bracket or in an open interval.
     fn is_held(anchors: &[Anchor], search: &Search, omega: f64) -> bool {
         let brackets = search.found.iter().filter_map(|found| match found {
             Found::Bracket { within, .. } => Some(within),
@@ -172,7 +174,7 @@ mod tests {
         })
     }
 
-    /// Poles at -1 +- 2i have their peak at sqrt 3. However little is known of them, it is found or left open.
+    /// Poles at -1 +- 2i have their peak at sqrt 3. Whatever their uncertainty, it is found or left open.
     #[test]
     fn a_peak_is_found_or_left_open() {
         for radius in [0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5] {
@@ -182,7 +184,8 @@ mod tests {
         }
     }
 
-    /// 1 / ((s^2 + 1)(s - p)^2 (s - p*)^2 ...) with p = -1e-4 + 1.1i: |H| is infinite at 1 and has a valley near 1.033, a third of the way.
+    /// 1 / ((s^2 + 1)(s - p)^2 (s - p*)^2 ...) with p = -1e-4 + 1.1i: |H| is infinite at 1 and has a valley near 1.033,
+    /// at a third of the distance to 1.1.
     #[test]
     fn a_valley_beside_an_undamped_pole_is_not_passed_over() {
         let poles = vec![root(0.0, 1.0, 0.0, 1, Place::Axis), root(-1e-4, 1.1, 0.0, 2, Place::Pair)];
@@ -202,7 +205,7 @@ mod tests {
         assert!((low - 1.033).abs() < 2e-3 && is_held(&anchors, &search, low), "{low} {search:?}");
     }
 
-    /// A zero that may be where an undamped pole is leaves all about it open.
+    /// A zero that may coincide with an undamped pole leaves its whole neighbourhood open.
     #[test]
     fn a_pole_that_a_zero_may_cancel_is_left_open() {
         let zero = root(-1e-3, 1.0, 1e-3, 1, Place::Pair);

@@ -1,12 +1,12 @@
-//! The slope of ln |H| over omega. A zero a + i b adds (omega - b) / ((omega - b)^2 + a^2), a pole takes as much away:
+//! The slope of ln |H| over omega. A zero a + i b adds (omega - b) / ((omega - b)^2 + a^2), a pole subtracts as much:
 //!
 //! ```text
 //! g = d ln |H| / d omega = sum over zeros t / (t^2 + a^2) - sum over poles t / (t^2 + a^2),   t = omega - b
 //! ```
 //!
-//! so an extremum of |H| is a root of g. In: zeros and poles. Out: g and its derivative at a point and over an interval, with
-//! bounds. Frequencies are reported by their distance from the imaginary part of a root near by (the anchor): so none of the digits
-//! that a light damping leaves is lost. See docs/method/transfer.md#extrema.
+//! so an extremum of |H| is a root of g. In: zeros and poles. Out: g and its derivative at a point and over an
+//! interval, with bounds. Frequencies are represented by their distance from the imaginary part of a nearby root (the
+//! anchor), so that the digits of a light damping are not lost. See docs/method/transfer.md#extrema.
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};
@@ -14,7 +14,7 @@ use crate::analysis::numeric::big_float::Float;
 use crate::analysis::numeric::complex::Complex;
 use crate::base::{Ball, Dd};
 
-/// A frequency from which others are counted: zero, or the imaginary part of a root.
+/// A frequency from which others are measured: zero, or the imaginary part of a root.
 #[derive(Clone, Debug)]
 pub struct Anchor {
     /// rad/s
@@ -25,25 +25,25 @@ pub struct Anchor {
     pub terms: Vec<Term>,
 }
 
-/// A zero or a pole, seen from an anchor.
+/// A zero or a pole, relative to an anchor.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
     /// The multiplicity, negative for a pole.
     pub weight: f64,
-    /// b less the anchor; exactly zero for the anchor's own root.
+    /// b minus the anchor; exactly zero for the anchor's own root.
     offset: Ball,
     /// a
     re: Ball,
-    /// a in binary64, and what both are uncertain by.
+    /// a in binary64, and the uncertainty of both.
     short_re: f64,
     loose: f64,
 }
 
-/// g over an interval about its middle.
+/// g over an interval about its midpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     half: f64,
-    /// g and g' in the middle, and bounds of their errors.
+    /// g and g' at the midpoint, and bounds of their errors.
     g: f64,
     g_error: f64,
     slope: f64,
@@ -52,14 +52,15 @@ pub struct Cell {
     curvature: f64,
 }
 
-/// Relative error of a term in binary64: a dozen roundings.
+/// Relative error of a term in binary64: a dozen rounding errors.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Every anchor, ascending; the first is zero.
 pub fn anchors(factored: &Factored) -> Vec<Anchor> {
     let roots = factored.zeros.iter().chain(&factored.poles);
     let mut list: Vec<&Root> = roots.filter(|root| root.place != Place::Real).collect();
-    // Of equal places the one on the axis is the anchor: what is not its own root is known up to the radii only.
+    // Of roots with equal imaginary parts, the one on the axis becomes the anchor: distances to other roots are known
+    // only to their radii.
     list.sort_by(|a, b| {
         (&a.centre.im - &b.centre.im).sign().then((a.place != Place::Axis).cmp(&(b.place != Place::Axis)))
     });
@@ -68,12 +69,12 @@ pub fn anchors(factored: &Factored) -> Vec<Anchor> {
 }
 
 fn above(radius: &Float) -> f64 {
-    // Cut towards zero, and never to it.
+    // The conversion rounds towards zero; the result must not be too small, nor zero.
     radius.to_f64() * (1.0 + 4.0 * f64::EPSILON) + f64::MIN_POSITIVE
 }
 
 impl Anchor {
-    /// The first of [`anchors`]: frequencies as they are.
+    /// The first of [`anchors`], at zero: distances are the frequencies themselves.
     pub fn zero(factored: &Factored) -> Anchor {
         Anchor::of(factored, None)
     }
@@ -95,7 +96,7 @@ impl Anchor {
         let re = if root.centre.re.is_zero() { Ball::ZERO } else { root.centre.re.to_ball(radius) };
         let mut push = |im: Float| {
             let difference = &im - &self.place;
-            // The anchor is what its own root's imaginary part truly is.
+            // The anchor is defined as the true imaginary part of its own root.
             let own = is_own && !im.is_negative();
             let between = self.radius;
             let known = if root.place == Place::Real { 0.0 } else { radius };
@@ -121,13 +122,13 @@ impl Anchor {
         self.place.to_f64() + t
     }
 
-    /// How far another anchor is, and what that is uncertain by.
+    /// The distance to another anchor, with its uncertainty.
     pub fn to(&self, other: &Anchor) -> Ball {
         let difference = &other.place - &self.place;
         if difference.is_zero() { Ball::ZERO } else { difference.to_ball(self.radius + other.radius) }
     }
 
-    /// Of omega, rad/s.
+    /// The distance of omega from the anchor, rad/s.
     pub fn distance_of(&self, omega: Ball) -> Ball {
         omega - self.omega(Ball::ZERO)
     }
@@ -137,33 +138,33 @@ impl Anchor {
         (omega - &self.place).to_ball(self.radius + radius)
     }
 
-    /// The weight of a root at the anchor itself, on the imaginary axis: there |H| is zero or infinite.
+    /// The weight of a root exactly at the anchor on the imaginary axis: |H| is zero or infinite there.
     pub fn singular(&self) -> Option<f64> {
         let own = self.terms.iter().filter(|term| term.is_singular());
         own.map(|term| term.weight).reduce(|sum, weight| sum + weight)
     }
 
-    /// g over [middle - half, middle + half], with the anchor's own singular root or without it.
+    /// g over [middle - half, middle + half], with or without the anchor's own singular root.
     pub fn cell(&self, middle: f64, half: f64, with_singular: bool) -> Cell {
         let mut cell = Cell { half, g: 0.0, g_error: 0.0, slope: 0.0, slope_error: 0.0, curvature: 0.0 };
         for term in self.terms.iter().filter(|term| with_singular || !term.is_singular()) {
             term.add_to(&mut cell, middle);
         }
-        // The sums' own roundings.
+        // The rounding errors of the sums.
         let lost = self.terms.len() as f64 * f64::EPSILON;
         cell.g_error *= 1.0 + lost;
         cell.slope_error *= 1.0 + lost;
         cell
     }
 
-    /// Cut so often that binary64 would not tell more.
+    /// Whether the interval is so small that binary64 gains nothing by cutting it.
     pub fn is_too_fine(&self, middle: f64, half: f64) -> bool {
         let distance = |term: &Term| {
             let t = (Dd::from(middle) - term.offset.mid).to_f64();
             (t * t + term.short_re * term.short_re).sqrt()
         };
         let nearest = self.terms.iter().map(distance).fold(f64::INFINITY, f64::min);
-        // Nothing is to be seen within what a root's place is uncertain by.
+        // Nothing can be decided within the uncertainty of a root's position.
         let blurred = self.terms.iter().any(|term| half < 0.25 * term.loose && distance(term) < 2.0 * term.loose);
         half < 1e-14 * nearest || half == 0.0 || blurred
     }
@@ -241,7 +242,7 @@ impl Anchor {
         if self.per_unit == 1.0 { x } else { x * Ball::from(self.per_unit) }
     }
 
-    /// A product over zeros (up) and poles in an order that keeps it near one, within the range of binary64.
+    /// A product over zeros (`up`) and poles in an order that keeps it near one, within the range of binary64.
     fn product<T>(&self, start: T, size: impl Fn(&T) -> f64, by: impl Fn(T, &Term, bool) -> T) -> T {
         let side = |up: bool| {
             let of_side = self.terms.iter().filter(move |term| (term.weight > 0.0) == up);
@@ -257,7 +258,7 @@ impl Anchor {
     }
 }
 
-/// Products whose parts come near the ends of binary64's range lose digits that no radius would tell; zero is none of them.
+/// Products near the ends of the range of binary64 lose digits that no radius accounts for; zero is not affected.
 fn in_range(size: f64) -> bool {
     size == 0.0 || (1e-250..=1e250).contains(&size)
 }
@@ -283,7 +284,7 @@ impl Term {
         let norm = t * t + a * a;
         let inverse = 1.0 / norm;
         let distance = norm.sqrt();
-        // Where the root may be within the interval nothing is known, and infinities say so.
+        // If the root may be within the interval nothing is known; the values become infinite.
         let clear = (distance * (1.0 - ROUNDING) - self.loose).max(0.0);
         let to_interval = (t.abs() - cell.half).max(0.0);
         let least = ((to_interval * to_interval + a * a).sqrt() * (1.0 - ROUNDING) - self.loose).max(0.0);
@@ -298,30 +299,30 @@ impl Term {
 }
 
 impl Cell {
-    /// g has no root here. NaN and infinities say no.
+    /// Whether g certainly has no root in the interval; `false` for NaN and infinities.
     pub fn has_no_root(&self) -> bool {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
         self.g.abs() > (self.g_error + swing) * (1.0 + 1e-12)
     }
 
-    /// g' has no root here.
+    /// Whether g' certainly has no root in the interval.
     pub fn is_monotone(&self) -> bool {
         self.slope.abs() > (self.slope_error + 2.0 * self.half * self.curvature) * (1.0 + 1e-12)
     }
 
-    /// A bound of |g| here.
+    /// A bound of |g| over the interval.
     pub fn most(&self) -> f64 {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
         (self.g.abs() + self.g_error + swing) * (1.0 + 1e-12)
     }
 
-    /// Cutting would not help: rounding is all that g and g' are.
+    /// Whether g and g' are dominated by rounding errors, so that cutting would not help.
     pub fn is_noise(&self) -> bool {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
         swing < self.g_error && self.half * self.curvature < self.slope_error
     }
 
-    /// g and g' in the middle.
+    /// g and g' at the midpoint.
     pub fn middle(&self) -> (f64, f64) {
         (self.g, self.slope)
     }
@@ -331,13 +332,13 @@ impl Cell {
 mod tests {
     use super::*;
 
-    /// Poles at re +- i im, anywhere within a radius.
+    /// Poles at re +- i im, with a radius of uncertainty.
     fn pair(re: f64, im: f64, radius: f64) -> Root {
         let centre = crate::analysis::numeric::big_float::ComplexFloat::new(Float::from(re), Float::from(im));
         Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair }
     }
 
-    /// The anchor at zero of poles alone.
+    /// The anchor at zero for a system with poles only.
     fn of_poles(poles: Vec<Root>) -> Anchor {
         anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles }).remove(0)
     }
@@ -350,8 +351,8 @@ mod tests {
         assert!(anchor.cell(0.5, 0.05, true).is_monotone());
     }
 
-    /// Poles at -1 +- 2i have their peak at sqrt 3 = 1.732; were they at -1 +- 1.96i, at 1.686. With a radius of 0.1 the sign of
-    /// the slope of ln |H| at 1.7 is not known.
+    /// Poles at -1 +- 2i have their peak at sqrt 3 = 1.732; poles at -1 +- 1.96i would have it at 1.686. With a radius
+    /// of 0.1 the sign of the slope of ln |H| at 1.7 is not known.
     #[test]
     fn what_a_root_may_be_is_in_the_sign() {
         let at = 1.7;

@@ -1,4 +1,5 @@
-//! The sum over modes in binary64, at several frequencies at once: sum c_i / D_i, and what its bound is made of.
+//! The sum over modes in binary64, at several frequencies at once: sum c_i / D_i, and the sums of which its bound is
+//! made.
 
 use super::{ModalSum, Residues};
 use crate::analysis::numeric::complex::Complex;
@@ -16,12 +17,12 @@ pub struct Sum {
     pub b: f64,
 }
 
-/// At one frequency.
+/// The sums at one frequency.
 pub fn one(modes: &ModalSum, residues: &Residues, w: Dd) -> Sum {
     sum::<f64>(modes, residues, &[w; MOST]).at(0)
 }
 
-/// At many frequencies.
+/// The sums at many frequencies.
 pub fn sums(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
     #[cfg(target_arch = "x86_64")]
     {
@@ -61,7 +62,7 @@ fn all<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequenc
     sums
 }
 
-/// A sum at several frequencies.
+/// The sums at several frequencies, one in each lane.
 struct LaneSums {
     re: [f64; MOST],
     im: [f64; MOST],
@@ -82,7 +83,7 @@ impl LaneSums {
 #[inline(always)]
 fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> LaneSums {
     let n = modes.k.len();
-    // Slices of one length, so that the loop below needs no checks.
+    // Slices of equal length, so that the loop below needs no bounds checks.
     let (k, omega, c) = (&modes.k[..n], &modes.omega[..n], &modes.c[..n]);
     let (k_size, c_size) = (&modes.k_size[..n], &modes.c_size[..n]);
     let (products, slack) = (&residues.rounded[..n], &residues.slack[..n]);
@@ -105,7 +106,7 @@ fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> Lane
         let scaled = V::splat(products[i]) * reciprocal;
         re_sum = re_sum + scaled * re;
         im_sum = im_sum - scaled * im;
-        // Not below 1 / |D_i|.
+        // An upper bound of 1 / |D_i|.
         let inverse = reciprocal * (re.abs() + im.abs());
         rounding = rounding + V::splat(slack[i]) * inverse;
         v = v + (w_square + w_hi * V::splat(c_size[i]) + V::splat(k_size[i])) * inverse;

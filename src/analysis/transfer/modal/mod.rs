@@ -1,6 +1,6 @@
-//! H as a sum over modes, for tables of many frequencies: H(i W) = sum_i (p . x_i)(x_i . b) / (k_i - W^2 + i W c_i) + rest.
-//! In: a system whose damping its undamped modes diagonalise, and these modes. Out: sums in binary64 or in double-double,
-//! each with a bound that holds. See docs/method/transfer.md.
+//! H as a sum over modes, for tables of many frequencies: H(i W) = sum_i (p . x_i)(x_i . b) / (k_i - W^2 + i W c_i) +
+//! rest. In: a system whose damping is diagonal in its undamped modes, and these modes. Out: sums in binary64 or in
+//! double-double, each with a proven bound. See docs/method/transfer.md.
 //!
 //! The modes X (mass-normalised) diagonalise M and K to double-double ([`ModalForm`]); X^T Q(s) X = D(s) + O(s) is computed
 //! with balls, |O_ij| <= epsilon v_i v_j with
@@ -33,7 +33,7 @@ pub struct ModalSum {
     pub(in crate::analysis) c_size: Vec<f64>,
 }
 
-/// One input and one output, ready to be summed.
+/// One pair of input and output, prepared for summation.
 #[derive(Clone, Debug)]
 pub struct ModalPair {
     residues: Vec<Residues>,
@@ -46,7 +46,7 @@ struct Residues {
     power: usize,
     products: Vec<Dd>,
     rounded: Vec<f64>,
-    /// p_i^2, b_i^2, and what rounding may do to a term, times |D_i|.
+    /// p_i^2, b_i^2, and the possible rounding error of a term, times |D_i|.
     p_square: Vec<f64>,
     b_square: Vec<f64>,
     slack: Vec<f64>,
@@ -54,14 +54,15 @@ struct Residues {
 }
 
 const UP: f64 = 1.0 + 1e-12;
-/// The errors above are relative: they hold where no product underflows. With frequencies, 1/s or rad/s, in this range, D_i (their
-/// squares, down to a resonance hit to 1e-32) and its square are far inside binary64 ...
+/// The errors above are relative: they hold if no product underflows. With frequencies, 1/s or rad/s, in this range,
+/// D_i (a difference of their squares, down to a resonance met to 1e-32) and its square are well inside binary64 ...
 const FREQUENCIES: RangeInclusive<f64> = 1e-25..=1e25;
-/// ... and what underflow takes from a quotient, 1e-318 at most, is below this after a product with D_i and a sum over the modes.
+/// ... and the underflow error of a quotient, at most 1e-318, is below this after a product with D_i and a sum over the
+/// modes.
 const UNDERFLOW: f64 = 1e-260;
 
 impl ModalSum {
-    /// `None` where the modes do not diagonalise the damping, or not all of them are there.
+    /// `None` if the modes do not diagonalise the damping, or some of them are missing.
     pub fn of(system: &LinearSystem, modes: &Modes) -> Option<ModalSum> {
         let n = system.n();
         if n > PRECISE {
@@ -73,14 +74,14 @@ impl ModalSum {
         let k = form.stiffnesses();
         let least = least_stiffness(&kinds(&modes.list), &k);
         let most = c.iter().map(|c| c.hi.abs()).fold(0.0, f64::max);
-        // Damping that a mode does not feel is counted as a little.
+        // If a mode is undamped, a small damping is counted instead.
         let (c_size, k_size) = (sizes(&c, 1e-10 * most), sizes(&k, least));
         let ones = vec![1.0; n];
         let epsilon = [(&form.m, &ones, true), (&damping, &c_size, false), (&form.k, &k_size, false)]
             .into_iter()
             .map(|(gram, sizes, unit)| off_diagonal(gram, sizes, unit))
             .fold(LEAST_EPSILON, larger);
-        // Modes that do not diagonalise the damping leave an epsilon near one.
+        // If the modes do not diagonalise the damping, epsilon is near one.
         if epsilon.is_nan() || epsilon > 1e-8 {
             return None;
         }
@@ -120,10 +121,10 @@ impl ModalSum {
     fn residues(&self, power: usize, p: &[Ball], b: &[Ball]) -> Residues {
         let n = p.len() as f64;
         let products: Vec<Ball> = p.iter().zip(b).map(|(&p, &b)| p * b).collect();
-        // The square of what is not zero is not zero either.
+        // The square of a nonzero number must not underflow to zero.
         let square = |x: &Ball| if x.is_zero() { 0.0 } else { x.magnitude().powi(2).max(f64::MIN_POSITIVE) };
         let slack = |unit: f64| -> Vec<f64> {
-            // D_i and its reciprocal: a dozen roundings; the sum: one for each mode.
+            // D_i and its reciprocal: a dozen rounding errors; the sum: one for each mode.
             products.iter().map(|c| ((n + 16.0) * unit * c.mid.hi.abs() + c.rad) * UP).collect()
         };
         Residues {
@@ -137,7 +138,7 @@ impl ModalSum {
         }
     }
 
-    /// H in binary64 arithmetic: a few nanoseconds a mode.
+    /// H in binary64 arithmetic: a few nanoseconds for each mode.
     pub fn fast(&self, pair: &ModalPair, frequency: &Frequency) -> Gain {
         let w = frequency.omega.mid;
         let mut total = Complex::<Ball>::ZERO;
@@ -150,7 +151,7 @@ impl ModalSum {
         self.finish(pair, frequency, total, radius)
     }
 
-    /// [`ModalSum::fast`] at many frequencies, several at once: the same numbers.
+    /// [`ModalSum::fast`] at many frequencies, several at once, with identical results.
     pub fn fast_many(&self, pair: &ModalPair, frequencies: &[Frequency]) -> Vec<Gain> {
         let mut sums: Vec<Vec<lanes::Sum>> = Vec::with_capacity(pair.residues.len());
         for residues in &pair.residues {
@@ -249,7 +250,7 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::analysis::{Transfer, modes};
 
-    /// A chain with proportional damping against the direct solution, at and between resonances.
+    /// Compares a chain with proportional damping with the direct solution, at resonances and between them.
     #[test]
     fn the_sum_agrees_with_the_solution() {
         let n = 8;
@@ -275,7 +276,7 @@ mod tests {
         }
     }
 
-    /// Several frequencies at once give the numbers of one.
+    /// Several frequencies at once give the same numbers as one at a time.
     #[test]
     fn many_sums_are_the_same_sums() {
         let mut system = blank(5);
@@ -303,7 +304,7 @@ mod tests {
         assert!(ModalSum::of(&system, &modes).is_none());
     }
 
-    /// Columns stay orthogonal in the sense of M whatever happens to K.
+    /// Columns become orthonormal with respect to M, whatever K is.
     #[test]
     fn newton_steps_normalise() {
         let mut system = blank(2);

@@ -1,6 +1,6 @@
-//! H at many frequencies, to the last digit, for little more than a factorisation in binary64 each. In: a system whose
-//! dampers resist every motion, frequencies. Out: for each frequency, input and output a disc, or nothing where the proof
-//! fails and another method is due. See docs/method/transfer.md#two-sided-approximation.
+//! H at many frequencies, to the last digit, at little more than the cost of one binary64 factorisation each. In: a
+//! system whose dampers resist every motion, frequencies. Out: for each frequency, input and output a disc, or nothing
+//! if the proof fails and another method is needed. See docs/method/transfer.md#two-sided-approximation.
 //!
 //! With any approximations x of Q^-1 b and z of Q^-1 p, r = b - Q x, t = p - Q z and the symmetric Q,
 //!
@@ -8,10 +8,10 @@
 //! p^T Q^-1 b = p^T x + z^T r + t^T Q^-1 r
 //! ```
 //!
-//! exactly. The first two terms are computed, r in double-double; the last one is a product of two residuals and is bounded:
-//! with a diagonal D and gamma > 0 such that C - gamma D is positive definite, |t^T Q^-1 r| <= |t| |r| / (omega gamma) in the
-//! norms sum |.|^2 / D, because im (x^H Q x) = omega x^H C x. So two solutions in binary64, each right to some digits only,
-//! give a value that is right to twice as many.
+//! exactly. The first two terms are computed, with r in double-double; the last one is a product of two residuals and
+//! is bounded: with a diagonal D and gamma > 0 such that C - gamma D is positive definite, |t^T Q^-1 r| <= |t| |r| /
+//! (omega gamma) in the norms sum |.|^2 / D, because im (x^H Q x) = omega x^H C x. So two solutions in binary64, each
+//! accurate to some digits only, give a value with twice as many.
 
 mod sweep;
 
@@ -23,32 +23,32 @@ use crate::base::{Ball, Dd, Number, larger};
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
 
-/// A system made ready for this method.
+/// A system prepared for this method.
 #[derive(Clone, Debug)]
 pub(in crate::analysis) struct TwoSided<'a> {
     pattern: &'a Pattern,
-    /// Entries in the order of the elimination.
+    /// Entries in the order of elimination.
     plan: Plan,
-    /// 1 / (D_i gamma), by place.
+    /// 1 / (D_i gamma), by position.
     weights: Vec<f64>,
-    /// Relative radius of all entries.
+    /// Largest relative radius of the entries.
     loose: f64,
 }
 
-/// What to do at each place of the elimination; the same at every frequency.
+/// The steps at each position of the elimination; the same at every frequency.
 #[derive(Clone, Debug)]
 struct Plan {
     n: usize,
-    /// The entries that are different from each other: where a chain repeats itself, so do they.
+    /// The distinct entries: in a chain of equal links there are few.
     entries: Vec<Polynomial>,
-    /// Upper entries of each column: (row, which entry).
+    /// Upper entries of each column: (row, index of the entry).
     columns: Vec<Vec<(u32, u32)>>,
-    /// The rows of L that each place needs, in order: (column of L, position of the new entry).
+    /// The columns of L that each position needs, in order: (column of L, position of the new entry).
     touched: Vec<Vec<(u32, u32)>>,
-    /// Where the columns of L begin, and the row of each of its entries.
+    /// Index at which each column of L begins, and the row of each of its entries.
     starts: Vec<u32>,
     below: Vec<u32>,
-    /// Both triangles, row by row.
+    /// The entries of both triangles, row by row.
     rows: Vec<Vec<(u32, u32)>>,
 }
 
@@ -60,7 +60,7 @@ struct Polynomial {
     m: Dd,
 }
 
-/// The frequencies of a sweep.
+/// One frequency of a sweep.
 #[derive(Clone, Copy, Debug)]
 struct Lane {
     omega: Dd,
@@ -69,18 +69,18 @@ struct Lane {
     loose: f64,
 }
 
-/// A sparse column or row by place.
+/// A sparse column or row, by position.
 type Sparse = Vec<(u32, Polynomial)>;
 
-/// A value of which nothing is known.
+/// A completely unknown value.
 const NOTHING: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: f64::INFINITY };
-/// gamma is looked for from 1 downwards; below this the bound is of no use.
+/// gamma is searched from 1 downwards; below this the bound is useless.
 const LEAST_GAMMA: f64 = 1e-14;
-/// Entries that are known worse than this are no matter of the last digits.
+/// If entries are less accurate than this, the last digits are lost anyway.
 const LOOSEST: f64 = 1e-20;
 
 impl<'a> TwoSided<'a> {
-    /// `None` where some motion is not damped, or its damping is too small to prove anything.
+    /// `None` if some motion is not damped, or its damping is too small to prove anything.
     pub fn of(transfer: &'a Transfer) -> Option<TwoSided<'a>> {
         let (pattern, entries) = (transfer.pattern.as_ref()?, &transfer.entries);
         let n = transfer.system.n();
@@ -101,7 +101,7 @@ impl<'a> TwoSided<'a> {
         Some(TwoSided { pattern, plan, weights, loose })
     }
 
-    /// One disc for each frequency, input and output, in this order; an infinite radius where nothing is proven.
+    /// One disc for each frequency, input and output, in this order; the radius is infinite if nothing is proven.
     pub fn sweep(
         &self,
         transfer: &Transfer,
@@ -133,7 +133,7 @@ impl<'a> TwoSided<'a> {
         discs
     }
 
-    /// By place; `loose` grows to the largest relative radius.
+    /// A row or column by position; `loose` grows to the largest relative radius.
     fn sparse(&self, powers: &[Vec<(CoordinateId, Number)>; 3], loose: &mut f64) -> Sparse {
         let mut list: Sparse = Vec::new();
         for (power, column) in powers.iter().enumerate() {
@@ -158,12 +158,13 @@ fn with_through(disc: Disc, frequency: &Frequency, d: &[Ball; 3]) -> Disc {
     Disc { value: sum.mid(), radius: (disc.radius + sum.radius()) * (1.0 + 1e-12) }
 }
 
-/// Radius over size.
+/// The radius relative to the magnitude.
 fn looseness(ball: Ball) -> f64 {
     if ball.rad == 0.0 { 0.0 } else { ball.rad / (ball.mid.hi.abs() * (1.0 - 1e-15)) }
 }
 
-/// gamma with C - gamma diag(C) positive definite: all pivots of its elimination in discs are certainly positive.
+/// gamma such that C - gamma diag(C) is positive definite: all pivots of its elimination in discs are certainly
+/// positive.
 fn coercivity(pattern: &Pattern, entries: &[MatrixEntry], diagonal: &[f64]) -> Option<f64> {
     let mut gamma = 0.5;
     while gamma > LEAST_GAMMA {
@@ -212,7 +213,7 @@ impl Plan {
 }
 
 impl Polynomial {
-    /// Some order, the same everywhere.
+    /// An arbitrary order that is the same on every machine.
     fn order(&self, other: &Polynomial) -> Ordering {
         let parts = |p: &Polynomial| [p.k, p.c, p.m].map(|x| [x.hi, x.lo]);
         let pairs = parts(self).into_iter().flatten().zip(parts(other).into_iter().flatten());
@@ -244,7 +245,8 @@ mod tests {
         system
     }
 
-    /// Against the solution in discs: at the force and far from it, at resonances and between, at both accuracies.
+    /// Compares with the solution in discs: at the force and far from it, at resonances and between, at both
+    /// accuracies.
     #[test]
     fn the_value_is_enclosed_and_right_to_the_last_digit() {
         for n in [1, 2, 9, 300] {
@@ -268,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Dampers to the ground of 1 N*s/m and one of -3/4 between them: both diagonals are positive, C is not.
+    /// Dampers of 1 N*s/m to the ground and one of -3/4 between them: both diagonals are positive, C is not.
     #[test]
     fn dampers_that_push_somewhere_are_refused() {
         let mut system = chain(2);
@@ -283,8 +285,8 @@ mod tests {
         assert!(TwoSided::of(&Transfer::of(&system)).is_none());
     }
 
-    /// The chain's receptance at its free end, as a continued fraction in rational numbers: the pivots from the ground outwards
-    /// are q_i - (k_i + i omega c_i)^2 / pivot before.
+    /// The chain's receptance at its free end, as a continued fraction in rational numbers: the pivots from the ground
+    /// outwards are q_i - (k_i + i omega c_i)^2 / (previous pivot).
     #[test]
     fn the_value_is_enclosed_against_exact_arithmetic() {
         type Pair = (Number, Number);
@@ -333,7 +335,7 @@ mod tests {
         assert!(errors > 50, "{errors}");
     }
 
-    /// Whatever the width of the vectors: one frequency alone and among others gives the same numbers.
+    /// For any vector width, one frequency alone and among others gives the same numbers.
     #[test]
     fn a_lane_does_not_depend_on_its_neighbours() {
         let system = chain(40);

@@ -1,11 +1,12 @@
 //! The loops over eight or sixteen frequencies: elimination and solutions in binary64, residuals in double-double, and the bound.
 //!
-//! Rounding, with u = 2^-53 and T = |k| + omega^2 |m| + omega |c| for an entry q = k + s c + s^2 m: an entry in double-double
-//! is within (16 u^2 + loose) T. A row of l entries and p parts of the solution is a sum of N = 2 l p real products for each
-//! part of a complex number. It is taken beside a number sigma = 4 sum T |x| that is larger than all of it: what a product
-//! adds to that, h = fl(sigma + q x) - sigma, is a difference of neighbours, so exact, and the rest q x - h, below 5 u sum T |x|,
-//! is rounded once. The rests and the low parts of q stay below (5 N + 3) u sum T |x| and are rounded 2 N times: all in all a
-//! row loses at most (40 (l p)^2 + 22 l p + 40) u^2 of sum T |x|, and (2 l + 6) u of it in binary64.
+//! Rounding, with u = 2^-53 and T = |k| + omega^2 |m| + omega |c| for an entry q = k + s c + s^2 m: an entry in
+//! double-double is within (16 u^2 + loose) T. A row of l entries and p parts of the solution is a sum of N = 2 l p
+//! real products for each part of a complex number. The sum is accumulated next to a number sigma = 4 sum T |x| that is
+//! larger than all of it: the contribution of a product to it, h = fl(sigma + q x) - sigma, is a difference of
+//! neighbours, so exact, and the rest q x - h, below 5 u sum T |x|, is rounded once. The rests and the low parts of q
+//! stay below (5 N + 3) u sum T |x| and are rounded 2 N times: all in all a row loses at most (40 (l p)^2 + 22 l p +
+//! 40) u^2 of sum T |x|, and (2 l + 6) u of it in binary64.
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
 use crate::analysis::numeric::complex::Complex;
@@ -22,7 +23,7 @@ struct Sweep<'a, V> {
     inverse: Vec<Pair<V>>,
     work: Vec<Pair<V>>,
     entries: Entries<'a, V>,
-    /// The solution: a first approximation and, where that is not enough, what it left, then the solution for that.
+    /// The solution: a first approximation, and its residual or the correction for that if the first one is not enough.
     x: Vec<Pair<V>>,
     rest: Vec<Pair<V>>,
     /// Q^-1 p of each output, and |p - Q z|.
@@ -31,10 +32,10 @@ struct Sweep<'a, V> {
     t: Vec<V>,
     /// By input, then output.
     results: Vec<Result<V>>,
-    /// The reading that a load is the same as, if any: then one solution serves both.
+    /// The reading that equals a load, if any: then one solution serves both.
     same: Vec<Option<usize>>,
     tolerance: f64,
-    /// By lane, then input, then output: the best so far.
+    /// By lane, then input, then output: the best disc so far.
     discs: Vec<Disc>,
 }
 
@@ -45,7 +46,7 @@ struct Result<V> {
     radius: V,
 }
 
-/// The entries of Q at the frequencies: kept where the system repeats itself, else made when needed.
+/// The entries of Q at the frequencies: stored if few are distinct, otherwise computed when needed.
 struct Entries<'a, V> {
     plan: &'a Plan,
     kept: Vec<Entry<V>>,
@@ -59,7 +60,7 @@ struct Entry<V> {
     size: V,
 }
 
-/// So many entries of sixteen frequencies stay in the nearest cache.
+/// This many entries for sixteen frequencies fit into the first-level cache.
 const MOST_KEPT: usize = 24;
 
 /// Frequencies as lanes.
@@ -67,18 +68,18 @@ const MOST_KEPT: usize = 24;
 struct Point<V> {
     omega: Double<V>,
     square: Double<V>,
-    /// What entries are uncertain by, relative to T.
+    /// Uncertainty of the entries, relative to T.
     loose: V,
 }
 
 const U: f64 = f64::EPSILON / 2.0;
-/// Covers the roundings of sums of positive numbers: up to a million of them.
+/// Covers the rounding errors of sums of up to a million positive numbers.
 const UP: f64 = 1.0 + 1e-9;
-/// What is lost below the range of binary64: products of numbers near 1e-300 do not happen (gains are far larger, or the
-/// radius tells).
+/// Loss below the range of binary64: products of numbers near 1e-300 do not occur (gains are far larger, or the radius
+/// shows it).
 const TINY: f64 = 1e-300;
 
-/// What a sweep starts from.
+/// The input of a sweep.
 pub struct Task<'a> {
     pub of: &'a TwoSided<'a>,
     pub loads: &'a [Sparse],
@@ -86,14 +87,14 @@ pub struct Task<'a> {
     /// Relative radius of all numbers.
     pub loose: f64,
     pub frequencies: &'a [Frequency],
-    /// The relative error that is good enough.
+    /// The relative error that is sufficient.
     pub tolerance: f64,
 }
 
 side_by_side! {
     /// Discs by frequency, then input, then output.
     pub fn discs<V>(task: &Task) -> Vec<Disc> {
-        // Narrower vectors have too few registers for two.
+        // Narrower vectors have too few registers for two at a time.
         if V::WIDTH == 8 && task.frequencies.len() > 8 { all::<Twice<V>>(task) } else { all::<V>(task) }
     }
 }
@@ -136,8 +137,8 @@ impl<'a, V: Vector> Sweep<'a, V> {
         }
     }
 
-    /// All pairs at as many frequencies as the vector has lanes. (Nothing of this in closures: one that is not inlined has
-    /// not the instructions of the vectors.)
+    /// Computes all pairs at as many frequencies as the vector has lanes. (There are no closures here: one that is not
+    /// inlined is compiled without the vector instructions.)
     #[inline(always)]
     fn run(&mut self, lanes: &[Lane; MOST]) {
         let point = Point::of(lanes, self.loose);
@@ -146,7 +147,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
         factor(&self.entries, &point, &mut self.l, &mut self.inverse, &mut self.work, self.readings, &mut self.z);
         for (y, reading) in self.readings.iter().enumerate() {
             back(plan, &self.l, &self.inverse, &mut self.z[y]);
-            // Where the only load is this reading, the residual of the one is that of the other.
+            // If the only load equals this reading, both have the same residual.
             if self.loads.len() > 1 || self.same[0] != Some(y) {
                 let weights = &self.of.weights;
                 self.t[y] = residual_norm(&self.entries, &point, reading, &self.z[y], weights, &mut self.work);
@@ -158,18 +159,18 @@ impl<'a, V: Vector> Sweep<'a, V> {
                 let first = scatter(plan, &point, &self.loads[u], &mut self.x);
                 solve(plan, first, &self.l, &self.inverse, &mut self.x);
             }
-            // What the solution leaves is put down only where it is needed.
+            // The residual is stored only if it is needed.
             if !self.attempt::<1>(u, &point, false) {
                 self.attempt::<1>(u, &point, true);
-                // Where damping proves little, a solution for what the first one left makes the product small.
+                // If damping proves little, a solution for the residual makes the product small.
                 solve(plan, 0, &self.l, &self.inverse, &mut self.rest);
                 self.attempt::<2>(u, &point, false);
             }
         }
     }
 
-    /// The values of an input from so many parts of the solution; whether they are all good enough. What was good enough
-    /// before is kept, so that no lane depends on its neighbours.
+    /// The values for an input from `PARTS` parts of the solution; returns whether they are all accurate enough. Values
+    /// that already were are kept, so that no lane depends on its neighbours.
     #[inline(always)]
     fn attempt<const PARTS: usize>(&mut self, u: usize, point: &Point<V>, keep: bool) -> bool {
         let (load, weights) = (&self.loads[u], &self.of.weights);
@@ -243,7 +244,7 @@ impl<V: Vector> Entries<'_, V> {
     }
 }
 
-/// Below the tolerance, seen from an upper bound of |value|.
+/// Whether the relative error is below the tolerance, judged by an upper bound of |value|.
 #[inline(always)]
 fn is_good(disc: &Disc, tolerance: f64) -> bool {
     let size = disc.value.re.hi.abs().max(disc.value.im.hi.abs());
@@ -302,7 +303,8 @@ impl<V: Vector> Point<V> {
     }
 }
 
-/// Q = L D L^T in the order of the plan, without pivoting; and z becomes L^-1 z on the way, while the next pivot waits.
+/// Q = L D L^T in the order of the plan, without pivoting; z becomes L^-1 z in the same loop, while the next pivot
+/// waits.
 #[inline(always)]
 fn factor<V: Vector>(
     entries: &Entries<V>,
@@ -339,7 +341,7 @@ fn factor<V: Vector>(
                 *entry = entry.minus_product(*l, value);
             }
             let factor = value.times(inverse[i]);
-            // In this order the pivot waits for one product less.
+            // In this order the pivot waits for one product fewer.
             pivot = pivot.minus_product(value.times(value), inverse[i]);
             l[position] = factor;
             for z in z.iter_mut() {
@@ -350,7 +352,7 @@ fn factor<V: Vector>(
     }
 }
 
-/// A sparse right-hand side; returns its first place.
+/// Writes a sparse right-hand side; returns its first position.
 #[inline(always)]
 fn scatter<V: Vector>(plan: &Plan, point: &Point<V>, right: &Sparse, x: &mut [Pair<V>]) -> usize {
     x.fill(Pair::zero());
@@ -360,7 +362,7 @@ fn scatter<V: Vector>(plan: &Plan, point: &Point<V>, right: &Sparse, x: &mut [Pa
     right.iter().map(|(place, _)| *place as usize).min().unwrap_or(plan.n)
 }
 
-/// The right-hand side, zero before `first`, becomes the solution.
+/// Replaces the right-hand side, which is zero before `first`, by the solution.
 #[inline(always)]
 fn solve<V: Vector>(plan: &Plan, first: usize, l: &[Pair<V>], inverse: &[Pair<V>], x: &mut [Pair<V>]) {
     for j in first..plan.n {
@@ -414,7 +416,7 @@ fn residual_norm<V: Vector>(
     norm
 }
 
-/// A sum of products beside a number that is larger than all of it.
+/// A sum of products, accumulated next to a number that is larger than all of it.
 #[derive(Clone, Copy)]
 struct Beside<V> {
     sum: V,
@@ -423,7 +425,7 @@ struct Beside<V> {
 }
 
 impl<V: Vector> Beside<V> {
-    /// + x y
+    /// Adds x y.
     #[inline(always)]
     fn add(&mut self, x: V, y: V) {
         let next = x.fused(y, self.sum);
@@ -434,7 +436,7 @@ impl<V: Vector> Beside<V> {
 }
 
 #[expect(clippy::too_many_arguments, reason = "parts of one structure, borrowed apart")]
-/// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (kept until `finish`); b - Q x itself into `rest`.
+/// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (stored until `finish`); b - Q x itself into `rest`.
 #[inline(always)]
 fn pair<V: Vector, const PARTS: usize>(
     entries: &Entries<V>,
@@ -495,7 +497,7 @@ fn pair<V: Vector, const PARTS: usize>(
         let error = size * lost;
         let bound = left.size() + error;
         norm = (bound * bound).fused(V::splat(weights[i]), norm);
-        // Rounding of r itself, of the product and of the sum over all rows.
+        // The rounding errors of r itself, of the product and of the sum over all rows.
         let slack = left.size().fused(V::splat((plan.n + 8) as f64 * U), error);
         for (result, z) in results.iter_mut().zip(z) {
             let z = z[i];
@@ -505,7 +507,7 @@ fn pair<V: Vector, const PARTS: usize>(
         }
     }
     for result in results.iter_mut() {
-        // Until `finish`: the norm in a place that is not used yet.
+        // The norm is kept in an unused field until `finish`.
         result.re.lo = norm;
     }
 }
