@@ -1,6 +1,6 @@
-//! Binary floating point of any precision: m 2^e with an integer m. In and out: numbers; sums and products are exact until
-//! they are cut to a number of bits. For roots of polynomials that double-double does not tell apart.
-//! See docs/method/poles.md#exact-arithmetic.
+//! Binary floating point of any precision: m 2^e with an integer m. In and out: numbers; sums and products are exact
+//! until they are cut to a number of bits. Used for roots of polynomials that double-double does not separate. See
+//! docs/method/poles.md#exact-arithmetic.
 
 use crate::base::{Ball, Dd};
 use num_bigint::{BigInt, Sign};
@@ -35,17 +35,17 @@ impl Float {
         self.mantissa.is_negative()
     }
 
-    /// Compared with zero.
+    /// The sign, as a comparison with zero.
     pub fn sign(&self) -> Ordering {
         self.mantissa.sign().cmp(&Sign::NoSign)
     }
 
-    /// Exactly.
+    /// Multiplies by a power of two, exactly.
     pub fn times_power_of_two(self, power: i64) -> Float {
         Float { exponent: self.exponent + power, ..self }
     }
 
-    /// Cut to that many bits, towards minus infinity.
+    /// Cuts to that many bits, towards minus infinity.
     pub fn cut(self, bits: u64) -> Float {
         let excess = self.mantissa.bits() as i64 - bits as i64;
         if excess <= 0 {
@@ -65,12 +65,12 @@ impl Float {
         (!self.is_zero()).then(|| self.mantissa.bits() as i64 + self.exponent)
     }
 
-    /// An upper bound of sqrt(self / d), above it by less than 2^-50 of itself; for non-negative numbers, d not zero.
+    /// An upper bound of sqrt(self / d) with a relative excess below 2^-50; for non-negative numbers, d not zero.
     pub fn root_of_quotient_above(&self, d: &Float) -> Float {
         if self.is_zero() {
             return Float::zero();
         }
-        // Numbers of very different lengths leave a longer quotient than was asked for.
+        // Numbers of very different lengths give a longer quotient than requested.
         let quotient = self.divided_by(d, 120).cut(120);
         let even = quotient.exponent.rem_euclid(2) as u64;
         // Both the quotient and the root were rounded down.
@@ -78,28 +78,28 @@ impl Float {
         Float { mantissa: root, exponent: (quotient.exponent - even as i64) / 2 }
     }
 
-    /// An upper bound in binary64 of a number that is not negative, infinite beyond the range; 0 for zero alone.
+    /// An upper bound in binary64 of a non-negative number, infinite beyond the range; 0 only for zero.
     pub fn to_f64_above(&self) -> f64 {
         if self.is_zero() {
             return 0.0;
         }
         let excess = (self.mantissa.bits() as i64 - 53).max(0);
         let mantissa = (&self.mantissa >> excess as u64) + i32::from(excess > 0);
-        // At most 2^53 and exact, so that the factor is the only one that may leave the range.
+        // At most 2^53 and exact, so only the factor can leave the range.
         let value = mantissa.to_f64().unwrap_or(f64::INFINITY) * power_of_two(self.exponent + excess);
         (value * (1.0 + f64::EPSILON)).max(f64::MIN_POSITIVE)
     }
 
-    /// The binary64 number below in size; 0 or infinite beyond the range.
+    /// The nearest binary64 number towards zero; 0 or infinite beyond the range.
     pub fn to_f64(&self) -> f64 {
         let excess = (self.mantissa.bits() as i64 - 53).max(0);
-        // Cut towards zero, so that the rest has the same sign.
+        // Cut towards zero, so that the remainder has the same sign.
         let magnitude = (self.mantissa.abs() >> excess as u64).to_f64().unwrap_or(f64::INFINITY);
         let value = magnitude * power_of_two(self.exponent + excess);
         if self.is_negative() { -value } else { value }
     }
 
-    /// The double-double nearby, with a radius of what it leaves and `radius`.
+    /// A nearby double-double, with a radius that covers its error and `radius`.
     pub fn to_ball(&self, radius: f64) -> Ball {
         let hi = self.to_f64();
         let rest = self - &Float::from(hi);
@@ -109,7 +109,7 @@ impl Float {
         if left.is_zero() && radius == 0.0 {
             return Ball::new(mid, 0.0);
         }
-        // Near the bottom of the range the words lose bits; two_sum loses none.
+        // Near the lower end of the range the words lose bits; two_sum loses none.
         Ball::new(mid, (left.abs().to_f64_above() + radius) * (1.0 + 1e-14) + f64::MIN_POSITIVE)
     }
 
@@ -118,7 +118,7 @@ impl Float {
     }
 }
 
-/// 2^e, 0 or infinity beyond the range.
+/// 2^e; 0 or infinity beyond the range.
 fn power_of_two(e: i64) -> f64 {
     let e = e.clamp(-2200, 2200) as i32;
     2f64.powi(e / 2) * 2f64.powi(e - e / 2)
@@ -131,7 +131,7 @@ impl From<BigInt> for Float {
 }
 
 impl From<f64> for Float {
-    /// Exactly; zero for what is not finite.
+    /// Converts exactly; a number that is not finite becomes zero.
     fn from(x: f64) -> Float {
         if !x.is_finite() || x == 0.0 {
             return Float::zero();

@@ -1,10 +1,10 @@
-//! Complex numbers over any of our reals: `Complex<f64>` steers, `Complex<Dd>` refines, `Complex<Ball>` (a rectangle that
-//! encloses) proves. Only + - * / and the square root are used, which are the same on every machine.
+//! Complex numbers over any of our real types: `Complex<f64>` steers, `Complex<Dd>` refines, `Complex<Ball>` (an
+//! enclosing rectangle) proves. Only + - * / and the square root are used, which are the same on every machine.
 
 use crate::base::{Ball, Dd, larger};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// What the arithmetic below needs of a real number.
+/// The operations on a real type that the arithmetic below needs.
 pub trait Real:
     Copy + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
@@ -94,7 +94,7 @@ impl<T: Real> Complex<T> {
 }
 
 impl<T: Real> Complex<T> {
-    /// In binary64.
+    /// Rounded to binary64.
     #[inline]
     pub fn to_f64(self) -> Complex<f64> {
         Complex { re: self.re.to_f64(), im: self.im.to_f64() }
@@ -134,13 +134,13 @@ impl<T: Real> Mul for Complex<T> {
 }
 
 impl Complex<f64> {
-    /// |re| + |im|: within a factor of sqrt(2) of the modulus, without a root.
+    /// |re| + |im|: within a factor of sqrt(2) of the modulus, without computing a root.
     #[inline]
     pub fn one_norm(self) -> f64 {
         self.re.abs() + self.im.abs()
     }
 
-    /// The modulus, scaled against overflow; infinite where a part is no number.
+    /// The modulus, scaled against overflow; infinite if a part is NaN.
     #[inline]
     pub fn abs(self) -> f64 {
         let size = larger(self.re.abs(), self.im.abs());
@@ -209,7 +209,7 @@ impl Complex<Ball> {
         Complex::new(re, im).abs() * (1.0 + 8.0 * f64::EPSILON)
     }
 
-    /// An upper bound of the distance of what is enclosed from the midpoint.
+    /// An upper bound of the distance of enclosed numbers from the midpoint.
     #[inline]
     pub fn radius(self) -> f64 {
         Complex::new(self.re.rad, self.im.rad).abs() * (1.0 + 8.0 * f64::EPSILON)

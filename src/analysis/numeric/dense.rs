@@ -1,12 +1,13 @@
-//! Dense matrices by columns, and the few kernels that everything dense is made of, in binary64 and in double-double.
+//! Dense matrices stored by columns, and the few kernels of which all dense computations are made, in binary64 and in
+//! double-double.
 //!
-//! Columns are what the algorithms here work on (rotations of pairs, Gram products, modes), so a column is a slice.
+//! The algorithms here work on columns (rotations of pairs, Gram products, modes), so a column is a slice.
 
 use crate::analysis::numeric::fused::fused;
 use crate::base::Dd;
 use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
-/// What the algorithms that exist in both precisions compute with.
+/// The arithmetic of algorithms that exist in both precisions.
 pub trait Real:
     Copy
     + PartialOrd
@@ -56,7 +57,7 @@ impl Real for f64 {
         self.sqrt()
     }
 
-    /// In four interleaved sums, in an order that no machine changes.
+    /// Summed in four interleaved sums, in an order that is the same on every machine.
     #[inline]
     fn dot(a: &[f64], b: &[f64]) -> f64 {
         let mut sums = [0.0; 4];

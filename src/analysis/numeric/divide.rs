@@ -1,10 +1,11 @@
-//! All eigenvalues and eigenvectors of a symmetric tridiagonal matrix by dividing it in two.
+//! All eigenvalues and eigenvectors of a symmetric tridiagonal matrix by divide and conquer.
 //!
-//! With r = |e| at the cut and u = (0..0, 1, sign e, 0..0) the matrix is diag(T1, T2) + r u u^T, so with the halves solved,
-//! Q^T T Q = D + r z z^T (Cuppen, Numer. Math. 36 (1981) 177). Entries of z that do not matter, and one of two equal d, are
-//! set aside; the others' eigenvalues are zeros of a rational function ([`secular`](super::secular)); the vectors are those
-//! of the z whose zeros are exactly the computed ones, which makes them orthogonal however close they are (Gu and Eisenstat,
-//! SIAM J. Matrix Anal. Appl. 16 (1995) 172). The rest is products of matrices. Repeated eigenvalues cost less, not more.
+//! With r = |e| at the cut and u = (0..0, 1, sign e, 0..0) the matrix is diag(T1, T2) + r u u^T, so with the halves
+//! solved, Q^T T Q = D + r z z^T (Cuppen, Numer. Math. 36 (1981) 177). Negligible entries of z, and one of two equal d,
+//! are deflated; the other eigenvalues are zeros of a rational function ([`secular`](super::secular)); the vectors are
+//! those of the z whose zeros are exactly the computed ones, which makes them orthogonal however close they are (Gu and
+//! Eisenstat, SIAM J. Matrix Anal. Appl. 16 (1995) 172). The rest is products of matrices. Repeated eigenvalues make it
+//! faster, not slower.
 
 use crate::analysis::numeric::dense::{Matrix, rotate};
 use crate::analysis::numeric::jacobi;
@@ -12,7 +13,7 @@ use crate::analysis::numeric::product::{View, product};
 use crate::analysis::numeric::secular;
 use crate::analysis::numeric::tridiagonal::dot;
 
-/// Jacobi's method is as fast up to here.
+/// Up to this size Jacobi's method is as fast.
 const SMALL: usize = 16;
 
 /// Eigenvalues, ascending, and orthonormal eigenvectors.
@@ -21,7 +22,7 @@ pub struct Eigen {
     pub vectors: Matrix<f64>,
 }
 
-/// Of the matrix with these numbers on and beside its diagonal.
+/// The eigensystem of the matrix with these numbers on and beside its diagonal.
 pub fn solve(diagonal: &[f64], beside: &[f64]) -> Eigen {
     let n = diagonal.len();
     if n <= SMALL {
@@ -50,7 +51,7 @@ fn solve_small(diagonal: &[f64], beside: &[f64]) -> Eigen {
     Eigen { values: order.iter().map(|&i| t[(i, i)]).collect(), vectors: vectors.select_columns(&order) }
 }
 
-/// Which half a column of diag(Q1, Q2) has entries in.
+/// The half in which a column of diag(Q1, Q2) has entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Half {
     First,
@@ -64,7 +65,7 @@ struct Merge {
     r: f64,
     d: Vec<f64>,
     z: Vec<f64>,
-    /// diag(Q1, Q2), and columns turned among themselves.
+    /// diag(Q1, Q2), with some columns rotated among themselves.
     q: Matrix<f64>,
     halves: Vec<Half>,
 }
@@ -115,7 +116,8 @@ impl Merge {
         kept.iter().map(|&j| self.z[j]).collect()
     }
 
-    /// Sets aside what is decoupled to working accuracy; the others, ascending in d and no two equal.
+    /// Deflates the columns that are decoupled to working accuracy; returns the others, ascending in d with no two
+    /// equal.
     fn deflated(&mut self) -> Vec<usize> {
         let n = self.d.len();
         let size = self.d.iter().fold(2.0 * self.r, |m, d| m.max(d.abs()));
@@ -137,7 +139,7 @@ impl Merge {
         kept
     }
 
-    /// Turns the two columns so that `p` is decoupled, if that leaves no more than the tolerance between them.
+    /// Rotates the two columns so that `p` is decoupled, if the remaining coupling is within the tolerance.
     fn decouples(&mut self, p: usize, q: usize, tolerance: f64) -> bool {
         let length = libm::hypot(self.z[p], self.z[q]);
         let (c, s) = (self.z[q] / length, self.z[p] / length);
@@ -156,7 +158,8 @@ impl Merge {
         true
     }
 
-    /// The kept columns times the vectors of the zeros, each half of the rows by the columns that have entries there.
+    /// The kept columns times the vectors of the zeros; each half of the rows uses only the columns that have entries
+    /// there.
     fn turned(&self, kept: &[usize], zeros: &Zeros) -> Matrix<f64> {
         let (n, k) = (self.d.len(), kept.len());
         let mut turned = Matrix::filled(n, k, 0.0);

@@ -1,4 +1,4 @@
-//! Small dense matrices of balls: products, solutions and triangular factors whose errors are known.
+//! Small dense matrices of balls: products, solutions and triangular factors with known errors.
 
 use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::base::{Ball, Dd, larger};
@@ -17,7 +17,7 @@ pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f6
         largest_column = larger(largest_column, column);
     }
     let largest_row = row_sums.iter().copied().fold(0.0, larger);
-    // A thousand rows of sums in binary64 lose less than 1e-12.
+    // The rounding error of a thousand rows of sums in binary64 is below 1e-12.
     squares.sqrt().min((largest_row * largest_column).sqrt()) * (1.0 + 1e-12)
 }
 
@@ -34,7 +34,7 @@ impl Matrix<Ball> {
         (0..self.columns()).all(|j| self.column(j).iter().all(Ball::is_finite))
     }
 
-    /// A bound of the 2-norm of what the midpoints are off by.
+    /// A bound of the 2-norm of the error of the midpoints.
     pub fn radius(&self) -> f64 {
         norm_bound(self.rows(), self.columns(), |i, j| self[(i, j)].rad)
     }
@@ -56,12 +56,12 @@ pub fn product(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Matrix<Ball> {
     c
 }
 
-/// Rows from which on the balls of an elimination may swell: each step may double what an entry is off by.
+/// From this many rows on, the balls of an elimination may grow: each step may double an entry's error.
 const MANY_ROWS: usize = 12;
-/// Relative to the solution: elimination in balls has done well.
+/// Error relative to the solution with which elimination in balls counts as successful.
 const SHARP: f64 = 1e-24;
 
-/// A^-1 B; `None` where A may be singular.
+/// A^-1 B; `None` if A may be singular.
 pub fn solve(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let eliminated = eliminate(a, b);
     let is_sharp = |x: &Matrix<Ball>| {
@@ -112,8 +112,9 @@ fn eliminate(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     Some(Matrix::from_fn(n, b.columns(), |i, j| rows[i][n + j]))
 }
 
-/// A^-1 B from an approximate inverse R: with |1 - R A| <= gamma < 1 row by row, A is regular, and an approximation X of the
-/// solution is off by e with e <= |R (B - A X)| + |1 - R A| e (Rump, Acta Numerica 19 (2010) 287, section 10).
+/// A^-1 B from an approximate inverse R: with |1 - R A| <= gamma < 1 row by row, A is regular, and an approximation X
+/// of the solution has an error e with e <= |R (B - A X)| + |1 - R A| e (Rump, Acta Numerica 19 (2010) 287, section
+/// 10).
 fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let n = a.rows();
     let (by_rows, by_columns) = balance(a)?;
@@ -124,7 +125,7 @@ fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let lacks = |i: usize| (0..n).map(|j| (nearly_one[(i, j)] - unit(i, j)).magnitude()).sum::<f64>() * UP;
     let lacks: Vec<f64> = (0..n).map(lacks).collect();
     let gamma = lacks.iter().copied().fold(0.0, larger);
-    // Also false where it is no number.
+    // Also false if gamma is NaN.
     let is_regular = gamma < 0.5;
     if !is_regular {
         return None;
@@ -170,11 +171,11 @@ fn balance(a: &Matrix<Ball>) -> Option<(Vec<f64>, Vec<f64>)> {
     Some((rows, columns))
 }
 
-/// An approximate inverse by Gauss and Jordan's elimination with partial pivoting.
+/// An approximate inverse by Gauss-Jordan elimination with partial pivoting.
 fn invert(mut a: Matrix<Dd>) -> Option<Matrix<Dd>> {
     let n = a.rows();
     let mut inverse = Matrix::identity(n);
-    // By columns, which lie together: the transposed inverse of the transposed matrix.
+    // By columns, which are contiguous: the transposed inverse of the transposed matrix.
     for step in 0..n {
         let size = |j: usize| a[(step, j)].hi.abs();
         let pivot = (step..n).fold(step, |best, j| if size(j) > size(best) { j } else { best });
@@ -214,7 +215,8 @@ fn subtract_multiple(row: &mut [Ball], pivot_row: &[Ball], step: usize) {
     }
 }
 
-/// An upper triangular S with S^T S near A, in double-double without a bound; `None` unless A is safely positive definite.
+/// An upper triangular S with S^T S near A, in double-double without a bound; `None` unless A is safely positive
+/// definite.
 pub fn cholesky(a: &Matrix<Dd>) -> Option<Matrix<Dd>> {
     let n = a.rows();
     let mut s = Matrix::zeros(n, n);
@@ -227,7 +229,8 @@ pub fn cholesky(a: &Matrix<Dd>) -> Option<Matrix<Dd>> {
             if i < j {
                 s[(i, j)] = rest / s[(i, i)];
             } else {
-                // A pivot made of rounding is below 2^-100 of its diagonal; twenty digits keep a distance from that.
+                // A pivot that is rounding error is below 2^-100 of its diagonal entry; twenty digits are far enough
+                // from that.
                 if !(rest.hi > 1e-20 * a[(j, j)].hi && rest.is_finite()) {
                     return None;
                 }
@@ -244,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_solution_encloses_the_true_one() {
-        // The Hilbert matrix of order 5; the solution for a sum of its rows is all ones.
+        // The Hilbert matrix of order 5; the solution for the sums of its rows is all ones.
         let n = 5;
         let a = Matrix::from_fn(n, n, |i, j| Ball::ONE / Ball::from((i + j + 1) as f64));
         let b = product(&a, &Matrix::filled(n, 1, Ball::ONE));
@@ -255,7 +258,7 @@ mod tests {
         }
     }
 
-    /// A row of a hundred links: M_ij = (n - max(i, j)) / 7, and for its sums of rows the solution is all ones.
+    /// A row of a hundred links: M_ij = (n - max(i, j)) / 7; the solution for the sums of its rows is all ones.
     #[test]
     fn a_hundred_rows_keep_their_digits() {
         let n = 100;
@@ -269,7 +272,7 @@ mod tests {
         }
         let singular = Matrix::from_fn(n, n, |i, j| if i + 1 < n { a[(i, j)] } else { a[(0, j)] });
         assert!(verified(&singular, &b).is_none() && solve(&singular, &b).is_none());
-        // Numbers far apart: rows of 1e-9 kg beside rows of 1e9 kg.
+        // Numbers of very different magnitude: rows of 1e-9 kg beside rows of 1e9 kg.
         let graded = |i: usize| 10f64.powi((i % 19) as i32 - 9);
         let graded = Matrix::from_fn(n, n, |i, j| a[(i, j)] * Ball::from(graded(i)) * Ball::from(graded(j)));
         let b = product(&graded, &Matrix::filled(n, 1, Ball::ONE));

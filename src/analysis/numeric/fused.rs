@@ -1,7 +1,7 @@
-//! Loops over double-double numbers, compiled a second time for processors with fused multiply-add: there it is one
-//! instruction, elsewhere a call. The numbers are the same on both.
+//! Loops over double-double numbers, compiled a second time for processors with fused multiply-add, where it is one
+//! instruction; elsewhere it is a function call. The results are the same on both.
 
-/// A function with such a body.
+/// Defines a function whose body is compiled for both.
 macro_rules! fused {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
         $(#[$meta])*

@@ -1,12 +1,12 @@
-//! L^-1 of M = L L^T in binary64, by halves: all but the smallest blocks are products of matrices.
+//! L^-1 of M = L L^T in binary64, by recursive halving: all but the smallest blocks are products of matrices.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::product::{View, add_product, product};
 
-/// Below this, entry by entry.
+/// Smaller blocks are inverted entry by entry.
 const SMALL: usize = 32;
 
-/// L^-1, lower triangular; only the lower triangle is read. `None` where M is not positive definite in binary64.
+/// L^-1, lower triangular; only the lower triangle is read. `None` if M is not positive definite in binary64.
 pub fn inverse_factor(m: &Matrix<f64>) -> Option<Matrix<f64>> {
     let n = m.columns();
     if n <= SMALL {
@@ -16,7 +16,7 @@ pub fn inverse_factor(m: &Matrix<f64>) -> Option<Matrix<f64>> {
     let block =
         |(row, column): (usize, usize), rows, columns| Matrix::from_fn(rows, columns, |i, j| m[(row + i, column + j)]);
     let first = inverse_factor(&block((0, 0), cut, cut))?;
-    // L21 = M21 L11^-T; what is left of M22 is M22 - L21 L21^T.
+    // L21 = M21 L11^-T; the remainder of M22 is M22 - L21 L21^T.
     let below = product(View::of(&block((cut, 0), n - cut, cut)), View::of(&first).transposed());
     let mut rest = block((cut, cut), n - cut, n - cut);
     add_product(rest.data_mut(), n - cut, -1.0, View::of(&below), View::of(&below).transposed());

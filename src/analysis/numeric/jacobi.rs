@@ -1,20 +1,21 @@
-//! Jacobi's methods: plane rotations until everything is orthogonal. Slow and sure: on what is graded they keep relative
-//! accuracy where methods that first reduce to tridiagonal form lose it (Demmel and Veselic 1992).
+//! Jacobi's methods: plane rotations until the columns are orthogonal or the matrix is diagonal. They are slow and
+//! reliable: for graded matrices they keep relative accuracy, while methods that first reduce to tridiagonal form lose
+//! it (Demmel and Veselic 1992).
 
 use crate::analysis::numeric::dense::{Matrix, Real, rotate};
 
-/// Quadratic convergence sets in after a few sweeps; what is not settled by then is judged by the certificate.
+/// Convergence becomes quadratic after a few sweeps; if it has not settled by then, the certificate judges the result.
 const MAX_SWEEPS: usize = 40;
-/// The square of the ratio of columns that one matrix of a model may have.
+/// The smallest squared ratio of column lengths that a matrix of a model may have.
 const LEAST_SQUARE: f64 = 1e-200;
 
 /// Rotates the columns of `g` (and those of `x` with them) until they are orthogonal: G V = U Sigma.
 ///
-/// One-sided Jacobi (Hestenes 1958) with de Rijk's pivoting: the longest column left comes first, so that in graded
-/// matrices the large columns settle before they meet the small ones.
+/// One-sided Jacobi (Hestenes 1958) with de Rijk's pivoting: the longest remaining column comes first, so that in
+/// graded matrices the large columns settle before they meet the small ones.
 pub fn orthogonalise_columns<T: Real>(g: &mut Matrix<T>, mut x: Option<&mut Matrix<T>>) {
     let n = g.columns();
-    // The error of one scalar product relative to the lengths of its factors.
+    // The error of a scalar product relative to the lengths of its factors.
     let tolerance = (g.rows() as f64 + 4.0) * T::ERROR;
     let mut squares: Vec<T> = (0..n).map(|j| T::dot(g.column(j), g.column(j))).collect();
     for _ in 0..MAX_SWEEPS {
@@ -53,7 +54,8 @@ fn orthogonalise_pair<T: Real>(
 ) -> Option<Rotation<T>> {
     let (a, b) = (squares[p], squares[q]);
     let c = T::dot(g.column(p), g.column(q));
-    // Columns beyond the rank shrink to rounding errors at each rotation and never become orthogonal: they are zero.
+    // Columns beyond the rank shrink to rounding errors at each rotation and never become orthogonal: they are set to
+    // zero.
     let vanished = b.hi() <= a.hi() * LEAST_SQUARE;
     if vanished || c.hi().abs() <= tolerance * a.hi().sqrt() * b.hi().sqrt() {
         return None;
@@ -62,7 +64,7 @@ fn orthogonalise_pair<T: Real>(
     turn.apply(g, p, q);
     let change = turn.tangent * c;
     for (j, before, after) in [(p, a, a - change), (q, b, b + change)] {
-        // What is left of a cancellation is measured anew: it may even have come out negative.
+        // A length that has cancelled is recomputed: it may even have come out negative.
         squares[j] = if after.hi() > 0.1 * before.hi() { after } else { T::dot(g.column(j), g.column(j)) };
     }
     Some(turn)
@@ -70,8 +72,8 @@ fn orthogonalise_pair<T: Real>(
 
 /// Diagonalises the symmetric `k` by rotations J^T K J, applied to the columns of `x` too.
 ///
-/// Cyclic Jacobi; an entry counts as zero where it is below the rounding error of the root of its diagonal entries' product:
-/// that keeps relative accuracy on scaled diagonally dominant matrices (Barlow and Demmel 1990).
+/// Cyclic Jacobi; an entry counts as zero if it is below the rounding error of the geometric mean of its diagonal
+/// entries: that keeps relative accuracy for scaled diagonally dominant matrices (Barlow and Demmel 1990).
 pub fn diagonalise<T: Real>(k: &mut Matrix<T>, x: &mut Matrix<T>) {
     let n = k.columns();
     for _ in 0..MAX_SWEEPS {
@@ -106,8 +108,8 @@ struct Rotation<T> {
 }
 
 impl<T: Real> Rotation<T> {
-    /// The smaller rotation that makes [a c; c b] diagonal: t = sign(z) / (|z| + sqrt(1 + z^2)), z = (b - a) / 2c
-    /// (Golub and Van Loan, Matrix Computations, section 8.5).
+    /// The smaller of the two rotations that make [a c; c b] diagonal: t = sign(z) / (|z| + sqrt(1 + z^2)), z = (b - a)
+    /// / 2c (Golub and Van Loan, Matrix Computations, section 8.5).
     fn diagonalising(a: T, b: T, c: T) -> Rotation<T> {
         let z = (b - a) / (c + c);
         let tangent = if z.hi().abs() < 1e100 {
@@ -115,7 +117,7 @@ impl<T: Real> Rotation<T> {
             let size = T::ONE / (magnitude + (T::ONE + z * z).root());
             if z.hi() < 0.0 { -size } else { size }
         } else {
-            // So small a tangent is 1 / 2z; z itself may have overflowed.
+            // Such a small tangent is 1 / 2z; z itself may have overflowed.
             c / (b - a)
         };
         let cosine = T::ONE / (T::ONE + tangent * tangent).root();

@@ -1,5 +1,5 @@
-//! Arithmetic and dense linear algebra that the analyses share: words of two and three numbers, complex numbers, matrices.
-//! Nothing here knows a system.
+//! Arithmetic and dense linear algebra that the analyses share: numbers of two and three words, complex numbers,
+//! matrices. Nothing here depends on a system.
 
 pub(in crate::analysis) mod big_float;
 pub mod complex;

@@ -2,8 +2,8 @@
 
 use std::ops::Add;
 
-/// A running sum: blocks of [`BLOCK`] numbers in a row, blocks in pairs (Higham, Accuracy and Stability of Numerical
-/// Algorithms, section 4.2).
+/// A running sum: blocks of [`BLOCK`] numbers are summed sequentially, blocks in pairs (Higham, Accuracy and Stability
+/// of Numerical Algorithms, section 4.2).
 #[derive(Clone, Debug)]
 pub struct PairwiseSum<T> {
     zero: T,
@@ -43,9 +43,9 @@ impl<T: Copy + Add<Output = T>> PairwiseSum<T> {
         self.levels.iter().rev().fold(self.block, |sum, &level| sum + level)
     }
 
-    /// Bound of the relative error of the total of numbers of one sign, for that of one sum.
+    /// Bound of the relative error of the total of numbers of one sign, if `error` is that of one addition.
     pub fn relative_error(&self, error: f64) -> f64 {
-        // Every number goes through its block, one sum a level, and at most as many in the total.
+        // Every number takes part in the sum of its block, one sum for each level, and at most as many in the total.
         let levels = (self.count / BLOCK).checked_ilog2().map_or(0, |log| log + 1);
         f64::from(BLOCK as u32 + 2 * levels) * error
     }
@@ -61,7 +61,7 @@ mod tests {
         for _ in 0..1_000_000 {
             sum.add(0.1);
         }
-        // A million times the binary64 number nearest to a tenth is 1e5 to 6e-12; one after the other they miss by 1e-6.
+        // A million times the binary64 number nearest to a tenth is 1e5 to 6e-12; a sequential sum is wrong by 1e-6.
         assert!((sum.total() - 100_000.0f64).abs() <= 100_000.0 * sum.relative_error(f64::EPSILON / 2.0) + 6e-12);
         assert!(sum.relative_error(f64::EPSILON / 2.0) < 6e-15);
     }

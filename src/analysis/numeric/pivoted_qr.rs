@@ -1,12 +1,13 @@
-//! Factors of M^(-1/2) K M^(-1/2) = G^T G for positive terms of any kind: G P = Q R, so R^T R without its permutation.
+//! Factors of M^(-1/2) K M^(-1/2) = G^T G for positive terms of any kind, from G P = Q R: R^T R without its
+//! permutation.
 //!
-//! Householder's QR with column pivoting and rows sorted by size: for rows and columns of very different sizes it is stable
-//! row by row (Powell and Reid 1969; Cox and Higham 1998), and the rows of R are graded, which is what one-sided Jacobi on
-//! R^T needs (Drmac and Veselic 2008). See docs/method/modes.md#starting-modes.
+//! Householder's QR with column pivoting and rows sorted by magnitude: for rows and columns of very different
+//! magnitudes it is stable row by row (Powell and Reid 1969; Cox and Higham 1998), and the rows of R are graded, as
+//! one-sided Jacobi on R^T requires (Drmac and Veselic 2008). See docs/method/modes.md#starting-modes.
 
 use crate::analysis::numeric::dense::Matrix;
 
-/// C with C C^T = G^T G, of `rank` columns.
+/// C with C C^T = G^T G and `rank` columns.
 pub fn factor(mut g: Matrix<f64>, rank: usize) -> Matrix<f64> {
     g = with_sorted_rows(&g);
     let (rows, n) = (g.rows(), g.columns());
@@ -29,7 +30,7 @@ pub fn factor(mut g: Matrix<f64>, rank: usize) -> Matrix<f64> {
     c
 }
 
-/// The rows by falling size of their largest entry.
+/// The rows in descending order of their largest entry.
 fn with_sorted_rows(g: &Matrix<f64>) -> Matrix<f64> {
     let size = |i: usize| (0..g.columns()).fold(0.0, |m: f64, j| m.max(g[(i, j)].abs()));
     let sizes: Vec<f64> = (0..g.rows()).map(size).collect();
@@ -38,7 +39,7 @@ fn with_sorted_rows(g: &Matrix<f64>) -> Matrix<f64> {
     Matrix::from_fn(g.rows(), g.columns(), |i, j| g[(order[i], j)])
 }
 
-/// Applies to the columns from `step` on the reflection that clears column `step` below its diagonal.
+/// Applies the reflection that clears column `step` below its diagonal to the columns from `step` on.
 fn reflect(g: &mut Matrix<f64>, step: usize) {
     let (rows, n) = (g.rows(), g.columns());
     let mut normal: Vec<f64> = g.column(step)[step..].to_vec();

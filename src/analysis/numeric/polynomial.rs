@@ -1,13 +1,12 @@
-//! Polynomials with integer coefficients, exactly: products, division, greatest common divisors, and the factors in which
-//! every root is simple. In: coefficients. Out: the same, without any rounding.
-//! See docs/method/poles.md#exact-arithmetic.
+//! Exact polynomials with integer coefficients: products, division, greatest common divisors, and the factors in which
+//! every root is simple. See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::numeric::residues::{Field, primes};
 use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-/// Coefficients of greatest common divisors may have 61 times as many bits.
+/// Limit of primes: coefficients of greatest common divisors may have 61 bits for each.
 const MOST_PRIMES: usize = 400;
 
 /// a_0 + a_1 s + ... + a_d s^d, a_d not zero; empty for the zero polynomial.
@@ -32,13 +31,13 @@ impl Polynomial {
         self.coefficients.is_empty()
     }
 
-    /// The degree; zero for the zero polynomial too.
+    /// The degree; also zero for the zero polynomial.
     pub fn degree(&self) -> usize {
         self.coefficients.len().saturating_sub(1)
     }
 
-    /// The polynomial through the integer values at 0, 1, ..., d, up to a positive factor: Newton's divided differences, all
-    /// multiplied with d!.
+    /// The polynomial through the integer values at 0, 1, ..., d, up to a positive factor: Newton's divided
+    /// differences, all multiplied by d!.
     pub fn through(values: &[BigInt]) -> Polynomial {
         let d = values.len().saturating_sub(1);
         let mut differences = values.to_vec();
@@ -64,7 +63,7 @@ impl Polynomial {
         Polynomial::new(sum).primitive()
     }
 
-    /// Divided by the greatest common divisor of the coefficients, with a positive leading one.
+    /// The polynomial divided by the greatest common divisor of its coefficients, with a positive leading coefficient.
     pub fn primitive(&self) -> Polynomial {
         let content = self.coefficients.iter().fold(BigInt::zero(), |gcd, a| gcd.gcd(a));
         if content.is_zero() {
@@ -78,7 +77,7 @@ impl Polynomial {
         Polynomial::new(self.coefficients.iter().enumerate().skip(1).map(|(k, a)| a * k).collect())
     }
 
-    /// How often s divides, and what is left.
+    /// How often s divides the polynomial, and the quotient.
     pub fn without_zero_roots(&self) -> (usize, Polynomial) {
         let zeros = self.coefficients.iter().take_while(|a| a.is_zero()).count();
         (zeros, Polynomial::new(self.coefficients[zeros..].to_vec()))
@@ -103,10 +102,11 @@ impl Polynomial {
         rest.iter().all(Zero::is_zero).then(|| Polynomial::new(quotient))
     }
 
-    /// The greatest common divisor, primitive; `None` if the primes at hand do not suffice for its coefficients.
+    /// The greatest common divisor, primitive; `None` if there are not enough primes for its coefficients.
     ///
-    /// Its images modulo primes are combined by the Chinese remainder theorem until it divides both (Brown, JACM 18 (1971)
-    /// 478). The image's degree is never too small, so that of degree 0 is a proof, and what divides both is the greatest.
+    /// Its images modulo primes are combined by the Chinese remainder theorem until it divides both (Brown, JACM 18
+    /// (1971) 478). The image's degree is never too small, so an image of degree 0 is a proof, and a candidate that
+    /// divides both is the greatest.
     pub fn gcd(&self, other: &Polynomial) -> Option<Polynomial> {
         let (f, g) = (self.primitive(), other.primitive());
         if f.is_zero() || g.is_zero() {
@@ -205,7 +205,7 @@ fn joined(modulus: BigInt, known: Vec<BigInt>, image: &[u64], field: Field) -> (
     (modulus * field.prime(), list)
 }
 
-/// Residues between plus and minus half the modulus.
+/// Residues reduced to between plus and minus half the modulus.
 fn symmetric((modulus, list): &(BigInt, Vec<BigInt>)) -> Vec<BigInt> {
     let fold = |x: &BigInt| if x + x > *modulus { x - modulus } else { x.clone() };
     list.iter().map(fold).collect()

@@ -1,16 +1,16 @@
-//! Arithmetic on triple words with their radius: the ball arithmetic of some 150 bits in which residuals of poles are
-//! evaluated. Every operation adds the bound of its own rounding (see [`Triple::ERROR`]); zero is exact and stays so.
+//! Arithmetic on triple words with a radius: ball arithmetic with some 150 bits, in which the residuals of poles are
+//! evaluated. Every operation adds the bound of its own rounding error (see [`Triple::ERROR`]); zero stays exact.
 
 use crate::analysis::numeric::complex::Real;
 use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Covers the roundings of a radius, and what a word of lower order may lose of a leading one.
+/// Covers the rounding errors of a radius, and the loss when a lower word is neglected against a leading one.
 const UP: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 const UNDERFLOW: f64 = Triple::UNDERFLOW;
-/// What the remainders of a long division, or that of a root, lose of the number by underflow: a few dozen steps of binary64 at
-/// most, 3.2e-322, in an order in which nothing here is subnormal.
+/// Underflow error of the remainders of a long division, or of that of a root: at most a few dozen steps of binary64,
+/// 3.2e-322, in an order in which nothing here is subnormal.
 fn lost_of_remainder(x: Triple) -> f64 {
     3.2e-22 / (x.hi().abs().min(1e-260) * 1e300)
 }
@@ -24,20 +24,21 @@ impl Precise {
         self.value.is_zero() && self.radius == 0.0
     }
 
-    /// Square root of what is positive; the part below zero is cut off.
+    /// The square root of a non-negative number; a part of the ball below zero is cut off.
     pub fn sqrt(self) -> Precise {
         if self.is_zero() {
             return Precise::ZERO;
         }
-        // r + (x - r^2) / 2r for the root r in double-double: r^2 and the difference err by ERROR x each, what Newton's step
-        // leaves is below 2^-200.
+        // r + (x - r^2) / 2r for the root r in double-double: r^2 and the difference have an error of ERROR x each, and
+        // the remaining error of the Newton step is below 2^-200.
         let root = self.value.dd().abs().sqrt();
         let words = Triple::from(root);
         let rest = self.value - words * words;
         let value = words + Triple::from(rest.hi() / (2.0 * root.hi));
         // |sqrt(x) - sqrt(m)| <= |x - m| / sqrt(m), also where x is cut off at 0; never more than sqrt(|x - m|).
         let spread = if self.radius == 0.0 { 0.0 } else { (self.radius / root.hi).min(self.radius.sqrt()) };
-        // What underflow takes from the remainder is divided by 2r, once for the root in double-double and once for the step.
+        // The underflow error of the remainder is divided by 2r, once for the root in double-double and once for the
+        // step.
         let lost = root.hi * lost_of_remainder(self.value);
         Precise { value, radius: (spread + 8.0 * Triple::ERROR * root.hi + lost + UNDERFLOW) * UP }
     }
@@ -92,7 +93,7 @@ impl Sub for Precise {
 
 impl Mul for Precise {
     type Output = Precise;
-    // A call would leave the processor's fused instruction behind (see `fused`).
+    // A call would lose the processor's fused instruction (see `fused`).
     #[inline(always)]
     fn mul(self, y: Precise) -> Precise {
         if self.is_zero() || y.is_zero() {
@@ -106,7 +107,7 @@ impl Mul for Precise {
 
 impl Div for Precise {
     type Output = Precise;
-    /// Of infinite radius where the divisor may be zero.
+    /// The radius is infinite if the divisor may be zero.
     fn div(self, y: Precise) -> Precise {
         if self.is_zero() && !y.is_zero() {
             return Precise::ZERO;
@@ -116,7 +117,7 @@ impl Div for Precise {
             return Precise { value: Triple::ZERO, radius: f64::INFINITY };
         }
         let value = Triple::ratio(self.value, y.value);
-        // |n/d - n'/d'| <= |dn| / |d| + |n'/d'| |dd| / |d|, in an order in which no product underflows that counts.
+        // |n/d - n'/d'| <= |dn| / |d| + |n'/d'| |dd| / |d|, in an order in which no product underflows noticeably.
         let size = value.hi().abs() * UP;
         let spread = self.radius / least + size * (y.radius / least + lost_of_remainder(self.value));
         Precise { value, radius: (spread + 8.0 * Triple::ERROR * size + UNDERFLOW) * UP }
@@ -128,12 +129,12 @@ mod tests {
     use super::*;
     use crate::base::{Number, Rational};
 
-    /// The exact value of a triple word's leading words is within what it leaves; the test numbers are short.
+    /// The words are split into parts whose exact values are known; the test numbers are short.
     fn encloses(x: Precise, truth: &Number) -> bool {
         let part = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
         let (dd, rest) = x.value.split();
         let value = &(&part(dd.hi) + &part(dd.lo)) + &part(rest);
-        // Splitting forgets at most 2^-159 of the value.
+        // The split loses at most 2^-159 of the value.
         (&value - truth).abs().to_f64() <= x.radius + 1e-47 * dd.hi.abs()
     }
 
@@ -150,8 +151,8 @@ mod tests {
         }
     }
 
-    /// Numbers near both ends of binary64, of one word and of three: a quotient times its divisor, and the square of a root,
-    /// enclose what was divided, in exact arithmetic.
+    /// Numbers near both ends of binary64, of one word and of three: a quotient times its divisor, and the square of a
+    /// root, enclose the original number in exact arithmetic.
     #[test]
     fn both_ends_of_the_range_are_held_to_their_radius() {
         let part = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
@@ -160,7 +161,7 @@ mod tests {
             &(&part(a) + &part(b)) + &part(c)
         };
         let ends = |x: Precise| {
-            // Splitting forgets at most 2^-159 of the value, or a step of binary64.
+            // The split loses at most 2^-159 of the value, or a step of binary64.
             let radius = &part(x.radius) + &part(x.value.hi().abs() * 2e-48 + 1e-323);
             [&value(x.value) - &radius, &value(x.value) + &radius]
         };
@@ -193,7 +194,7 @@ mod tests {
         assert_eq!(third + Precise::ZERO, third);
     }
 
-    /// The square of the root encloses the number, and hardly more.
+    /// The square of the root encloses the number, and is hardly wider.
     #[test]
     fn roots_enclose_the_true_values() {
         for text in ["2", "3", "0.7", "1e-40", "123456789.987654321"] {

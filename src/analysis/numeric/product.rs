@@ -1,30 +1,32 @@
-//! C <- C + f A B of dense matrices in binary64, as fast as the processor multiplies, and the same on every processor.
+//! C <- C + f A B of dense matrices in binary64, at the full multiplication rate of the processor, with the same result
+//! on every processor.
 //!
-//! Panels of A and B are packed so that the innermost loop reads memory in a row (Goto and van de Geijn, ACM Trans. Math.
-//! Softw. 34 (2008) 12). However the work is cut, an entry of C is the sum over blocks of [`DEPTH`] products, each block one
-//! chain of fused multiply-adds from zero, in the order of the products: so |computed - true| <= [`error`] |A| |B| for f = 1
-//! and C = 0.
+//! Panels of A and B are packed so that the innermost loop reads memory sequentially (Goto and van de Geijn, ACM Trans.
+//! Math. Softw. 34 (2008) 12). However the work is divided, an entry of C is the sum over blocks of [`DEPTH`] products,
+//! each block one chain of fused multiply-adds from zero, in the order of the products: so |computed - true| <=
+//! [`error`] |A| |B| for f = 1 and C = 0.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::wide::{Eight, LANES, widest};
 
-/// Products of one chain.
+/// Number of products in one chain.
 const DEPTH: usize = 256;
-/// Rows of A that stay in the second cache, as packed; a multiple of every [`Eight::ROWS`].
+/// Rows of A that fit into the second-level cache when packed; a multiple of every [`Eight::ROWS`].
 const HEIGHT: usize = 24 * 8;
 /// Columns of B that are packed at once.
 const WIDTH: usize = 1024;
-/// Columns of C that a kernel holds in registers.
+/// Columns of C that a kernel keeps in registers.
 const COLUMNS_WIDE: usize = 8;
 const COLUMNS: usize = 6;
 
-/// Bound of |computed - true| of an entry of A B beside the sum of its products' magnitudes, for `depth` products.
+/// Bound of |computed - true| of an entry of A B, relative to the sum of its products' magnitudes, for `depth`
+/// products.
 pub fn error(depth: usize) -> f64 {
     let blocks = depth.div_ceil(DEPTH);
     (depth.min(DEPTH) + blocks + 2) as f64 * (1.01 * f64::EPSILON / 2.0)
 }
 
-/// A matrix inside a slice: entry (i, j) at i `down` + j `across`.
+/// A view of a matrix in a slice: entry (i, j) is at i `down` + j `across`.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     data: &'a [f64],
@@ -35,7 +37,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Columns of `stride` numbers, of which the first `rows` count.
+    /// A view of columns stored `stride` numbers apart, of which the first `rows` are used.
     pub fn columns(data: &'a [f64], rows: usize, columns: usize, stride: usize) -> View<'a> {
         View { data, rows, columns, down: 1, across: stride }
     }
@@ -44,7 +46,7 @@ impl<'a> View<'a> {
         View::columns(matrix.data(), matrix.rows(), matrix.columns(), matrix.rows())
     }
 
-    /// The rows and columns from these on, so many of them.
+    /// The submatrix that begins at this row and column, with this many rows and columns.
     pub fn part(self, (row, column): (usize, usize), (rows, columns): (usize, usize)) -> View<'a> {
         if rows == 0 || columns == 0 {
             return View { rows, columns, ..self };
@@ -105,7 +107,7 @@ fn add_packed_as<V: Eight>(c: &mut [f64], stride: usize, f: f64, a: View, b: Vie
     }
 }
 
-/// Strips of `height` rows, each column after column, the last filled up with zeros.
+/// Packs strips of `height` rows, one column after the other; the last strip is padded with zeros.
 #[inline(always)]
 fn pack(a: View, height: usize, packed: &mut Vec<f64>) {
     packed.clear();
@@ -169,7 +171,7 @@ fn add_panels<V: Eight, const R: usize, const N: usize>(
     }
 }
 
-/// R eights of rows times N columns: a chain of fused multiply-adds an entry.
+/// R vectors of eight rows times N columns: one chain of fused multiply-adds for each entry.
 #[inline(always)]
 fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V; R]; N] {
     let mut sums = [[V::splat(0.0); R]; N];
@@ -203,7 +205,7 @@ mod tests {
                 for j in 0..n {
                     let terms = (0..k).map(|l| a[(i, l)] * b[(l, j)]);
                     let size: f64 = terms.clone().map(f64::abs).sum();
-                    // Entries are 48ths, so sums of products in binary64 err by as much again.
+                    // Entries are multiples of 1/48, so sums of products in binary64 have errors of the same order.
                     assert!((c[(i, j)] - terms.sum::<f64>()).abs() <= (error(k) + k as f64 * f64::EPSILON) * size);
                 }
             }

@@ -22,7 +22,7 @@ pub const PRIMES: [Field; 12] = [
     Field { c: 579 },
 ];
 
-/// Gaps of this size are enough for thousands of primes, and small enough for [`Field::multiply`].
+/// The gap below 2^61 must be smaller than this for [`Field::multiply`]; it is enough for thousands of primes.
 const MOST: u64 = 1 << 18;
 
 /// The largest primes below 2^61 in descending order, some six thousand of them: [`PRIMES`], then those that follow.
@@ -50,8 +50,8 @@ impl Field {
         if a == 0 { 0 } else { self.prime() - a }
     }
 
-    /// The test of Miller and Rabin with bases that leave no composite number below 2^64 (Sorenson and Webster, Math. Comp. 86
-    /// (2017) 985).
+    /// The Miller-Rabin test with bases that expose every composite number below 2^64 (Sorenson and Webster, Math.
+    /// Comp. 86 (2017) 985).
     fn is_prime(self) -> bool {
         let p = self.prime();
         let twos = (p - 1).trailing_zeros();
@@ -66,7 +66,8 @@ impl Field {
         })
     }
 
-    /// a b, reduced by 2^61 = c twice: the high part shrinks from 61 bits to at most 18 of them, c being below 2^18.
+    /// a b, reduced by 2^61 = c twice: the high part shrinks from 61 bits to at most 18 of them, because c is below
+    /// 2^18.
     #[inline]
     pub fn multiply(self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
@@ -92,7 +93,7 @@ impl Field {
         result
     }
 
-    /// A square root, the smaller of the two; `None` where there is none. (Tonelli and Shanks; H. Cohen, *A Course in
+    /// A square root, the smaller of the two; `None` if there is none. (Tonelli and Shanks; H. Cohen, *A Course in
     /// Computational Algebraic Number Theory* (1993), algorithm 1.5.1.)
     pub fn sqrt(self, a: u64) -> Option<u64> {
         let p = self.prime();
@@ -104,7 +105,7 @@ impl Field {
         let e = (p - 1).trailing_zeros();
         let q = (p - 1) >> e;
         let (mut root, mut rest) = (self.power(a, q.div_ceil(2)), self.power(a, q));
-        // root² = a rest, and rest has an order 2^m with m < e: it is squared away by roots of the order 2^e.
+        // root² = a rest, and rest has an order 2^m with m < e: roots of order 2^e reduce it step by step.
         let mut turn = (2..p).find(|&x| !is_square(x)).map(|x| self.power(x, q))?;
         let mut order = e;
         while rest != 1 {
@@ -151,7 +152,7 @@ mod tests {
     fn further_primes_follow() {
         let list: Vec<Field> = primes().take(60).collect();
         assert_eq!(list[..PRIMES.len()], PRIMES);
-        // As FLINT has them.
+        // Gaps as given by FLINT.
         let gaps: Vec<u64> = list[PRIMES.len()..PRIMES.len() + 4].iter().map(|field| field.c).collect();
         assert_eq!(gaps, [675, 759, 799, 819]);
         for field in primes().step_by(50).take(40) {

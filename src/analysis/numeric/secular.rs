@@ -1,10 +1,10 @@
-//! The eigenvalues of a diagonal matrix plus one square, diag(d) + r z z^T, r > 0, d ascending: the zeros of
+//! The eigenvalues of a diagonal matrix plus a rank-one term, diag(d) + r z z^T, r > 0, d ascending: the zeros of
 //!
 //!   f(x) = 1/r + sum_j z_j^2 / (d_j - x),
 //!
-//! one between each two neighbours and one above the last. Each is found as its distance from the nearer of its two poles, so
-//! that all d_j - x keep their digits. Steps by Li's middle way (LAPACK Working Note 89, 1993; `dlaed4`), kept inside a
-//! bracket.
+//! one between each two neighbours and one above the last. Each is computed as its distance from the nearer of its two
+//! poles, so that all d_j - x keep their digits. Steps follow Li's middle way (LAPACK Working Note 89, 1993; `dlaed4`),
+//! kept inside a bracket.
 
 use crate::analysis::numeric::wide::{Eight, LANES, widest};
 
@@ -15,10 +15,10 @@ pub struct Zero {
     pub distance: f64,
 }
 
-/// Steps are quadratic, and each that is not halves the bracket.
+/// Most steps converge quadratically; any other one halves the bracket.
 const MAX_STEPS: usize = 120;
 
-/// Sums over the poles up to one of them and those beyond: of z^2/(d - x) and z^2/(d - x)^2.
+/// Sums of z^2/(d - x) and z^2/(d - x)^2, over the poles up to one of them and over those beyond.
 #[derive(Clone, Copy)]
 struct Sums {
     below: f64,
@@ -27,7 +27,7 @@ struct Sums {
     above_slope: f64,
 }
 
-/// The zero number `i`. `d` ascending, no two equal, `squares` the z_j^2, none zero. `delta` receives d_j - x.
+/// Computes zero number `i`. `d` ascending, no two equal; `squares` the z_j^2, none zero. `delta` receives d_j - x.
 pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> Zero {
     let k = d.len();
     let whole: f64 = squares.iter().sum();
@@ -36,7 +36,7 @@ pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> 
     let shifted = |origin: usize, x: f64, delta: &mut [f64]| shift(d, d[origin], x, delta);
     shifted(i, 0.5 * width, delta);
     let middle = value(&sums(delta, squares, i), r);
-    // f increases from its lower pole to its upper one.
+    // f increases from the lower pole to the upper one.
     let (origin, mut low, mut high) = match last || middle >= 0.0 {
         true => (i, 0.0, if last && middle < 0.0 { width * (1.0 + 1e-15) } else { 0.5 * width }),
         false => (i + 1, -0.5 * width, 0.0),
@@ -74,7 +74,7 @@ pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> 
     Zero { origin, distance: x }
 }
 
-/// A number between two of one sign (or zero): in the middle of the exponents where they are far apart.
+/// A number between two of one sign (or zero): the geometric middle if they are far apart.
 fn between(low: f64, high: f64) -> f64 {
     let (near, far) = if low >= 0.0 { (low, high) } else { (-high, -low) };
     let size = match near > 0.0 && far > 4.0 * near {
@@ -89,7 +89,8 @@ fn value(sums: &Sums, r: f64) -> f64 {
     1.0 / r + sums.below + sums.above
 }
 
-/// The zero of the two nearest poles with what the others give in the middle of the interval (`delta` belongs to it).
+/// The zero for the two nearest poles, with the others' contribution taken at the middle of the interval (to which
+/// `delta` belongs).
 fn first_guess(
     delta: &[f64],
     squares: &[f64],
@@ -103,18 +104,18 @@ fn first_guess(
         return squares[i] * r;
     }
     let rest = value(&sums(delta, squares, i), r) - squares[p] / delta[p] - squares[q] / delta[q];
-    // rest + a/(dp - x) + b/(dq - x) = 0 with the poles seen from the origin.
+    // rest + a/(dp - x) + b/(dq - x) = 0, with the poles relative to the origin.
     let (dp, dq) = (delta[p] + middle - origin, delta[q] + middle - origin);
     let (a, b) = (squares[p], squares[q]);
     // rest x^2 - (rest (dp + dq) + a + b) x + rest dp dq + a dq + b dp = 0
     let half = 0.5 * (rest * (dp + dq) + a + b);
     let product = rest * dp * dq + a * dq + b * dp;
     let root = (half * half - rest * product).abs().sqrt();
-    // Of the two zeros the one nearer to the origin.
+    // Of the two zeros, the one nearer to the origin.
     if half > 0.0 { product / (half + root) } else { (half - root) / rest }
 }
 
-/// The step to the zero of c + s/(d_p - x) + t/(d_q - x), which has f's value and both sums' slopes here.
+/// The step to the zero of c + s/(d_p - x) + t/(d_q - x), which matches f's value and both sums' slopes here.
 fn middle_way(sums: &Sums, f: f64, p: f64, q: f64, single: bool) -> f64 {
     if single {
         return -f / (sums.below_slope + sums.above_slope);
@@ -125,7 +126,7 @@ fn middle_way(sums: &Sums, f: f64, p: f64, q: f64, single: bool) -> f64 {
     let root = (a * a - 4.0 * b * c).abs().sqrt();
     let inside = p * q < 0.0;
     match (inside, a <= 0.0) {
-        // Between the poles the zero of the model has no change of sign of its denominators.
+        // Between the poles, the zero of the model lies where its denominators do not change sign.
         (true, true) => (a - root) / (2.0 * c),
         (true, false) => 2.0 * b / (a + root),
         (false, true) => 2.0 * b / (a - root),

@@ -1,18 +1,18 @@
-//! How many roots of a polynomial with integer coefficients are real, and how many lie on either side of the imaginary axis,
-//! counted exactly: Sturm's chain and Routh's. In: a polynomial. Out: counts that no rounding touches, or nothing where the
+//! How many roots of a polynomial with integer coefficients are real, and how many lie on either side of the imaginary
+//! axis, counted exactly by Sturm's chain and by Routh's. In: a polynomial. Out: exact counts, or nothing if the
 //! numbers are too long. See docs/method/poles.md#exact-arithmetic.
 //!
-//! The chain of remainders is that of subresultants (Brown, JACM 18 (1971) 478), whose coefficients grow by a constant number
-//! of digits a step and divide exactly; their signs are carried beside them.
+//! The chain of remainders is the subresultant chain (Brown, JACM 18 (1971) 478), whose coefficients grow by a constant
+//! number of digits in each step and divide exactly; their signs are tracked separately.
 
 use crate::analysis::numeric::polynomial::Polynomial;
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
-/// Degree times bits beyond which a chain takes longer than a user would wait for.
+/// If degree times bits exceeds this, a chain takes longer than a user would wait.
 const MOST_BITS: u64 = 1 << 17;
 
-/// The roots of a polynomial by their real parts, each as often as its multiplicity.
+/// The number of roots in each half plane, counted with multiplicity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HalfPlanes {
     pub left: usize,
@@ -21,21 +21,21 @@ pub struct HalfPlanes {
     pub right: usize,
 }
 
-/// How many distinct real roots there are; `None` for the zero polynomial and where that takes too long.
+/// The number of distinct real roots; `None` for the zero polynomial, or if it would take too long.
 pub fn real_roots(f: &Polynomial) -> Option<usize> {
     let chain = Chain::of(f.coefficients(), f.derivative().coefficients())?;
     usize::try_from(chain.changes(Place::Below) - chain.changes(Place::Above)).ok()
 }
 
-/// How many distinct real roots are negative.
+/// The number of distinct negative roots.
 fn negative_roots(f: &Polynomial) -> Option<usize> {
     let chain = Chain::of(f.coefficients(), f.derivative().coefficients())?;
     usize::try_from(chain.changes(Place::Below) - chain.changes(Place::Zero)).ok()
 }
 
-/// The roots by half planes. With f(s) = e(s²) + s o(s²) and g the greatest common divisor of e and o, the roots of g(s²) are
-/// those whose mirror image -s is a root too; the others, of h = f / g(s²), are off the axis, and the argument of h along the
-/// axis counts them (Gantmacher, Theory of Matrices II, XV).
+/// The roots by half planes. With f(s) = e(s²) + s o(s²) and g the greatest common divisor of e and o, the roots of
+/// g(s²) are those whose mirror image -s is a root too; the others, those of h = f / g(s²), are off the axis, and the
+/// argument of h along the axis counts them (Gantmacher, Theory of Matrices II, XV).
 pub fn half_planes(f: &Polynomial) -> Option<HalfPlanes> {
     if f.is_zero() {
         return None;
@@ -47,7 +47,7 @@ pub fn half_planes(f: &Polynomial) -> Option<HalfPlanes> {
     let (mut axis, mut right) = (0, rightward(&rest)?);
     for (index, factor) in mirrored.by_multiplicity()?.iter().enumerate() {
         let negative = negative_roots(factor)?;
-        // Each root x of g is s = ±√x: on the axis both where x < 0, one on either side elsewhere.
+        // Each root x of g gives s = ±√x: both on the axis if x < 0, otherwise one on either side.
         axis += 2 * (index + 1) * negative;
         right += (index + 1) * (factor.degree() - negative);
     }
@@ -55,9 +55,9 @@ pub fn half_planes(f: &Polynomial) -> Option<HalfPlanes> {
     Some(HalfPlanes { left, axis: axis + zeros, right })
 }
 
-/// The roots in the right half plane of a polynomial that has none on the axis. With h(i w) = U(w) + i V(w) the argument turns
-/// by pi (left - right) as w goes along the axis, which is pi times the index of U/V where the degree is odd, and -pi times
-/// that of V/U where it is even.
+/// The number of roots in the right half plane, for a polynomial without roots on the axis. With h(i w) = U(w) + i V(w)
+/// the argument turns by pi (left - right) as w goes along the axis, which is pi times the index of U/V if the degree
+/// is odd, and -pi times that of V/U if it is even.
 fn rightward(h: &Polynomial) -> Option<usize> {
     let d = h.degree();
     let part = |parity: usize| {
@@ -74,7 +74,7 @@ fn rightward(h: &Polynomial) -> Option<usize> {
     usize::try_from(twice).ok().filter(|twice| twice % 2 == 0).map(|twice| twice / 2)
 }
 
-/// The even and the odd coefficients.
+/// The polynomials of the even and of the odd coefficients.
 fn halves(f: &Polynomial) -> (Polynomial, Polynomial) {
     let every_second = |from: usize| f.coefficients().iter().skip(from).step_by(2).cloned().collect();
     (Polynomial::new(every_second(0)), Polynomial::new(every_second(1)))
@@ -85,7 +85,7 @@ fn spread(g: &Polynomial) -> Polynomial {
     Polynomial::new(g.coefficients().iter().flat_map(|a| [a.clone(), BigInt::zero()]).collect())
 }
 
-/// Where the signs of a chain are read.
+/// A place at which the signs of a chain are evaluated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// Below all roots.
@@ -95,7 +95,8 @@ enum Place {
     Above,
 }
 
-/// What the signs of a member of Sturm's chain need: f, g, and each further one the remainder of the two before it, negated.
+/// The data of a member of Sturm's chain that its signs need. The members are f, g, and then each the negated remainder
+/// of the two before it.
 struct Member {
     degree: usize,
     lead: Sign,
@@ -107,14 +108,14 @@ struct Chain {
 }
 
 impl Chain {
-    /// g is of lower degree than f.
+    /// The chain of f and g; g is of lower degree than f.
     fn of(f: &[BigInt], g: &[BigInt]) -> Option<Chain> {
         let bits = f.iter().chain(g).map(BigInt::bits).max()?;
         if f.len() as u64 * bits > MOST_BITS {
             return None;
         }
         let (mut a, mut b) = (f.to_vec(), g.to_vec());
-        // The member of the chain is a positive number times this sign times a, and b.
+        // The member of the chain is a, up to a positive factor and this sign; likewise b for the next one.
         let (mut sign_a, mut sign_b) = (Sign::Plus, Sign::Plus);
         let mut members = vec![member(&a, sign_a)];
         let (mut divisor, mut power) = (BigInt::one(), BigInt::one());
@@ -135,7 +136,7 @@ impl Chain {
         Some(Chain { members })
     }
 
-    /// Changes of sign, zeros passed over.
+    /// Number of sign changes, ignoring zeros.
     fn changes(&self, place: Place) -> i64 {
         let sign = |member: &Member| match place {
             Place::Below if member.degree % 2 == 1 => -member.lead,
@@ -199,9 +200,9 @@ mod tests {
         check(&[&[1, 0, 1], &[-2, 1], &[3, 1]], 2);
         check(&[&[1, 1], &[2, 1], &[3, 1], &[-4, 1], &[-5, 7]], 5);
         check(&[&[5, 2, 1], &[1, 0, 0, 0, 1]], 0);
-        // s^6 - 2 leaps from degree 6 to 5 to 0.
+        // s^6 - 2: the degrees skip from 6 to 5 to 0.
         check(&[&[-2, 0, 0, 0, 0, 0, 1]], 2);
-        // s^4 - 4 s + 1 leaps from degree 3 to 1, where the sign of a leading coefficient counts.
+        // s^4 - 4 s + 1: the degrees skip from 3 to 1, where the sign of a leading coefficient matters.
         check(&[&[1, -4, 0, 0, 1]], 2);
         check(&[&[5, -4, 0, 0, 1]], 0);
         check(&[&[1, 4, 0, 0, 1]], 2);
@@ -238,7 +239,7 @@ mod tests {
         check(&[&[-4, 0, 1], &[-4, 0, 1], axis, axis, pair], [4, 4, 2]);
     }
 
-    /// (10^40 s - 1)(s + 1)(s² - 2 s/10^40 + 1): two roots hardly to the right of the axis, and one at it.
+    /// (10^40 s - 1)(s + 1)(s² - 2 s/10^40 + 1): two roots barely to the right of the axis, and one to its left.
     #[test]
     fn roots_close_to_the_axis_are_on_their_side() {
         let big = BigInt::from(10).pow(40u32);

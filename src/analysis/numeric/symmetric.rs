@@ -1,7 +1,8 @@
-//! All eigenvalues and eigenvectors of a dense symmetric matrix in binary64: to tridiagonal form, divided, turned back.
+//! All eigenvalues and eigenvectors of a dense symmetric matrix in binary64: reduction to tridiagonal form, divide and
+//! conquer, back-transformation.
 //!
-//! The errors are some n u of the largest eigenvalue: what is smaller has no digits of its own here. What is reported of the
-//! results is certified elsewhere.
+//! The errors are some n u of the largest eigenvalue: much smaller eigenvalues have no correct digits here. Results are
+//! certified elsewhere.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::divide::{self, Eigen};

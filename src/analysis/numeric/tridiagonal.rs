@@ -1,29 +1,30 @@
-//! A symmetric matrix to tridiagonal form by reflections, Q^T A Q = T, and Q applied to vectors.
+//! Reduction of a symmetric matrix to tridiagonal form by reflections, Q^T A Q = T, and application of Q to vectors.
 //!
-//! A reflection is 1 - tau v v^T. Those of a panel of columns are collected, so that half of the work is products of matrices
-//! (Dongarra, Hammarling and Sorensen, J. Comput. Appl. Math. 27 (1989) 215; LAPACK's `dsytrd`), and a panel's product is
-//! 1 - V T V^T (Schreiber and Van Loan, SIAM J. Sci. Stat. Comput. 10 (1989) 53). Only the lower triangle is read.
+//! A reflection is 1 - tau v v^T. Those of a panel of columns are collected, so that half of the work is products of
+//! matrices (Dongarra, Hammarling and Sorensen, J. Comput. Appl. Math. 27 (1989) 215; LAPACK's `dsytrd`), and a panel's
+//! product is 1 - V T V^T (Schreiber and Van Loan, SIAM J. Sci. Stat. Comput. 10 (1989) 53). Only the lower triangle is
+//! read.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::product::{View, add_product, product};
 use crate::analysis::numeric::wide::{Eight, LANES, widest};
 
-/// Columns of a panel.
+/// Number of columns in a panel.
 const PANEL: usize = 64;
-/// Columns of the lower triangle that are brought up to date at once; above the diagonal that is wasted work.
+/// Columns of the lower triangle that are updated at once; above the diagonal that is wasted work.
 const STRIP: usize = 256;
 
 /// T and the reflections of Q.
 pub struct Reduced {
     pub diagonal: Vec<f64>,
-    /// Beside the diagonal.
+    /// The entries beside the diagonal.
     pub beside: Vec<f64>,
     /// v of reflection j, zero up to row j and one in the next, in column j.
     reflections: Matrix<f64>,
     factors: Vec<f64>,
 }
 
-/// T and Q of the matrix.
+/// Reduces the matrix to T and Q.
 pub fn reduce(mut a: Matrix<f64>) -> Reduced {
     let n = a.columns();
     let (mut beside, mut factors) = (vec![0.0; n.saturating_sub(1)], vec![0.0; n.saturating_sub(1)]);
@@ -41,8 +42,8 @@ pub fn reduce(mut a: Matrix<f64>) -> Reduced {
     Reduced { diagonal, beside, reflections: a, factors }
 }
 
-/// Reduces the columns of the panel; V and W such that the rest of the matrix is to lose V W^T + W V^T, their rows from the
-/// panel's first on.
+/// Reduces the columns of the panel; returns V and W, from the panel's first row on, such that V W^T + W V^T must be
+/// subtracted from the rest of the matrix.
 fn reduce_panel(
     a: &mut Matrix<f64>,
     panel: std::ops::Range<usize>,
@@ -80,7 +81,7 @@ fn reduce_panel(
     (v, w)
 }
 
-/// Turns x onto its first axis: x becomes v with v_0 = 1; tau and the first entry of the image.
+/// Reflects x onto its first axis: replaces x by v with v_0 = 1; returns tau and the first entry of the image.
 fn reflection(x: &mut [f64]) -> (f64, f64) {
     let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if x[1..].iter().all(|&x| x == 0.0) || !largest.is_finite() {
@@ -88,7 +89,7 @@ fn reflection(x: &mut [f64]) -> (f64, f64) {
         x[0] = 1.0;
         return (0.0, value);
     }
-    // A power of two, so that squares stay within range and nothing is rounded.
+    // A power of two, so that squares stay within range without rounding.
     let scale = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
     x.iter_mut().for_each(|x| *x /= scale);
     let length = dot(x, x).sqrt();
@@ -99,7 +100,7 @@ fn reflection(x: &mut [f64]) -> (f64, f64) {
     (factor, image * scale)
 }
 
-/// The rest of the matrix, from row and column `end` on, less V W^T + W V^T.
+/// Subtracts V W^T + W V^T from the rest of the matrix, from row and column `end` on.
 fn subtract_products(a: &mut Matrix<f64>, end: usize, first: usize, v: &Matrix<f64>, w: &Matrix<f64>) {
     let (n, offset, width) = (a.columns(), end - first, v.columns());
     let joined = |a: &Matrix<f64>, b: &Matrix<f64>| {
@@ -190,7 +191,7 @@ widest! {
     fn multiply_lower(a: &[f64], at: (usize, usize), x: &[f64], y: &mut [f64]) = multiply_lower_as
 }
 
-/// Columns that are read side by side.
+/// Number of columns that are read in parallel.
 const ABREAST: usize = 4;
 
 #[inline(always)]
@@ -202,7 +203,7 @@ fn multiply_lower_as<V: Eight>(a: &[f64], (n, from): (usize, usize), x: &[f64], 
             true => &a[(from + j + c) * n + from + j..(from + j + c + 1) * n],
             false => &[],
         });
-        // The square on the diagonal.
+        // The square block on the diagonal.
         for c in 0..width {
             y[j + c] = columns[c][c].mul_add(x[j + c], y[j + c]);
             for r in c + 1..width {

@@ -1,9 +1,9 @@
-//! Triple-word arithmetic: an unevaluated sum of three binary64 numbers, some 159 bits.
+//! Triple-word arithmetic: unevaluated sums of three binary64 numbers, some 159 bits.
 //!
-//! Rayleigh quotients are evaluated in it, so that what is left of a frequency's error is what double-double cannot hold.
-//! Operands have |b| <= 2^-52 |a| and |c| <= 2^-104 |a|. The operations keep every term down to 2^-104 of the result
-//! exactly, add a handful of terms of that size in binary64 (seven roundings of at most 2^-53 x 2^-101 in a sum, eight of at
-//! most 2^-53 x 2^-101.5 in a product) and drop less than 2^-154. So
+//! Rayleigh quotients are evaluated in it, so that the remaining error of a frequency is the part that double-double
+//! cannot hold. Operands have |b| <= 2^-52 |a| and |c| <= 2^-104 |a|. The operations keep every term down to 2^-104 of
+//! the result exactly, add a handful of terms of that size in binary64 (seven rounding errors of at most 2^-53 x 2^-101
+//! in a sum, eight of at most 2^-53 x 2^-101.5 in a product) and drop less than 2^-154. So
 //!
 //!   |sum - true| <= ERROR max(|x|, |y|),   |product - true| <= ERROR |x y|,   ERROR = 2^-151,
 //!
@@ -14,7 +14,7 @@ use crate::base::number::surd::Surd;
 use crate::base::{Ball, Dd, Number, Rational};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// An unevaluated sum a + b + c of falling size.
+/// An unevaluated sum a + b + c of decreasing magnitude.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Triple {
     a: f64,
@@ -27,10 +27,10 @@ impl Triple {
     pub const ONE: Triple = Triple { a: 1.0, b: 0.0, c: 0.0 };
     /// Relative error bound of one operation; see the module.
     pub const ERROR: f64 = Dd::EPSILON / (1u64 << 49) as f64;
-    /// Covers the loss of low words near the bottom of the exponent range.
+    /// Covers the loss of low words near the lower end of the exponent range.
     pub const UNDERFLOW: f64 = 1e-318;
 
-    /// The sum of the three, without error, in normal form.
+    /// The exact sum of the three, in normal form.
     #[inline]
     fn normalised(a: f64, b: f64, c: f64) -> Triple {
         let (b, c) = two_sum(b, c);
@@ -46,7 +46,7 @@ impl Triple {
         Triple { a: word(self.a), b: word(self.b), c: word(self.c) }
     }
 
-    /// The leading word: the number to binary64.
+    /// The leading word: the number rounded to binary64.
     #[inline]
     pub fn hi(self) -> f64 {
         self.a
@@ -59,7 +59,7 @@ impl Triple {
         Dd::new(self.a, b)
     }
 
-    /// The double-double nearby and what it leaves.
+    /// A nearby double-double and the remainder.
     #[inline]
     pub fn split(self) -> (Dd, f64) {
         let (b, c) = two_sum(self.b, self.c);
@@ -85,7 +85,7 @@ impl Triple {
     /// n / d of exact double-doubles by long division.
     pub fn quotient(n: Dd, d: Dd) -> Triple {
         if n.lo == 0.0 && d.lo == 0.0 {
-            // What a quotient leaves of a binary64 number is one too.
+            // The remainder of a binary64 quotient is a binary64 number too.
             let left = |rest: f64, word: f64| (-word).mul_add(d.hi, rest);
             let a = n.hi / d.hi;
             let rest = left(n.hi, a);
@@ -95,7 +95,8 @@ impl Triple {
         Triple::ratio(n.into(), d.into())
     }
 
-    /// n / d by long division, to 8 ERROR of itself: the first remainder errs by 2 ERROR of n, the later ones are small.
+    /// n / d by long division, with a relative error of 8 ERROR: the first remainder has an error of 2 ERROR of n, the
+    /// later ones are small.
     pub fn ratio(n: Triple, d: Triple) -> Triple {
         let (mut rest, mut words) = (n, [0.0; 3]);
         for word in &mut words {
@@ -161,7 +162,7 @@ impl Mul for Triple {
     }
 }
 
-/// A number of the model in triple words, with the radius of what they leave open.
+/// A number of the model in triple words, with the radius of their error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precise {
     pub value: Triple,
@@ -169,7 +170,7 @@ pub struct Precise {
 }
 
 impl Precise {
-    /// Circle constant: what three words leave of it is below 1.2e-49.
+    /// The circle constant: the remainder beyond three words is below 1.2e-49.
     const PI: Precise =
         Precise { value: Triple { a: Dd::PI.hi, b: Dd::PI.lo, c: -2.9947698097183397e-33 }, radius: 2e-49 };
 
@@ -182,7 +183,7 @@ impl Precise {
         }
     }
 
-    /// a + b sqrt(d); where the two parts nearly cancel, (a² - b² d) / (a - b sqrt(d)).
+    /// a + b sqrt(d); if the two parts nearly cancel, computed as (a² - b² d) / (a - b sqrt(d)).
     fn of_surd(surd: &Surd) -> Precise {
         let root = Precise { value: Triple::from(f64::from(surd.root)), radius: 0.0 }.sqrt();
         let sum = |surd: &Surd| Precise::of_rational(&surd.rational) + Precise::of_rational(&surd.factor) * root;
@@ -195,7 +196,7 @@ impl Precise {
 
     fn of_rational(rational: &Rational) -> Precise {
         let fraction = rational.to_fraction();
-        // Only fractions of powers of two are binary numbers.
+        // Only fractions whose denominator is a power of two are binary numbers.
         if let Some((n, d)) = fraction.filter(|(_, d)| d.count_ones() > 1) {
             return Precise::near(Triple::quotient(exact(n), exact(d)));
         }
@@ -212,7 +213,7 @@ impl Precise {
         })
     }
 
-    /// A number that three words do not hold; near the bottom of the range their lower ones are lost.
+    /// A number that does not fit into three words; near the lower end of the range the lower ones are lost.
     fn near(value: Triple) -> Precise {
         Precise { value, radius: 8.0 * Triple::ERROR * value.a.abs() + Triple::UNDERFLOW }
     }
@@ -256,7 +257,7 @@ mod tests {
             for y in &numbers {
                 let (a, b) = (Precise::of(x).value, Precise::of(y).value);
                 let larger = if x.to_f64() > y.to_f64() { x } else { y };
-                // The operands are within 8 ERROR of the numbers themselves.
+                // The operands are within 8 ERROR of the exact numbers.
                 assert!(error(a + b, &(x + y), larger) <= 17.0 * Triple::ERROR);
                 assert!(error(a - b, &(x - y), larger) <= 17.0 * Triple::ERROR);
                 assert!(error(a * b, &(x * y), &(x * y)) <= 17.0 * Triple::ERROR);
@@ -275,7 +276,7 @@ mod tests {
         assert_eq!(Precise::of(&Number::from("0.375")), Precise { value: Triple::from(0.375), radius: 0.0 });
     }
 
-    /// (a + b sqrt d)² = a² + b² d + 2 a b sqrt d, also where a and b sqrt(d) nearly cancel.
+    /// (a + b sqrt d)² = a² + b² d + 2 a b sqrt d, also if a and b sqrt(d) nearly cancel.
     #[test]
     fn numbers_with_a_root_are_held_to_three_words() {
         let root = Number::from(2).sqrt().expect("positive");
@@ -296,7 +297,7 @@ mod tests {
     fn tiny_numbers_of_the_model_are_held_to_their_radius() {
         for text in ["1e-270", "1.1e-290", "1e-300", "0.7e-303", "3.3e-307"] {
             let (x, precise) = (Number::from(text), Precise::of(&Number::from(text)));
-            // Times 2^900, exactly, so that neither the error nor the radius falls below the range.
+            // Multiplied by 2^900, exactly, so that neither the error nor the radius underflows.
             let up = Number::from(crate::base::Rational::from_f64(2f64.powi(900)).expect("finite"));
             let part = |x: f64| Number::from(crate::base::Rational::from_f64(x).expect("finite"));
             let value = &(&part(precise.value.a) + &part(precise.value.b)) + &part(precise.value.c);

@@ -1,15 +1,17 @@
-//! Eight binary64 numbers side by side, and the choice of the processor's widest instructions for a loop over them.
+//! Eight binary64 numbers in parallel lanes, and the choice of the processor's widest instructions for a loop over
+//! them.
 //!
-//! A kernel is written once over [`Eight`]. It is compiled for AVX-512 (one register), for AVX2 with fused multiply-add (two)
-//! and for any processor (a loop). Every lane is rounded by itself and lanes are summed in one order, so the numbers are the
-//! same on all of them.
+//! A kernel is written once over [`Eight`]. It is compiled for AVX-512 (one register), for AVX2 with fused multiply-add
+//! (two) and for any processor (a loop). Every lane is rounded separately and lanes are summed in a fixed order, so the
+//! results are the same on all of them.
 
-/// Lanes of [`Eight`].
+/// Number of lanes of [`Eight`].
 pub const LANES: usize = 8;
 
-/// Eight numbers.
+/// A vector of eight numbers.
 pub trait Eight: Copy {
-    /// Registers that an [`Eight`] takes out of 16, or 32 where they are as wide as itself.
+    /// Number of [`Eight`]s that a kernel keeps in one column of registers (of 16, or of 32 if a register holds eight
+    /// numbers).
     const ROWS: usize;
     fn splat(x: f64) -> Self;
     fn load(x: &[f64]) -> Self;
@@ -21,7 +23,7 @@ pub trait Eight: Copy {
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
 
-    /// The sum of the lanes, in one order.
+    /// The sum of the lanes, in a fixed order.
     #[inline(always)]
     fn sum(self) -> f64 {
         let mut x = [0.0; LANES];
@@ -30,7 +32,7 @@ pub trait Eight: Copy {
     }
 }
 
-/// In a loop, for any processor.
+/// An array processed in a loop, for any processor.
 #[derive(Clone, Copy)]
 pub struct Plain([f64; LANES]);
 
@@ -88,7 +90,7 @@ impl Eight for Plain {
 #[cfg(target_arch = "x86_64")]
 pub use x86::{Avx2, Avx512};
 
-// SAFETY of the calls below: `widest!` alone chooses these types, inside functions compiled for processors that have the
+// SAFETY of the calls below: only `widest!` chooses these types, inside functions compiled for processors that have the
 // instructions; loads and stores check the length of their slice first.
 #[cfg(target_arch = "x86_64")]
 mod x86 {
@@ -200,7 +202,8 @@ mod x86 {
     }
 }
 
-/// A function `name(arguments)` that calls `kernel::<V>(arguments)` for the widest [`Eight`] V of the processor.
+/// Defines a function `name(arguments)` that calls `kernel::<V>(arguments)` for the widest [`Eight`] V of the
+/// processor.
 macro_rules! widest {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $kernel:ident) => {
         $(#[$meta])*

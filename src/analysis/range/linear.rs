@@ -1,15 +1,15 @@
-//! Linear equations over a range of a parameter. In: matrices whose entries are enclosed with their derivatives; out: the
-//! solution and its derivative, enclosed over the whole range, and a number that is zero where a symmetric matrix is singular.
-//! See docs/method/measures.md.
+//! Linear equations over a range of a parameter. In: matrices whose entries are enclosed with their derivatives. Out:
+//! the solution and its derivative, enclosed over the whole range, and a number that is zero exactly if a symmetric
+//! matrix is singular. See docs/method/measures.md.
 //!
-//! The equations are multiplied with an approximate inverse of the middle, so that elimination in balls is one of a matrix
-//! near the identity. The derivative solves A x' = b' - A' x. A matrix A is bordered by a vector v:
+//! The equations are multiplied by an approximate inverse of the midpoint, so that elimination in balls is applied to a
+//! matrix near the identity. The derivative solves A x' = b' - A' x. A matrix A is bordered by a vector v:
 //!
 //! | A   v |   | x |   | 0 |
 //! | v^T 0 | * | s | = | 1 |
 //!
-//! Where the bordered matrix is regular, A is singular exactly where s is zero (W. Govaerts, *Numerical Methods for Bifurcations
-//! of Dynamical Equilibria*, SIAM 2000, chapter 3); x is then its null vector with v . x = 1.
+//! If the bordered matrix is regular, A is singular exactly where s is zero (W. Govaerts, *Numerical Methods for
+//! Bifurcations of Dynamical Equilibria*, SIAM 2000, chapter 3); x is then its null vector with v . x = 1.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::enclosure::{product, solve as eliminated};
@@ -44,7 +44,7 @@ impl JetMatrix {
     }
 }
 
-/// A^-1 B and its derivative; `None` where A may be singular somewhere in the range.
+/// A^-1 B and its derivative; `None` if A may be singular somewhere in the range.
 pub fn solved(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
     if !a.value.is_finite() || !b.value.is_finite() {
         return None;
@@ -62,13 +62,13 @@ pub fn solved(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
     value.is_finite().then_some(JetMatrix { value, slope })
 }
 
-/// Any regular matrix serves; this one is near the inverse.
+/// An approximate inverse of the midpoint; any regular matrix would be valid.
 fn middle_inverse(a: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let n = a.rows();
     let middle = a.map(|ball| Ball::exact(ball.mid));
     let one = Matrix::from_fn(n, n, |i, j| if i == j { Ball::ONE } else { Ball::ZERO });
     let inverse = eliminated(&middle, &one).or_else(|| {
-        // To its rounding alone singular: binary64 may still say something.
+        // Singular to its own rounding errors: binary64 may still give an approximation.
         DMatrix::from_fn(n, n, |i, j| a[(i, j)].to_f64())
             .try_inverse()
             .map(|inverse| Matrix::from_fn(n, n, |i, j| Ball::from(inverse[(i, j)])))
@@ -78,14 +78,14 @@ fn middle_inverse(a: &Matrix<Ball>) -> Option<Matrix<Ball>> {
 
 /// The matrix bordered by directions that make it regular, as columns: X and S with A X + V S = 0, V^T X = 1.
 pub struct Bordered {
-    /// Null vectors, where S is zero.
+    /// Null vectors, if S is zero.
     pub x: JetMatrix,
-    /// S.
+    /// S; singular exactly where the matrix is.
     pub s: JetMatrix,
 }
 
-/// A symmetric matrix bordered by approximations of its last null vectors; `None` where it could not be shown to be regular then.
-/// `sizes` says how large the parts of each row are that may cancel.
+/// A symmetric matrix bordered by approximations of its last null vectors; `None` if the result cannot be shown to be
+/// regular. `sizes` gives the magnitude of the parts of each row, which may cancel.
 pub fn bordered(a: &JetMatrix, sizes: &[f64], count: usize) -> Option<Bordered> {
     let n = a.rows();
     if count == 0 || count > n || !a.value.is_finite() {
@@ -106,7 +106,7 @@ pub fn bordered(a: &JetMatrix, sizes: &[f64], count: usize) -> Option<Bordered> 
         slope: Matrix::none(n + count, count),
     };
     let found = solved(&all, &right)?;
-    // D A D (D^-1 x) = ..., so x is D times what was found.
+    // D A D (D^-1 x) = ..., so x is D times the computed solution.
     let unscaled = |i: usize, jet: Jet| Jet { value: jet.value * scale[i], slope: jet.slope * scale[i] };
     let x = of_jets(n, count, |i, j| unscaled(i, found.entry(i, j)));
     let s = of_jets(count, count, |i, j| found.entry(n + i, j));
@@ -133,7 +133,8 @@ fn scaled(a: &JetMatrix, scale: &[Ball]) -> JetMatrix {
     })
 }
 
-/// Eigenvectors of the eigenvalues nearest to zero, in binary64: any that make the bordered matrix regular serve.
+/// Eigenvectors of the eigenvalues nearest to zero, in binary64: any vectors that make the bordered matrix regular are
+/// valid.
 fn null_directions(a: &Matrix<Ball>, count: usize) -> Option<Matrix<Ball>> {
     let n = a.rows();
     let middle = DMatrix::from_fn(n, n, |i, j| a[(i.max(j), i.min(j))].to_f64());
@@ -176,7 +177,7 @@ mod tests {
         assert!(solved(&singular, &b).is_none());
     }
 
-    /// diag(p - 3, 5): s changes its sign at 3 and there alone.
+    /// diag(p - 3, 5): s changes its sign at 3, and nowhere else.
     #[test]
     fn a_bordered_matrix_says_where_one_is_singular() {
         let s = |mid: f64, rad: f64| {

@@ -1,6 +1,6 @@
 //! A system over a whole range of one parameter. In: a linear system whose numbers are enclosed with their derivatives
-//! ([`Jet`]); out: enclosures of what is measured of it, and of the derivative, for every value of the parameter in the range.
-//! They say where a measure cannot be what is asked, and where it only rises or only falls. See docs/method/measures.md.
+//! ([`Jet`]). Out: enclosures of measures, and of their derivatives, for every value of the parameter in the range.
+//! They show where a measure cannot have the wanted value, and where it is monotone. See docs/method/measures.md.
 
 pub mod linear;
 
@@ -11,26 +11,26 @@ use crate::system::{CoordinateId, Form, LinearSystem};
 use linear::{JetMatrix, bordered, solved};
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// More coordinates are not taken: the equations are dense, and solved in balls.
+/// Limit of coordinates: the equations are dense, and solved in balls.
 pub const MOST: usize = 30;
 
-/// A system whose numbers hold for every value of a parameter in a range.
+/// A system whose numbers are valid for every value of a parameter in a range.
 #[derive(Clone, Debug)]
 pub struct Family<'a> {
     system: &'a LinearSystem,
-    /// Some number depends on the parameter in a way of which the derivative is not known.
+    /// Whether some number depends on the parameter in a way whose derivative is not known.
     lost: bool,
     m: Vec<Vec<Number>>,
     c: Vec<Vec<Number>>,
     k: Vec<Vec<Number>>,
 }
 
-/// What every eigenvalue of K - sigma M does as the parameter grows.
+/// The direction in which all eigenvalues of K - sigma M move as the parameter grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
-    /// None falls.
+    /// None decreases.
     Rises,
-    /// None rises.
+    /// None increases.
     Falls,
 }
 
@@ -42,15 +42,15 @@ pub struct Phasor {
 }
 
 impl<'a> Family<'a> {
-    /// `lost` says that some derivative was lost on the way to the system. `None` where there are too many coordinates.
+    /// `lost` means that some derivative was lost on the way to the system. `None` if there are too many coordinates.
     pub fn of(system: &'a LinearSystem, lost: bool) -> Option<Family<'a>> {
         let n = system.n();
         let few = n > 0 && n <= MOST && !system.is_chained();
         few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
     }
 
-    /// What the eigenvalues of K - sigma M do, from the weights of the squares alone: those whose squares only grow, only rise
-    /// (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
+    /// The direction of the eigenvalues of K - sigma M, from the weights of the squares alone: if no weight decreases,
+    /// no eigenvalue does (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
     pub fn course(system: &LinearSystem, lost: bool) -> Option<Course> {
         if lost {
             return None;
@@ -77,8 +77,8 @@ impl<'a> Family<'a> {
         Some(self.known(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
     }
 
-    /// The null vectors of K - omega^2 M as columns, where it has so many for the omega^2 in this ball, and whatever lies in it.
-    /// `None` where it may have more.
+    /// The null vectors of K - omega^2 M as columns, if it has `count` of them for the omega^2 in this ball. `None` if
+    /// it may have more.
     pub fn modes_at(&self, omega_squared: Ball, count: usize) -> Option<Matrix<Ball>> {
         let n = self.system.n();
         let square = Number::Ball(omega_squared);
@@ -94,8 +94,8 @@ impl<'a> Family<'a> {
         (!self.lost && slope.is_finite()).then_some(slope)
     }
 
-    /// The derivatives of eigenvalues that are equal, or not separated: those of K' - omega^2 M' and M on their vectors. They
-    /// lie in the ball, each that of some eigenvalue; and, without a bound, what they are one by one.
+    /// The derivatives of eigenvalues that are equal, or not separated: those of K' - omega^2 M' and M on their
+    /// vectors. Returns a ball that contains them all, and their individual values without a bound.
     pub fn cluster_slopes(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<(Ball, Vec<f64>)> {
         let count = x.columns();
         let (slope, mass) = self.reduced(omega_squared, x);
@@ -134,11 +134,11 @@ impl<'a> Family<'a> {
         (slope, mass)
     }
 
-    /// The vector of a simple pole that lies in a rectangle; `None` where it may not be simple.
+    /// The vector of a simple pole that lies in a rectangle; `None` if the pole may not be simple.
     pub fn motion_at(&self, s: Complex<Ball>) -> Option<Vec<Complex<Ball>>> {
         let n = self.system.n();
-        // Symmetric form: [[R, -I], [-I, -R]] acts on (x, y) as the complex product does, its second half with the sign turned.
-        // Its null vectors come in twos: i times one is another.
+        // In the symmetric form, [[R, -I], [-I, -R]] acts on (x, y) like the complex product, with the sign of its
+        // second half reversed. Its null vectors come in pairs: i times one is another.
         let q = |i: usize, j: usize| self.quadratic(s, i % n, j % n, |jet| jet.value);
         let entry = |i: usize, j: usize| match (i < n, j < n) {
             (true, true) => q(i, j).re,
@@ -175,7 +175,8 @@ impl<'a> Family<'a> {
         s * s * of(&self.m) + s * of(&self.c) + of(&self.k)
     }
 
-    /// The damping ratio c / (2 sqrt(k m)) of a single coordinate with positive stiffness and mass: that of its motion below one.
+    /// The damping ratio c / (2 sqrt(k m)) of a single coordinate with positive stiffness and mass; below one it is
+    /// that of its motion.
     pub fn single_ratio(&self) -> Option<Number> {
         if self.system.n() != 1 {
             return None;
@@ -184,13 +185,13 @@ impl<'a> Family<'a> {
         self.k[0][0].is_positive().then(|| self.c[0][0].checked_div(&(&root * &Number::from(2)))).flatten()
     }
 
-    /// c^2 - 4 k m of a single coordinate: zero where its damping is critical.
+    /// c^2 - 4 k m of a single coordinate: zero if its damping is critical.
     pub fn single_discriminant(&self) -> Option<Number> {
         let four = Number::from(4);
         (self.system.n() == 1).then(|| &self.c[0][0].square() - &(&four * &(&self.k[0][0] * &self.m[0][0])))
     }
 
-    /// H(i omega) from an input to an output; `None` where it may be infinite.
+    /// H(i omega) from an input to an output; `None` if it may be infinite.
     pub fn response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
         let n = self.system.n();
         let path = self.path(input, output, omega)?;
@@ -199,7 +200,8 @@ impl<'a> Family<'a> {
         Some(path.p.iter().zip(&x).fold(path.d, |sum, (p, x)| sum.plus(&p.times(x))))
     }
 
-    /// 1 / H(i omega): the input that makes the output 1; `None` where H may be zero. It passes resonances, where it is zero.
+    /// 1 / H(i omega): the input that makes the output 1; `None` if H may be zero. It is zero, and so finite, at
+    /// resonances.
     pub fn inverse_response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
         let n = self.system.n();
         let path = self.path(input, output, omega)?;
@@ -226,7 +228,7 @@ impl<'a> Family<'a> {
         Phasor { re, im: omega * &self.c[i][j] }
     }
 
-    /// How an input acts, what an output sees of the motion, and of the input itself.
+    /// The effect of an input, the row of an output, and the direct feed-through.
     fn path(&self, input: usize, output: usize, omega: &Number) -> Option<Path> {
         let n = self.system.n();
         let out = self.system.outputs.get(output)?;
@@ -238,14 +240,14 @@ impl<'a> Family<'a> {
         Some(Path { b: at(n, &self.system.inputs.get(input)?.b, omega), p: at(n, &out.p, omega), d })
     }
 
-    /// How large the parts of each row of s^2 M + s C + K are on the diagonal.
+    /// The magnitude of the diagonal terms of each row of s^2 M + s C + K.
     fn sizes(&self, s: f64) -> Vec<f64> {
         let size = |form: &[Vec<Number>], i: usize| form[i][i].enclosure().magnitude();
         let sum = |i: usize| s * s * size(&self.m, i) + s * size(&self.c, i) + size(&self.k, i);
         (0..self.system.n()).map(sum).collect()
     }
 
-    /// Without its derivative where that is not known.
+    /// The number with an unknown derivative, if derivatives were lost.
     fn known(&self, jet: Jet) -> Jet {
         if self.lost { Jet { slope: Ball::new(Dd::ZERO, f64::INFINITY), ..jet } } else { jet }
     }
@@ -272,7 +274,7 @@ impl Phasor {
         Phasor { re: &self.re + &other.re, im: &self.im + &other.im }
     }
 
-    /// Times size exp(i phase).
+    /// Multiplies by size exp(i phase).
     pub fn turned(&self, size: &Number, phase: &Number) -> Option<Phasor> {
         let (sine, cosine) = phase.sin_cos()?;
         let re = &(&self.re * &cosine) - &(&self.im * &sine);
@@ -290,14 +292,14 @@ fn number(jet: Jet) -> Number {
     Number::Jet(Box::new(jet))
 }
 
-/// From an input to an output, at a frequency.
+/// The path from an input to an output at a frequency.
 struct Path {
     b: Vec<Phasor>,
     p: Vec<Phasor>,
     d: Phasor,
 }
 
-/// A^-1 b of complex numbers, by real and imaginary parts one below the other.
+/// A^-1 b of complex numbers, as a real system of real and imaginary parts.
 fn complex_solved(
     n: usize,
     entry: impl Fn(usize, usize) -> Phasor,
@@ -332,14 +334,14 @@ fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> Vec
     list
 }
 
-/// The derivatives of the weights; `None` where a row moves too.
+/// The derivatives of the weights; `None` if a row changes too.
 fn weights(form: &Form) -> Option<Vec<Ball>> {
     let still = |(_, entry): &(CoordinateId, Number)| Jet::of(entry).slope.is_zero();
     let terms = form.terms().iter();
     terms.map(|term| form.row(term).iter().all(still).then(|| Jet::of(&term.weight).slope)).collect()
 }
 
-/// The eigenvalues of a symmetric matrix against a positive definite one, ascending, in binary64.
+/// The eigenvalues of a symmetric matrix relative to a positive definite one, ascending, in binary64.
 fn each_eigenvalue(slope: &Matrix<Ball>, mass: &Matrix<Ball>) -> Option<Vec<f64>> {
     let count = slope.rows();
     let plain =
@@ -359,12 +361,12 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::system::Nature;
 
-    /// Weights over a range about a number: p, and numbers.
+    /// A parameter over a range about a number.
     fn parameter(at: f64) -> Number {
         Jet::of_parameter(Ball::from(at).widen(1e-9))
     }
 
-    /// Oscillators side by side.
+    /// Uncoupled oscillators.
     fn side_by_side(masses: &[Number], springs: &[Number]) -> LinearSystem {
         let mut system = blank(masses.len());
         let label = system.coordinates[0].name;
@@ -389,7 +391,7 @@ mod tests {
         assert_eq!(course(&one, &p, true), None, "a derivative is lost");
     }
 
-    /// omega^2 = 1/p at p = 2 has the slope -1/4; where a derivative was lost there is none.
+    /// omega^2 = 1/p at p = 2 has the slope -1/4; if a derivative was lost there is none.
     #[test]
     fn the_slope_of_a_frequency_is_that_of_its_mass() {
         let system = side_by_side(&[parameter(2.0)], &[Number::ONE]);
@@ -425,7 +427,7 @@ mod tests {
         assert!(slope(true).is_none());
     }
 
-    /// Two equal frequencies of which one moves: the slopes 0 and 1 are both in what is reported of the two.
+    /// Two equal frequencies, one of which moves: the reported enclosure contains both slopes, 0 and 1.
     #[test]
     fn slopes_of_a_cluster_hold_each_of_them() {
         let system = side_by_side(&[Number::ONE, Number::ONE], &[parameter(1.0), Number::ONE]);

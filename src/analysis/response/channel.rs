@@ -1,5 +1,6 @@
-//! A source of an input as it stands: which piece of it is on, what it does at once when that changes, and what it is to the
-//! equations of motion: states with a generator of their own, forces, and rows for the outputs that it enters.
+//! The state of a source that drives an input: which of its pieces is active, the sudden changes when that switches,
+//! and its part in the equations of motion: states with a generator of their own, forces, and rows for the outputs that
+//! it feeds directly.
 
 use super::propagator::Exogenous;
 use super::signal::{Source, TooManyPieces};
@@ -8,22 +9,22 @@ use crate::analysis::error::AnalysisError;
 use crate::base::{Ball, Number};
 use crate::system::{LinearSystem, Signal};
 
-/// Where a source of an input stands.
+/// A source of an input, with its current piece.
 pub struct Channel {
     pub input: usize,
     pub source: Source,
-    /// The circular frequency of a harmonic, as the model has it.
+    /// The circular frequency of a harmonic, as given in the model.
     omega: Number,
-    /// Its first state.
+    /// Index of its first state.
     pub first: usize,
-    /// The piece that is on.
+    /// The active piece.
     pub active: Option<usize>,
 }
 
-/// An angle beyond this, rad, has lost digits that its frequency and time have.
+/// Beyond this angle, rad, binary64 loses digits that its frequency and time have.
 const MANY_TURNS: f64 = 1e5;
 
-/// What a source does at once.
+/// The sudden effect of a source.
 pub enum Blow {
     None,
     Impulse(Ball),
@@ -32,10 +33,10 @@ pub enum Blow {
 }
 
 impl Channel {
-    /// A bound of what the k-th derivative of the input is off by.
+    /// A bound of the error of the k-th derivative of the input.
     pub fn approximation(&self, k: usize) -> f64 {
         match (&self.source, self.active) {
-            // A constant is what it is.
+            // A constant piece is exact.
             (Source::Pieces { pieces, .. }, Some(piece)) if pieces[piece].derivatives.len() <= 1 => 0.0,
             (source, Some(_)) => source.approximation(k),
             (_, None) => 0.0,
@@ -71,14 +72,14 @@ impl Channel {
         }
     }
 
-    /// The states at a time, by the source's formula.
+    /// The states at a time, from the source's formula.
     pub fn state(&self, time: &Number) -> Vec<Ball> {
         match &self.source {
             Source::Impulse { .. } => Vec::new(),
             _ if self.active.is_none() => vec![Ball::ZERO; self.source.order()],
             Source::Harmonic { omega, sine, cosine, .. } => {
                 let near = *omega * time.to_ball();
-                // Exact numbers lose no digits however many turns there were.
+                // Exact numbers lose no digits, whatever the number of turns.
                 let angle = if near.magnitude() > MANY_TURNS { &self.omega * time } else { Number::Ball(near) };
                 let unknown = (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
                 let (s, c) = angle.sin_cos().unwrap_or(unknown);
@@ -111,7 +112,7 @@ pub fn channels(
     Ok(channels)
 }
 
-/// The signals of an input as few sources, with the circular frequencies of those that are harmonics.
+/// The signals of an input, combined into few sources; harmonics with their circular frequencies.
 fn sources(signals: &[Signal], step: Option<&Number>) -> Result<Vec<(Source, Number)>, TooManyPieces> {
     let (mut list, mut jumps) = (Vec::new(), Vec::new());
     for signal in signals {
@@ -127,7 +128,8 @@ fn sources(signals: &[Signal], step: Option<&Number>) -> Result<Vec<(Source, Num
     Ok(list)
 }
 
-/// Error that the sources' own approximations cause in an output with direct feed-through, for these factors of their states.
+/// Error that the sources' own approximations cause in an output with direct feed-through, for these factors of their
+/// states.
 pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -> f64 {
     let of = |channel: &Channel| -> f64 {
         if channel.approximation(0) == 0.0 {
@@ -139,8 +141,8 @@ pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -
     channels.iter().map(of).sum()
 }
 
-/// For each state of each channel, the longest way between stops while it is on: a constant pushes the system however long
-/// it stands, and what comes after it may be far from constant and short.
+/// For each state of each channel, the longest time between stops while it is active: a constant drives the system for
+/// as long as it lasts, but a later piece may be far from constant and short.
 fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
     let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
     stops.extend(times.iter().map(Number::to_f64));

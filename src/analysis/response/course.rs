@@ -1,10 +1,10 @@
-//! The course of one output between the stops: Taylor polynomials that join, each with a bound of what it leaves out, so that
-//! what lies between samples is known too. In: a run, an output, a time. Out: stretch after stretch, to whoever asks, and the
-//! largest value of all. See docs/method/measures.md#peak-and-rms.
+//! The course of one output between the stops: consecutive Taylor polynomials, each with a bound of its remainder, so
+//! that the values between samples are enclosed too. In: a run, an output, a time. Out: one stretch after another, for
+//! the caller to examine, and the largest value of all. See docs/method/measures.md#peak-and-rms.
 //!
-//! On a piece of length h with |A| h <= 1 the output is sum c A^j z0 t^j / j!, and the first term left out bounds the rest:
-//! |c A^K| sup|z| h^K / K!. All pieces are looked at in binary64, from a state that is exact to two words every 64 pieces;
-//! those that may hold the largest value are then looked at in two words.
+//! On a piece of length h with |A| h <= 1 the output is sum c A^j z0 t^j / j!, and the first omitted term bounds the
+//! rest: |c A^K| sup|z| h^K / K!. All pieces are evaluated in binary64, starting every 64 pieces from a state that is
+//! accurate to two words; those that may contain the largest value are then evaluated in two words.
 
 use super::exponential::Exponential;
 use super::{Run, Stop, UNIT, UP, growth, length};
@@ -15,30 +15,30 @@ use crate::base::{Dd, Number};
 use crate::system::{LinearSystem, Signal};
 use std::rc::Rc;
 
-/// Terms of a polynomial in binary64: 1/18! of what it stands for is left out.
+/// Terms of a polynomial in binary64: the remainder is 1/18! of its scale.
 pub const ROUGH: usize = 18;
 /// Terms of a polynomial in double-double: the remainder is 1/29! of its scale.
 pub const FINE: usize = 29;
-/// More pieces are not worth the wait.
+/// A motion with more pieces takes too long.
 const MOST_PIECES: f64 = 4e6;
-/// Pieces between two states in two words.
+/// Number of pieces between two states in two words.
 const BLOCK: usize = 64;
-/// More pieces than this are not looked at in two words; beyond them binary64 has to do.
+/// The most pieces that are evaluated in two words; beyond them the binary64 values are used.
 const MOST_FINE: usize = 50_000;
-/// Stretches that are kept ready.
+/// Number of stretches that are cached.
 const KEPT: usize = 8;
 
-/// What a course comes to.
+/// The outcome of following a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Followed {
     ToTheEnd,
     /// The output has an infinite value: an impulse on an acceleration, a jump on a velocity.
     Infinite,
-    /// More pieces than are worth the wait.
+    /// There are too many pieces.
     TooLong,
 }
 
-/// Goes from event to event up to `until`: `pass` moves the run on to the time that it is given.
+/// Goes from event to event up to `until`; `pass` moves the run on to the time that it is given.
 pub(super) fn stretches(
     system: &LinearSystem,
     drives: &[Vec<Signal>],
@@ -95,7 +95,7 @@ pub fn follow(
     })
 }
 
-/// The stretch from the present to `to`: one that is known, or a new one.
+/// The stretch from the present to `to`: a cached one, or a new one.
 fn stretch(known: &mut Vec<Rc<Stretch>>, run: &Run, output: usize, to: &Number) -> Result<Rc<Stretch>, AnalysisError> {
     let (whole, states) = (to - &run.now, run.states_on());
     if let Some(stretch) = known.iter().find(|stretch| stretch.whole == whole && stretch.states == states) {
@@ -110,13 +110,13 @@ fn stretch(known: &mut Vec<Rc<Stretch>>, run: &Run, output: usize, to: &Number) 
     Ok(new)
 }
 
-/// The time between two stops, in pieces.
+/// The time between two stops, divided into pieces.
 struct Stretch {
     whole: Number,
     h: Number,
     count: usize,
     states: Vec<usize>,
-    /// exp(A h) over the states that are on, and the same by columns in binary64.
+    /// exp(A h) over the active states, and its columns in binary64.
     step: Exponential,
     columns: Vec<Vec<f64>>,
     /// c A^j h^j / j! for j = 0..=FINE, with bounds of the rows' norms and errors.
@@ -128,12 +128,12 @@ struct Stretch {
     growth: f64,
 }
 
-/// What a block of pieces starts from.
+/// The starting point of a block of pieces.
 struct Start<'a> {
     z: &'a [Dd],
-    /// A bound of what z is off by.
+    /// A bound of the error of z.
     error: f64,
-    /// What the sources' own errors add: to the state in a piece, and to the output at once.
+    /// Contribution of the sources' own errors to the state in a piece, and directly to the output.
     approximations: f64,
     fed: f64,
 }
@@ -168,7 +168,7 @@ impl Stretch {
         Some(Stretch { whole, h, count, states, step, columns, rows, rough_rows, norms, errors, growth })
     }
 
-    /// Whether nothing but the system itself moves: then its energy bounds what is to come.
+    /// Whether no source is active: then the energy of the system bounds the rest of its motion.
     fn is_free(&self, run: &Run) -> bool {
         let is_steady = run.channels.iter().all(|channel| channel.states_on() <= 1);
         let is_off = self.states.iter().all(|&i| i < run.space.mechanical || run.z[i].is_zero());
@@ -209,12 +209,12 @@ impl Stretch {
         Ok(())
     }
 
-    /// Some pieces: all of them in binary64, then those that may hold the largest value in two words.
+    /// Evaluates some pieces: all of them in binary64, then those that may contain the largest value in two words.
     fn block(&self, from: &Start, pieces: usize, largest: &mut Largest, fine: &mut usize) {
         let n = self.states.len();
         let mut z: Vec<f64> = from.z.iter().map(|x| x.to_f64()).collect();
         let mut error = (from.error + size(&z) * f64::EPSILON) * UP;
-        // Entries and states rounded to binary64, products and sums.
+        // Rounding of entries and states to binary64, of products and of sums.
         let rounding = (n as f64 + 8.0) * f64::EPSILON * self.step.absolute_norm + self.step.error;
         let mut wanted: Vec<(usize, f64)> = Vec::new();
         for piece in 0..pieces {
@@ -237,7 +237,8 @@ impl Stretch {
         self.look_closer(from, &wanted, largest, fine);
     }
 
-    /// The pieces that may hold the largest value, with the most that binary64 knows of each.
+    /// Evaluates in two words the pieces that may contain the largest value; each comes with its upper bound from
+    /// binary64.
     fn look_closer(&self, from: &Start, wanted: &[(usize, f64)], largest: &mut Largest, fine: &mut usize) {
         let n = self.states.len();
         let (mut z, mut error, mut at) = (from.z.to_vec(), from.error, 0);
@@ -271,12 +272,12 @@ impl Stretch {
         self.rough_rows.iter().map(|row| row.iter().zip(z).map(|(c, x)| c * x).sum()).collect()
     }
 
-    /// What the first terms in binary64 lose by rounding.
+    /// The rounding error of the first terms in binary64.
     fn rounding(&self, length: f64) -> f64 {
         (self.states.len() as f64 + 8.0) * f64::EPSILON * self.norms[..ROUGH].iter().sum::<f64>() * length * UP
     }
 
-    /// What so many terms of the polynomial are off by, from a state of this length and error.
+    /// The error of the first `terms` terms of the polynomial, for a state of this length and error.
     fn left_out(&self, terms: usize, length: f64, error: f64, from: &Start) -> f64 {
         let seen: f64 =
             self.norms[..terms].iter().zip(&self.errors).map(|(norm, off)| norm * error + off * length).sum();
@@ -294,7 +295,7 @@ fn size(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt() * UP
 }
 
-/// Whether the state jumped in a way that makes a derivative in the output infinite: y = p0 q + p1 q' + p2 q''.
+/// Whether the state jumped in such a way that a derivative in the output is infinite: y = p0 q + p1 q' + p2 q''.
 fn is_infinite(run: &Run, before: &[Dd], output: usize) -> bool {
     let mechanical = run.space.mechanical;
     let change: Vec<Dd> = run.z[..mechanical].iter().zip(before).map(|(now, then)| *now - *then).collect();
@@ -315,7 +316,7 @@ fn is_infinite(run: &Run, before: &[Dd], output: usize) -> bool {
     felt(1, 0) || felt(2, 0) || felt(2, 1)
 }
 
-/// Whether an input that jumps enters the output by its derivative.
+/// Whether an input with jumps is fed to the output by its derivative.
 fn feeds_through_a_jump(system: &LinearSystem, drives: &[Vec<Signal>], output: usize) -> bool {
     let enters = |order: usize, input: usize| system.outputs[output].d[order].iter().any(|(i, _)| *i as usize == input);
     drives.iter().enumerate().any(|(input, signals)| {

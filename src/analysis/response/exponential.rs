@@ -1,10 +1,11 @@
-//! exp(A t) in double-double with a bound, by scaling and squaring. In: a matrix known to within `error` in the 2-norm, and a
-//! bound `rate` of its logarithmic norm, so that |exp(A t)| <= e^(rate t): in energy coordinates a system without sources
-//! has rate 0, and then errors do not grow from squaring to squaring but only add up. See docs/method/response.md.
+//! exp(A t) in double-double with a bound, by scaling and squaring. In: a matrix known to within `error` in the 2-norm,
+//! and a bound `rate` of its logarithmic norm, so that |exp(A t)| <= e^(rate t): in energy coordinates a system without
+//! sources has rate 0, and then errors only add up from squaring to squaring, but do not grow. See
+//! docs/method/response.md.
 //!
-//! Scaled to |A h| <= 1/2, the Taylor polynomial of degree 24 leaves less than 2 (1/2)^25 / 25! < 1e-32. It is evaluated in
-//! eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2, and the norms of the
-//! computed powers are used, so that what has decayed keeps its relative error.
+//! Scaled to |A h| <= 1/2, the Taylor polynomial of degree 24 has a remainder below 2 (1/2)^25 / 25! < 1e-32. It is
+//! evaluated in eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2,
+//! and the norms of the computed powers are used, so that a decayed exponential keeps its relative error.
 
 use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
 use crate::analysis::numeric::enclosure::norm_bound;
@@ -34,7 +35,7 @@ pub struct Exponential {
     pub absolute_norm: f64,
 }
 
-/// What exp(A t) is made of: exp(A h) for a short time h, to be squared so many times.
+/// A representation of exp(A t): exp(A h) for a short time h, and the number of times to square it.
 pub struct Parts {
     pub power: Exponential,
     pub first: Ball,
@@ -44,13 +45,13 @@ pub struct Parts {
 /// Twice the relative error of one operation.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 const UP: f64 = 1.0 + 1e-12;
-/// Terms in a block of the polynomial, and blocks.
+/// Terms in a block of the polynomial, and number of blocks.
 const BLOCK: usize = 5;
-/// A time of 2^100 over the fastest rate is more than any that is worth a number.
+/// 2^100 times the fastest period is longer than any useful time.
 const MOST_SQUARINGS: u32 = 100;
 
 impl Generator {
-    /// `None` where the exponent is out of range.
+    /// `None` if the exponent is out of range.
     pub fn exponential(&self, t: Ball) -> Option<Exponential> {
         let Parts { mut power, squarings, .. } = self.parts(t)?;
         for k in 1..=squarings {
@@ -59,7 +60,7 @@ impl Generator {
         power.f.column(0).iter().all(|x| x.is_finite()).then_some(power)
     }
 
-    /// The first part of exp(A t), as long as |A h| <= 1/2; `None` where the exponent is out of range.
+    /// exp(A h) for the longest h with |A h| <= 1/2; `None` if the exponent is out of range.
     pub fn parts(&self, t: Ball) -> Option<Parts> {
         let size = self.norm * t.magnitude() * 2.0;
         let mut squarings = 0u32;
@@ -74,7 +75,7 @@ impl Generator {
         Some(Parts { power: self.taylor(first), first, squarings })
     }
 
-    /// A power squared; `left` squarings later it is exp(A t).
+    /// The square of a power; `left` squarings later it is exp(A t).
     pub fn squared(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
         let time = t.magnitude() / 2f64.powi(left as i32);
         square(power, growth(self.rate * time))
@@ -102,9 +103,9 @@ impl Generator {
         for k in (0..BLOCK - 1).rev() {
             f = add(&block(BLOCK * k), &multiply(&powers[BLOCK - 1], &f));
         }
-        // Every entry is a sum of terms that in absolute value stay below exp(1/2) all together, each rounded at most two
-        // dozen times; the sums of n products are of powers from the second on, which stay below 0.15. Then the cut, and
-        // what A and h are uncertain by.
+        // Every entry is a sum of terms whose absolute values add up to less than exp(1/2), each rounded at most two
+        // dozen times; the sums of n products are of powers from the second on, which stay below 0.15. Then the
+        // remainder, and the uncertainty of A and h.
         let rounding = (0.5 * n as f64 + 40.0) * UNIT + 1e-32;
         let uncertain = (self.error * h.magnitude() + self.norm * h.rad) * 2.0;
         finish(f, (rounding + uncertain) * UP, growth(self.rate * h.magnitude()))
@@ -120,7 +121,7 @@ pub fn growth(x: f64) -> f64 {
     }
 }
 
-/// Fills in the norms: of the computed matrix, or what the rate allows.
+/// Fills in the norms: that of the computed matrix, or the bound from the rate if it is smaller.
 fn finish(f: Matrix<Dd>, error: f64, allowed: f64) -> Exponential {
     let absolute_norm = norm_bound(f.rows(), f.columns(), |i, j| f[(i, j)].hi.abs() * UP);
     let norm = allowed.min((absolute_norm + error) * UP);
@@ -143,7 +144,7 @@ fn add(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
 }
 
 impl Matrix<Dd> {
-    /// A B; zeros of B cost nothing.
+    /// A B; zeros of B are skipped.
     pub fn times(&self, b: &Matrix<Dd>) -> Matrix<Dd> {
         multiply(self, b)
     }
@@ -154,7 +155,7 @@ impl Matrix<Dd> {
     }
 }
 
-/// A B; zeros of B cost nothing.
+/// A B; zeros of B are skipped.
 fn multiply(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     let mut c = Matrix::zeros(a.rows(), b.columns());
     for j in 0..b.columns() {
@@ -171,7 +172,7 @@ fn multiply(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
 mod tests {
     use super::*;
 
-    /// exp of a rotation's generator: cosines and sines, after 1e6 turns too.
+    /// exp of a rotation's generator gives cosines and sines, also after 1e6 turns.
     #[test]
     fn a_rotation_stays_one() {
         let a = Matrix::from_fn(2, 2, |i, j| match (i, j) {
@@ -189,7 +190,7 @@ mod tests {
         }
     }
 
-    /// What has decayed to e^-80 keeps its digits.
+    /// An exponential that has decayed to e^-80 keeps its digits.
     #[test]
     fn a_decay_keeps_its_relative_error() {
         let a = Matrix::from_fn(1, 1, |_, _| Dd::from(-2.0));

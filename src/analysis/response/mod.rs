@@ -1,8 +1,8 @@
-//! The motion in time under initial states and signals, exact at the times asked for: z(t + h) = exp(A h) z(t) with the
-//! states of the sources set anew at every stop, so that there is nothing to integrate numerically. In: a system, a signal
+//! The motion in time under initial states and signals, exact at the requested times: z(t + h) = exp(A h) z(t), with
+//! the states of the sources set anew at every stop, so that nothing is integrated numerically. In: a system, a signal
 //! for each input, times. Out: every output at every time as a ball. See docs/method/response.md.
 //!
-//! Signals are zero before t = 0, where the initial state holds; what jumps at a time has jumped at that time.
+//! Signals are zero before t = 0, where the initial state holds; a jump has happened at its time.
 
 mod channel;
 pub(in crate::analysis) mod course;
@@ -32,39 +32,39 @@ use std::rc::Rc;
 
 pub use told::{Unsettled, findings, moved};
 
-/// The outputs at the times asked for.
+/// The outputs at the requested times.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct History {
     pub times: Vec<Number>,
-    /// One row a time, one ball an output.
+    /// One row for each time, one ball for each output.
     pub values: Vec<Vec<Ball>>,
 }
 
-/// exp(A h) for one h, its mechanical rows.
+/// The mechanical rows of exp(A h) for one h.
 struct Step {
     h: Number,
-    /// States that are on: mechanical ones, then those of the sources.
+    /// Active states: mechanical ones, then those of the sources.
     states: Vec<usize>,
-    /// One column for each of these.
+    /// One column for each active state.
     f: Matrix<Dd>,
-    /// Bounds of the blocks' norms, and of the error of the whole.
+    /// Bounds of the norms of the blocks, and of the error of the whole.
     own: f64,
     from_sources: f64,
     error: f64,
     rounding: f64,
-    /// Bounds of the norms of 2^k such steps at once, as far as they were asked for, with the powers of `f` themselves.
+    /// Bounds of the norms of 2^k such steps at once, computed on demand, with the powers of `f` themselves.
     powers: RefCell<Powers>,
 }
 
-/// The mechanical block of `f` squared again and again, in binary64, with what each square is off by.
+/// The mechanical block of `f`, squared repeatedly in binary64, with the error of each square.
 struct Powers {
     last: Matrix<f64>,
     error: f64,
     norms: Vec<f64>,
 }
 
-/// A time at which the motion is stopped: something happens there, or it is asked for.
+/// A time at which the motion is stopped: for an event, or because it is requested.
 enum Stop {
     Event { channel: usize, piece: usize },
     Sample,
@@ -76,26 +76,26 @@ struct Run<'a> {
     channels: Vec<Channel>,
     outputs: Matrix<Ball>,
     steps: Vec<Rc<Step>>,
-    /// The state: mechanical, then sources, as exactly these numbers.
+    /// The state: mechanical, then sources, taken as exact numbers.
     z: Vec<Dd>,
     trail: Trail,
-    /// The step that was taken last.
+    /// The most recent step.
     last: Option<Rc<Step>>,
     source_error: f64,
     now: Number,
 }
 
-/// Different steps that are kept ready.
+/// Number of different steps that are cached.
 const STEPS_KEPT: usize = 8;
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 const UP: f64 = 1.0 + 1e-12;
 
-/// The outputs at ascending times, under a sum of signals for each input.
+/// The outputs at ascending times, for a sum of signals on each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
     respond_with(system, None, drives, times)
 }
 
-/// [`respond`] where all undamped modes of the system may be known already.
+/// Like [`respond`], if all undamped modes of the system may be known already.
 pub fn respond_with(
     system: &LinearSystem,
     modes: Option<&Modes>,
@@ -108,14 +108,14 @@ pub fn respond_with(
     let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
     let apart = if is_worth_it { decoupled::respond(system, modes, drives, times) } else { None };
     let mut history = apart.map_or_else(|| together(system, drives, times), Ok)?;
-    // What nothing reaches is zero, not a rounding error of what moves elsewhere.
+    // An output that nothing reaches is exactly zero, not a rounding error of other motions.
     for (output, _) in moved(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {
         history.values.iter_mut().for_each(|row| row[output] = Ball::ZERO);
     }
     Ok(history)
 }
 
-/// All coordinates at once, whatever their damping.
+/// The motion by the general method: all coordinates at once, with any damping.
 fn together(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
     let mut run = Run::of(system, drives, times)?;
     let mut values = Vec::with_capacity(times.len());
@@ -132,10 +132,10 @@ fn together(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> 
     Ok(History { times: times.to_vec(), values })
 }
 
-/// How many times there are.
+/// Number of sample times.
 pub fn samples(until: &Number, step: &Number) -> u64 {
     let count = (until / step).to_f64();
-    // A last sample that falls short of `until` only by rounding counts.
+    // A last sample that misses `until` only by rounding counts.
     (count * (1.0 + 1e-12)).floor() as u64 + 1
 }
 
@@ -184,7 +184,7 @@ impl<'a> Run<'a> {
         self.add(&state);
     }
 
-    /// Adds to the mechanical state.
+    /// Adds a change to the mechanical state.
     fn add(&mut self, change: &[Ball]) {
         let mut radii = 0.0;
         for (z, change) in self.z.iter_mut().zip(change) {
@@ -300,7 +300,8 @@ impl<'a> Run<'a> {
         self.source_error = radii.sqrt() * UP;
     }
 
-    /// What happens at an event: the next piece is on; a jump of a base's motion, or an impulse, changes the state at once.
+    /// Applies an event: the next piece becomes active; a jump of a base's motion, or an impulse, changes the state at
+    /// once.
     fn event(&mut self, channel: usize, piece: usize) -> Result<(), AnalysisError> {
         let input = &self.system.inputs[self.channels[channel].input];
         let n = self.system.n();
@@ -327,7 +328,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Errors of the sources themselves, as speeds of the state.
+    /// Errors of the sources' approximations, as rates of change of the state.
     fn approximation_errors(&self) -> f64 {
         let of = |channel: &Channel| -> f64 {
             if channel.approximation(0) == 0.0 {
@@ -344,7 +345,7 @@ impl<'a> Run<'a> {
         self.channels.iter().map(of).sum()
     }
 
-    /// Errors of the sources themselves in an output that they enter at once.
+    /// Error of the sources' approximations in an output with direct feed-through.
     fn fed(&self, output: usize) -> f64 {
         let mechanical = self.space.mechanical;
         let factor = |state: usize| self.outputs[(output, mechanical + state)].magnitude() / self.space.scale[state];
@@ -396,7 +397,7 @@ impl Powers {
         self.last = next;
         let before = self.norms.last().map_or(f64::INFINITY, |norm| norm * norm * UP);
         let norm = norm_bound(n, n, |i, j| self.last[(i, j)].abs()) + self.error;
-        // `min` takes the other one where this is no number.
+        // `min` returns the other operand if this one is NaN.
         self.norms.push((norm * UP).min(before));
     }
 }

@@ -1,13 +1,14 @@
-//! A system and the sources that drive it as one linear equation z' = A z in energy coordinates, and every motion as a row
-//! over z. In: the system, the states w of the sources (w' = G w) and the forces F w. Out: A with its error, its norm and a
-//! bound of its logarithmic norm; rows for displacement, velocity and acceleration. See docs/method/response.md.
+//! A system and the sources that drive it as one linear equation z' = A z in energy coordinates, and every motion as a
+//! row over z. In: the system, the states w of the sources (w' = G w) and the forces F w. Out: A with its error, its
+//! norm and a bound of its logarithmic norm; rows for displacement, velocity and acceleration. See
+//! docs/method/response.md.
 //!
-//! With P = K + sigma M + sqrt(sigma) C_0, S^T S near P and N^T N near M, the state is z = (S q, N q', w / W): then |z|^2 is
-//! about twice the energy, and d|z|^2/dt = -2 q'^T C q' + rest. What A has besides the dissipation L^T C L is computed with
-//! balls, so `rate` holds however rough S and N are. sigma is 0 where K is safely positive definite and the smallest power
-//! of four times (2/T)^2 that makes P so where it is not: rigid motions then cost a factor e, divergences their own growth.
-//! C_0 is the part of C on coordinates without mass, whose equations are of first order; coordinates without mass and
-//! damping follow at once: they are eliminated.
+//! With P = K + sigma M + sqrt(sigma) C_0, S^T S near P and N^T N near M, the state is z = (S q, N q', w / W): then
+//! |z|^2 is about twice the energy, and d|z|^2/dt = -2 q'^T C q' + rest. The part of A other than the dissipation L^T C
+//! L is computed with balls, so `rate` holds however rough S and N are. sigma is 0 if K is safely positive definite;
+//! otherwise it is the smallest power of four times (2/T)^2 that makes P positive definite: rigid motions then cost a
+//! factor e, divergences their own growth. C_0 is the part of C on coordinates without mass, whose equations are of
+//! first order; coordinates with neither mass nor damping follow at once: they are eliminated.
 
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::squares::Squares;
@@ -25,7 +26,7 @@ pub struct Exogenous {
     pub generator: Vec<(usize, usize, Ball)>,
     /// Force on each coordinate: coordinate, state, factor.
     pub force: Vec<(usize, usize, Ball)>,
-    /// The longest time for which state i acts by itself, before it is set anew.
+    /// The longest time for which state i acts before it is set anew.
     pub longest: Vec<f64>,
     /// Whether state i is the derivative of state i - 1 (a chain), so that its scale follows.
     pub chained: Vec<bool>,
@@ -37,7 +38,7 @@ pub struct Exogenous {
 #[derive(Clone, Debug)]
 pub struct StateSpace {
     a: Matrix<Ball>,
-    /// |(A + A^T) / 2 + L^T C L|: what may make |z| grow.
+    /// |(A + A^T) / 2 + L^T C L|: the part that may make |z| grow.
     rest: Matrix<f64>,
     /// Number of mechanical states; the sources' follow.
     pub mechanical: usize,
@@ -54,7 +55,7 @@ pub struct StateSpace {
     c: Matrix<Ball>,
 }
 
-/// Coordinates by their equations' order.
+/// Coordinates by the order of their equations.
 #[derive(Clone, Debug)]
 struct Parts {
     /// With mass: second order.
@@ -65,9 +66,9 @@ struct Parts {
     following: Vec<usize>,
 }
 
-/// Beyond this a dense exponential takes minutes.
+/// With more states, a dense exponential takes minutes.
 pub const MOST_STATES: usize = 400;
-/// 4^MOST_SHIFTS times (2/T)^2 is beyond any stiffness.
+/// 4^MOST_SHIFTS times (2/T)^2 exceeds any stiffness.
 const MOST_SHIFTS: i32 = 200;
 
 impl Parts {
@@ -125,7 +126,7 @@ impl StateSpace {
         }
     }
 
-    /// z's mechanical part from displacements and velocities of all coordinates.
+    /// The mechanical part of z from displacements and velocities of all coordinates.
     pub fn state(&self, q: &[Ball], v: &[Ball]) -> Vec<Ball> {
         let states = self.parts.states();
         let x = states.iter().map(|&i| q[i]).chain(self.parts.heavy.iter().map(|&i| v[i]));
@@ -139,7 +140,7 @@ impl StateSpace {
         self.a.mid()
     }
 
-    /// z's mechanical part as rows over displacements, then velocities, of all n coordinates.
+    /// The mechanical part of z as rows over displacements, then velocities, of all n coordinates.
     pub fn motion_rows(&self, n: usize) -> Matrix<Dd> {
         let mut rows = Matrix::zeros(self.mechanical, 2 * n);
         let velocities = self.parts.heavy.iter().map(|&i| n + i);
@@ -151,8 +152,8 @@ impl StateSpace {
         rows
     }
 
-    /// What an impulse does: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by
-    /// M dq = g1, C_0 dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
+    /// The effect of an impulse: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by M dq = g1, C_0
+    /// dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
     pub fn blow(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
         let n = g0.len();
         let (heavy, damped) = (&self.parts.heavy, &self.parts.damped);
@@ -179,7 +180,7 @@ impl StateSpace {
 struct Physical {
     m: Matrix<Ball>,
     c: Matrix<Ball>,
-    /// K without the coordinates that follow, on the states' coordinates.
+    /// K after eliminating the coordinates that follow, on the coordinates that are states.
     k: Matrix<Ball>,
     a: Matrix<Ball>,
     /// q of every coordinate as rows over x.
@@ -360,8 +361,8 @@ fn finish(
     StateSpace { a, rest, mechanical, own_rate, scale, rows, to_z: shaping.to, parts, m: physical.m, c: physical.c }
 }
 
-/// About the time in which the system forgets half of its state, where it does so long before the horizon: what the sources
-/// do to it adds up for no longer. It chooses scales, so nothing depends on how near it is.
+/// Approximate time in which the system forgets half of its state, if that is long before the horizon: the effect of
+/// the sources accumulates no longer than that. It only chooses scales, so no result depends on its accuracy.
 fn relaxation(physical: &Physical, shaping: &Shaping, horizon: f64) -> f64 {
     let n = shaping.to.rows();
     let own = Matrix::from_fn(n, n, |i, j| physical.a[(i, j)]);
@@ -396,12 +397,12 @@ fn relaxation(physical: &Physical, shaping: &Shaping, horizon: f64) -> f64 {
     f64::INFINITY
 }
 
-/// Shorter motions need no such care, and larger systems take too long to ask.
+/// Shorter motions do not need this, and for larger systems it takes too long.
 const MANY_TURNS: f64 = 1e6;
 const MOST_TO_RELAX: usize = 64;
 
-/// Powers of two W that bring what the sources do to the system near 1 / T, T the longest time they act by themselves, or
-/// that the system remembers, and the states of a chain to the same size.
+/// Powers of two W that bring the effect of the sources on the system near 1 / T, where T is the longest time they act
+/// or that the system remembers, and the states of a chain to the same magnitude.
 pub fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
     let natural = |j: usize| {
         let size = coupling.column(j).iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt();
@@ -432,8 +433,8 @@ fn power_of_two_near(x: f64) -> f64 {
     2f64.powi(exponent.clamp(-500, 500))
 }
 
-/// What may make |z| grow: (A + A^T) / 2 without the dissipation -L^T C L (L: the velocities' rows, C: its positive terms).
-/// The logarithmic norm of A is its largest eigenvalue, so at most the 2-norm of this.
+/// The part that may make |z| grow: (A + A^T) / 2 without the dissipation -L^T C L (L: the rows of the velocities, C:
+/// its positive terms). The logarithmic norm of A is at most its largest eigenvalue, so at most its 2-norm.
 fn sources_of_growth(a: &Matrix<Ball>, velocities: &Matrix<Ball>, c: &Squares) -> Matrix<Ball> {
     let size = a.rows();
     let half = Ball::from(0.5);

@@ -1,38 +1,39 @@
-//! Signals of time as solutions of linear equations: a harmonic is the state of an undamped oscillator, everything else is
+//! Signals as solutions of linear equations: a harmonic is the state of an undamped oscillator, any other signal is
 //! piecewise a polynomial, the state of a chain of integrators. Steps, ramps, pulses, harmonics and tables are exact; a
-//! chirp is a sequence of Taylor polynomials with a bounded remainder. In: what the model declares, in SI.
-//! Out: breakpoints and coefficients. Every signal is zero before t = 0. See docs/method/response.md.
+//! chirp is a sequence of Taylor polynomials with a bounded remainder. In: the model's declarations, in SI units. Out:
+//! breakpoints and coefficients. Every signal is zero before t = 0. See docs/method/response.md.
 
 use crate::base::{Ball, Number};
 use crate::system::Signal;
 use std::cmp::Ordering;
 
-/// u(t) = sum c_k (t - at)^k / k! from `at` to the next piece's.
+/// u(t) = sum c_k (t - at)^k / k! from `at` to the start of the next piece.
 #[derive(Clone, Debug)]
 pub struct Piece {
     pub at: Number,
-    /// u, u', u'', ... at `at`, as far as they are not zero: none of a signal that is off.
+    /// u, u', u'', ... at `at`, up to the last nonzero one; empty if the signal is off.
     pub derivatives: Vec<Number>,
-    /// Whether u and u' may jump here; where a smooth signal is cut into pieces, they do not.
+    /// Whether u and u' may jump here; they do not if a smooth signal is divided into pieces.
     pub jump: bool,
 }
 
-/// A signal made ready.
+/// A signal, prepared for computation.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// amplitude sin(omega t + phase)
     Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball },
-    /// Zero before the first piece. `error` bounds |u - piece|, and `rise` times as much the next derivative's difference.
+    /// Zero before the first piece. `error` bounds |u - piece|; the bound for each further derivative is `rise` times
+    /// larger.
     Pieces { order: usize, pieces: Vec<Piece>, error: f64, rise: f64 },
     /// An impulse at one time.
     Impulse { value: Ball, at: Number },
 }
 
-/// What stops a signal: more pieces than memory is for.
+/// Error: the signal needs more pieces than fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyPieces;
 
-/// Degree of a chirp's polynomials.
+/// Degree of the polynomials of a chirp.
 const CHIRP_DEGREE: usize = 15;
 /// Phase that one polynomial of a chirp covers, rad.
 const CHIRP_PHASE: f64 = 0.25;
@@ -54,7 +55,7 @@ impl Source {
 }
 
 impl Source {
-    /// States that the source needs.
+    /// Number of states that the source needs.
     pub fn order(&self) -> usize {
         match self {
             Source::Harmonic { .. } => 2,
@@ -63,7 +64,7 @@ impl Source {
         }
     }
 
-    /// A bound of what the k-th derivative of its pieces is off by.
+    /// A bound of the error of the k-th derivative of its pieces.
     pub fn approximation(&self, k: usize) -> f64 {
         match self {
             Source::Pieces { error, rise, .. } if *error > 0.0 => error * rise.powi(k as i32),
@@ -71,7 +72,7 @@ impl Source {
         }
     }
 
-    /// When something happens.
+    /// The times of its events.
     pub fn events(&self) -> Vec<Number> {
         match self {
             Source::Harmonic { .. } => vec![Number::ZERO],
@@ -82,7 +83,7 @@ impl Source {
 }
 
 impl Piece {
-    /// One that may jump.
+    /// A piece that may begin with a jump.
     pub fn jump(at: Number, mut derivatives: Vec<Number>) -> Piece {
         while derivatives.last().is_some_and(Number::is_zero) {
             derivatives.pop();
@@ -98,7 +99,7 @@ impl Piece {
 }
 
 impl Piece {
-    /// All derivatives at a time from `at` on.
+    /// All derivatives at a time, from `at` on.
     pub fn at_time(&self, time: &Number) -> Vec<Ball> {
         let t = time - &self.at;
         (0..self.derivatives.len()).map(|k| taylor(&self.derivatives[k..], &t).to_ball()).collect()
@@ -119,7 +120,7 @@ fn jump(at: &Number, derivatives: &[&Number]) -> Piece {
     Piece::jump(at.clone(), derivatives.iter().map(|&d| d.clone()).collect())
 }
 
-/// Pieces that begin before t = 0 are moved to it.
+/// Moves pieces that begin before t = 0 to t = 0.
 fn polynomial(pieces: Vec<Piece>) -> Source {
     let order = pieces.iter().map(|piece| piece.derivatives.len()).max().unwrap_or(0);
     let mut kept: Vec<Piece> = Vec::new();
@@ -146,7 +147,7 @@ fn ramp(value: &Number, from: &Number, to: &Number) -> Source {
 
 fn harmonic(value: &Number, frequency: &Number, phase: &Number) -> Source {
     let omega = &(&Number::pi() * &Number::from(2)) * frequency;
-    // A phase without digits left is one of unknown sine and cosine.
+    // If no digit of the phase is left, sine and cosine are unknown.
     let unknown = || (Number::Ball(Ball::from(0.0).widen(1.0)), Number::Ball(Ball::from(0.0).widen(1.0)));
     let (sine, cosine) = phase.sin_cos().unwrap_or_else(unknown);
     Source::Harmonic {
@@ -157,9 +158,10 @@ fn harmonic(value: &Number, frequency: &Number, phase: &Number) -> Source {
     }
 }
 
-/// Polynomials of degree 15 that each cover a quarter of a radian at most. With phase rate w <= W on the piece of length h,
-/// |d^k/dt^k| of exp(i phase) is below k! e^(1.1 W r) / r^k on a circle of radius r = 16 / W around its start (the rate grows
-/// by less than a tenth on it, else the pieces are shorter), so the remainder is below 2 (e^1.1 W h / 16)^16 < 1e-20.
+/// Polynomials of degree 15 that each cover at most a quarter of a radian. With phase rate w <= W on the piece of
+/// length h, |d^k/dt^k| of exp(i phase) is below k! e^(1.1 W r) / r^k on a circle of radius r = 16 / W around its start
+/// (the rate grows by less than a tenth on it, otherwise the pieces are shorter), so the remainder is below 2 (e^1.1 W
+/// h / 16)^16 < 1e-20.
 fn chirp(
     value: &Number,
     from: &Number,
@@ -171,7 +173,7 @@ fn chirp(
     let (w0, w1) = (&two_pi * from, &two_pi * to);
     let Some(sweep) = (&w1 - &w0).checked_div(duration) else { return Ok(polynomial(Vec::new())) };
     let fastest = w0.abs().to_f64().max(w1.abs().to_f64());
-    // Within 16 / W the phase may bend by sweep r^2 / 2: counted as a faster rate.
+    // Within 16 / W the phase may curve by sweep r^2 / 2: this is counted as a faster rate.
     let bent = fastest + (8.0 * sweep.abs().to_f64()).sqrt() * 2.0;
     let length = pieces_length(duration, step, CHIRP_PHASE / bent)?;
     let count = (duration.to_f64() / length.to_f64()).ceil() as usize;
@@ -188,13 +190,13 @@ fn chirp(
     }
     pieces.push(Piece { at: duration.clone(), derivatives: Vec::new(), jump: true });
     let size = value.abs().to_f64();
-    // The derivatives of the remainder lose a factor 16 / h each.
+    // Each derivative of the remainder is larger by a factor 16 / h.
     let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;
     let rise = 17.0 / length.to_f64();
     Ok(Source::Pieces { order: CHIRP_DEGREE + 1, pieces, error: lost, rise })
 }
 
-/// A length not above `most` that divides the step, or the duration.
+/// A length of at most `most` that divides the step, or the duration.
 fn pieces_length(duration: &Number, step: Option<&Number>, most: f64) -> Result<Number, TooManyPieces> {
     let whole = step.unwrap_or(duration);
     let parts = (whole.to_f64() / most).ceil().max(1.0);
@@ -220,7 +222,7 @@ fn chirp_derivatives(value: Ball, phase: &Number, rate: Ball, sweep: Ball) -> Ve
     e.into_iter().map(|(_, im)| Number::Ball(value * im)).collect()
 }
 
-/// Lines or cubics between the rows.
+/// Lines or cubics between the rows of a table.
 fn table(times: &[Number], values: &[Number], spline: bool) -> Vec<Piece> {
     let n = times.len();
     let Some((first, last)) = values.first().zip(values.last()) else { return Vec::new() };
@@ -269,7 +271,7 @@ fn spline_bends(times: &[Number], values: &[Number]) -> Vec<Number> {
     bends
 }
 
-/// a before b, by their enclosures where these overlap.
+/// Orders a and b, by the midpoints of their enclosures if these overlap.
 pub fn order(a: &Number, b: &Number) -> Ordering {
     a.compare(b).unwrap_or(Ordering::Equal)
 }
@@ -298,7 +300,8 @@ mod tests {
         assert_eq!(value(&source, "10.5"), 0.0);
     }
 
-    /// At the end of each piece the polynomial leaves out more than rounding, and no more than is reported; so do its slopes.
+    /// At the end of each piece, the remainder of the polynomial is larger than rounding and no larger than reported;
+    /// likewise for its slopes.
     #[test]
     fn what_a_chirp_leaves_out_is_told() {
         let n = |text: &str| Number::from(text);
@@ -319,7 +322,7 @@ mod tests {
                 largest[k] = largest[k].max(off.mignitude() / source.approximation(k));
             }
         }
-        // Without the remainder the bound would be broken by far.
+        // Without the remainder, the bound would be violated by far.
         assert!(largest.iter().all(|share| *share > 1e-5), "{largest:?}");
     }
 

@@ -1,7 +1,6 @@
-//! The mean square of one output, without a look at its course: between two events the integral of y^2 is z^T Q z with
-//! Q(t) = int_0^t exp(A s)^T c^T c exp(A s) ds, and Q doubles its time as exp(A t) does:
-//! Q(2 t) = Q(t) + exp(A t)^T Q(t) exp(A t). In: a run, an output, a time. Out: a ball.
-//! See docs/method/measures.md#peak-and-rms.
+//! The mean square of one output, without following its course: between two events the integral of y^2 is z^T Q z with
+//! Q(t) = int_0^t exp(A s)^T c^T c exp(A s) ds, and Q doubles its time as exp(A t) does: Q(2 t) = Q(t) + exp(A t)^T
+//! Q(t) exp(A t). In: a run, an output, a time. Out: a ball. See docs/method/measures.md#peak-and-rms.
 
 use super::course::{Followed, stretches};
 use super::exponential::{Exponential, Generator, growth};
@@ -13,9 +12,9 @@ use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
 use std::rc::Rc;
 
-/// Integrals that are kept ready: tables and chirps are cut into equal pieces.
+/// Number of integrals that are cached: tables and chirps are divided into equal pieces.
 const KEPT: usize = 8;
-/// Terms of the output's row at the start, for |A h| <= 1/2: (1/2)^26 / 26! < 1e-34 is left out.
+/// Terms of the output's row at the start, for |A h| <= 1/2: the remainder is (1/2)^26 / 26! < 1e-34.
 const TERMS: usize = 26;
 
 /// The integral of y^2 over a time as a quadratic form of the state at its beginning.
@@ -23,15 +22,15 @@ struct Square {
     time: Number,
     states: Vec<usize>,
     q: Matrix<Dd>,
-    /// Bounds of what q is off by, and of its size.
+    /// Bounds of the error of q, and of its magnitude.
     error: f64,
     size: f64,
-    /// A bound of what the row of the output is, and of how a state grows, anywhere in the time.
+    /// Bounds of the output's row, and of the growth of a state, anywhere in the time.
     row: f64,
     growth: f64,
 }
 
-/// The mean of the square of an output from 0 to `until`; nothing where numbers run out of range.
+/// The mean square of an output from 0 to `until`; `None` if numbers leave their range.
 pub fn mean_square(
     system: &LinearSystem,
     drives: &[Vec<Signal>],
@@ -40,7 +39,7 @@ pub fn mean_square(
 ) -> Result<(Followed, Option<Ball>), AnalysisError> {
     let mut known: Vec<Rc<Square>> = Vec::new();
     let mut sum = Ball::ZERO;
-    // The integral of the square of what the sources' own errors do to the output.
+    // The integral of the square of the error that the sources' approximations cause in the output.
     let mut apart = 0.0;
     let followed = stretches(system, drives, output, until, &mut |run, to| {
         let square = ready(&mut known, run, output, to)?;
@@ -120,7 +119,7 @@ fn size_of(q: &Matrix<Dd>) -> f64 {
     norm_bound(q.rows(), q.columns(), |i, j| q[(i, j)].hi.abs() * UP)
 }
 
-/// Q(h) = h sum r_j^T r_k / (j + k + 1), r_j = c A^j h^j / j!, and what it is off by, for |A h| <= 1/2.
+/// Q(h) = h sum r_j^T r_k / (j + k + 1), r_j = c A^j h^j / j!, and a bound of its error, for |A h| <= 1/2.
 fn start(generator: &Generator, row: &[Ball], h: Ball) -> (Matrix<Dd>, f64) {
     let n = row.len();
     let mut rows: Vec<Vec<Dd>> = vec![row.iter().map(|c| c.mid).collect()];
@@ -143,8 +142,9 @@ fn start(generator: &Generator, row: &[Ball], h: Ball) -> (Matrix<Dd>, f64) {
             add_scaled(q.column_mut(column), factor, &left);
         }
     }
-    // All rows together, anywhere in the time: |c| e^(1/2), and off by the radius of c, by rounding (the j-th row is rounded
-    // n + 6 times more than the one before, and sum j (1/2)^j / j! < 1), by what A and h are off by, and by the cut.
+    // All rows together, anywhere in the time: |c| e^(1/2), with errors from the radius of c, rounding (the j-th row is
+    // rounded n + 6 times more than the one before, and sum j (1/2)^j / j! < 1), the uncertainty of A and h, and the
+    // remainder.
     let long = length(&rows[0]) * UP;
     let radius = row.iter().map(|c| c.rad).sum::<f64>();
     let uncertain = 2.0 * (generator.error * h.magnitude() + generator.norm * h.rad);
@@ -156,7 +156,7 @@ fn start(generator: &Generator, row: &[Ball], h: Ball) -> (Matrix<Dd>, f64) {
     (q, error * UP)
 }
 
-/// Q + F^T Q F in the place of Q, and what it is off by.
+/// Replaces Q by Q + F^T Q F; returns a bound of its error.
 fn doubled(q: &mut Matrix<Dd>, error: f64, power: &Exponential) -> f64 {
     let n = q.rows();
     let image = power.f.transposed_times(&q.times(&power.f));
@@ -173,8 +173,8 @@ fn doubled(q: &mut Matrix<Dd>, error: f64, power: &Exponential) -> f64 {
 mod tests {
     use super::*;
 
-    /// y = c e^(-2 t): Q(1/5) = c^2 (1 - e^(-4/5)) / 4. A row that is off by 1e-6 shows in the bound, which is not ten times
-    /// what it has to be.
+    /// y = c e^(-2 t): Q(1/5) = c^2 (1 - e^(-4/5)) / 4. A row that is off by 1e-6 shows in the bound, which is at most
+    /// ten times as large as necessary.
     #[test]
     fn an_uncertain_row_is_in_the_bound() {
         let generator = Generator { a: Matrix::filled(1, 1, Dd::from(-2.0)), error: 0.0, rate: -2.0, norm: 2.0 };

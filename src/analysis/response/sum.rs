@@ -1,18 +1,19 @@
-//! Signals of one input as one: a sum of polynomials between jumps is one more of them, so a force of a thousand steps has one
-//! state, and not a thousand of which one more is on after each. In: sources. Out: fewer sources with the same sum.
-//! See docs/method/response.md#signals.
+//! Combines the signals of one input: a sum of polynomials between jumps is again such a signal. So a force of a
+//! thousand steps has one state, not a thousand, one more of which becomes active after each step. In: sources. Out:
+//! fewer sources with the same sum. See docs/method/response.md#signals.
 
 use super::signal::{Piece, Source, taylor};
 use crate::base::Number;
 
 impl Source {
-    /// Exact polynomials that may jump wherever they change. Splines do not jump, and chirps are not exact: they stay apart.
+    /// Whether the source consists of exact polynomials that may jump wherever they change. Splines do not jump, and
+    /// chirps are not exact: they stay separate.
     pub fn is_sum_of_jumps(&self) -> bool {
         matches!(self, Source::Pieces { pieces, error, .. } if *error == 0.0 && pieces.iter().all(|piece| piece.jump))
     }
 }
 
-/// The sum of sources that are all of [`Source::is_sum_of_jumps`].
+/// The sum of sources that all satisfy [`Source::is_sum_of_jumps`].
 pub fn sum(sources: &[Source]) -> Source {
     let lists: Vec<&[Piece]> = sources.iter().map(pieces).collect();
     let order = sources.iter().map(Source::order).max().unwrap_or(0);
@@ -22,7 +23,7 @@ pub fn sum(sources: &[Source]) -> Source {
     }
     let at = |change: &(&[Piece], usize)| change.0[change.1].at.clone();
     changes.sort_by(|a, b| a.0[a.1].at.to_f64().total_cmp(&b.0[b.1].at.to_f64()));
-    // What stays for ever, and the pieces that are on and will change.
+    // The constant part, and the active pieces that will change.
     let (mut rest, mut on): (Number, Vec<&Piece>) = (Number::ZERO, Vec::new());
     let mut sums: Vec<Piece> = Vec::new();
     for together in changes.chunk_by(|a, b| at(a) == at(b)) {
@@ -63,7 +64,8 @@ mod tests {
     use super::*;
     use crate::system::Signal;
 
-    /// At and between all knots the sum is the sum of the values and of the slopes, and what adds up to zero has no state.
+    /// At and between all knots, the value and slope of the sum are the sums of the values and slopes, and signals that
+    /// add up to zero have no state.
     #[test]
     fn a_sum_has_the_values_of_its_parts() {
         let n = |text: &str| Number::from(text);

@@ -1,13 +1,13 @@
-//! What has to be said beside a motion: outputs that nothing moves, and samples whose bounds are wider than binary64.
-//! In: a system, its signals, a motion. Out: facts; who knows the places turns them into findings.
-//! See docs/method/response.md#printed-samples.
+//! Warnings that accompany a motion: outputs that nothing moves, and samples whose bounds are wider than binary64. In:
+//! a system, its signals, a motion. Out: facts, which become findings at the given places. See
+//! docs/method/response.md#printed-samples.
 
 use super::History;
 use crate::base::{Ball, Code, Diagnostic, Number, Span};
 use crate::system::{Form, LinearSystem, Signal};
 
-/// For each output, whether a signal or an initial state reaches it: through masses, dampers and springs from coordinate to
-/// coordinate, or at once. What nothing reaches is zero for ever.
+/// For each output, whether a signal or an initial state reaches it: through masses, dampers and springs from
+/// coordinate to coordinate, or directly. An output that nothing reaches is always zero.
 pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
     let mut parts = Parts((0..system.n()).collect());
     for form in [&system.m, &system.c, &system.k] {
@@ -30,7 +30,7 @@ pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
     system.outputs.iter().map(reaches).collect()
 }
 
-/// Whether a signal is ever other than zero.
+/// Whether a signal is not zero at all times.
 fn is_felt(signal: &Signal) -> bool {
     match signal {
         Signal::Step { value, .. }
@@ -43,7 +43,7 @@ fn is_felt(signal: &Signal) -> bool {
     }
 }
 
-/// Coordinates that are coupled, each by one of its part.
+/// Coordinates that are coupled: each refers to a representative of its part.
 struct Parts(Vec<usize>);
 
 impl Parts {
@@ -63,29 +63,29 @@ impl Parts {
                 self.0[a.max(b)] = a.min(b);
             }
         }
-        // Every coordinate leads straight to the one that stands for its part, for the next form.
+        // Every coordinate refers directly to the representative of its part, for the next form.
         for i in 0..self.0.len() {
             self.0[i] = self.of(i);
         }
     }
 }
 
-/// Samples of an output that are known less well than binary64 could hold.
+/// An output with samples that are less accurate than binary64 could represent.
 #[derive(Clone, Debug)]
 pub struct Unsettled {
     pub output: usize,
-    /// Samples of which nothing at all is known.
+    /// Number of samples of which nothing is known.
     pub unknown: usize,
-    /// The widest bound of the others, the first time at which it stands, and the largest |value|.
+    /// The widest bound of the others, the first time at which it occurs, and the largest |value|.
     pub bound: f64,
     pub at: Number,
     pub largest: f64,
 }
 
-/// Of a bound, relative to the output's largest value: the last three bits of binary64 are left to rounding.
+/// Limit of a bound relative to the output's largest value: the last three bits of binary64 are left to rounding.
 const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// What is seen of an output's samples from the first to the last.
+/// The statistics of an output's samples.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     unknown: usize,
@@ -110,10 +110,10 @@ impl Seen {
 }
 
 impl History {
-    /// The outputs that are not known to the digits of binary64 at their own size.
+    /// The outputs that are less accurate than binary64, relative to their own magnitude.
     pub fn unsettled(&self) -> Vec<Unsettled> {
         let mut outputs = vec![Seen::default(); self.values.first().map_or(0, Vec::len)];
-        // Row by row, as they lie in memory.
+        // Row by row, in the order of memory.
         for (sample, row) in self.values.iter().enumerate() {
             outputs.iter_mut().zip(row).for_each(|(seen, value)| seen.look(sample, value));
         }
@@ -129,10 +129,10 @@ impl History {
 
 /// A scene, or some of its outputs, that nothing moves.
 const STILL: Code = Code::model("vib::motion::still");
-/// Samples that are known less well than they could be printed.
+/// Samples that are less accurate than they could be printed.
 const UNSETTLED: Code = Code::limit("vib::motion::unsettled");
 
-/// What a motion gives rise to say; `places` are those of the outputs.
+/// The findings about a motion; `places` are those of the outputs.
 pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History, places: &[Span]) -> Vec<Diagnostic> {
     let moved = moved(system, drives);
     let name = |output: usize| system.display(system.outputs[output].name);
@@ -177,7 +177,7 @@ mod tests {
     use crate::analysis::response::respond;
     use crate::analysis::test_systems::{blank, push};
 
-    /// Two oscillators that nothing joins: a force on one moves that one alone, and a spring between them both.
+    /// Two uncoupled oscillators: a force on one moves only that one, a spring between them makes it move both.
     #[test]
     fn what_nothing_reaches_does_not_move() {
         let mut system = blank(2);

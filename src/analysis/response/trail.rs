@@ -1,27 +1,27 @@
-//! The bound of a state's error from step to step. In: what each step carries over and what it adds. Out: a bound that
-//! decays where the motion does. See docs/method/response.md#matrix-exponential.
+//! The error bound of a state from step to step. In: the factor with which each step carries errors over, and the error
+//! that it adds. Out: a bound that decays if the motion does. See docs/method/response.md#matrix-exponential.
 //!
-//! One step's norm is hardly below one, however strong the damping: the energy of the least damped direction stays. The
-//! norm of many steps at once is far below it, so the error at some step (the anchor) is carried by the norm of all steps
-//! since then, and what these added themselves is kept apart.
+//! The norm of one step is hardly below one, however strong the damping: the energy of the least damped direction
+//! remains. The norm of many steps together is far below it, so the error at some step (the anchor) is carried by the
+//! norm of all steps since then, and the errors added since are kept separately.
 
 use super::UP;
 
-/// A bound of what a state is off by.
+/// A bound of the error of a state.
 #[derive(Clone, Debug, Default)]
 pub struct Trail {
-    /// At present.
+    /// The current bound.
     pub error: f64,
-    /// At the anchor.
+    /// The bound at the anchor.
     anchor: f64,
-    /// What has come since the anchor.
+    /// Error added since the anchor.
     fresh: f64,
-    /// Equal steps since the anchor.
+    /// Number of equal steps since the anchor.
     steps: usize,
 }
 
 impl Trail {
-    /// After one more step, which carries an error over with the factor `own` and adds `local` to it.
+    /// Takes one more step, which carries an error over with the factor `own` and adds `local` to it.
     pub fn step(&mut self, own: f64, local: f64) {
         let local = if local > 0.0 || self.error > 0.0 { local + UNDERFLOW } else { 0.0 };
         self.error = (own * self.error + local) * UP;
@@ -29,19 +29,19 @@ impl Trail {
         self.steps += 1;
     }
 
-    /// The state has become uncertain by so much more.
+    /// Adds to the uncertainty of the state.
     pub fn add(&mut self, by: f64) {
         self.error = (self.error + by) * UP;
         self.fresh = (self.fresh + by) * UP;
     }
 
-    /// Steps of another length, or of other sources, follow.
+    /// Begins a new anchor, because steps of another length, or with other sources, follow.
     pub fn turn(&mut self) {
         (self.anchor, self.fresh, self.steps) = (self.error, 0.0, 0);
     }
 
-    /// Looks for decay after a power of two of steps; `bound(k)` is the norm of 2^k steps at once. Fewer than `least` are
-    /// not worth the look.
+    /// Tests for decay after a number of steps that is a power of two; `bound(k)` is the norm of 2^k steps together.
+    /// For fewer than `least` steps it is not evaluated.
     pub fn decay(&mut self, least: usize, bound: impl FnOnce(u32) -> f64) {
         if self.steps < least.max(LEAST) || !self.steps.is_power_of_two() {
             return;
@@ -54,7 +54,7 @@ impl Trail {
     }
 }
 
-/// What the sums of a step may lose below the least numbers of binary64: 400 rows of products, 2^-1074 each.
+/// Underflow error in the sums of a step: 400 rows of products, 2^-1074 each.
 const UNDERFLOW: f64 = 1e-316;
 const LEAST: usize = 16;
 const WORTH_IT: f64 = 0.5;
@@ -63,7 +63,7 @@ const WORTH_IT: f64 = 0.5;
 mod tests {
     use super::*;
 
-    /// A state that loses a hundredth of its size at each step, by a norm that does not see it.
+    /// A state that shrinks by a hundredth at each step, although its norm does not show it.
     #[test]
     fn an_error_decays_with_the_motion() {
         let mut trail = Trail::default();
@@ -79,7 +79,8 @@ mod tests {
         assert!(trail.error >= 1e-3 && trail.error < 1.001e-3);
     }
 
-    /// Errors of a step that nothing takes away: sixteen of them are sixteen times as large, whatever became of the anchor.
+    /// Errors of steps that nothing reduces: sixteen of them add up to sixteen times as much, whatever happened to the
+    /// anchor.
     #[test]
     fn errors_since_the_anchor_are_all_there() {
         let mut trail = Trail::default();

@@ -1,19 +1,19 @@
-//! The loops over samples: eight steps of every oscillator, then the outputs at these eight times side by side. Which
-//! vectors the processor has changes nothing: no lane depends on its neighbours, and an output is summed over the
-//! oscillators in their order.
+//! The loops over samples: eight steps of every oscillator, then the outputs at these eight times in parallel. The
+//! result does not depend on the vector width of the processor: no lane depends on its neighbours, and an output is
+//! summed over the oscillators in their order.
 
 use super::step::Step;
 use crate::analysis::transfer::lanes::{Double, MOST, Vector, side_by_side};
 use crate::base::Dd;
 
-/// Numbers side by side, with room for whole vectors.
+/// Double-double numbers in parallel lanes, padded to whole vectors.
 #[derive(Clone, Debug)]
 pub struct Lanes {
     pub hi: Vec<f64>,
     pub lo: Vec<f64>,
 }
 
-/// Oscillators, or times, that go side by side: as many as the widest vector has lanes.
+/// Number of oscillators, or times, processed in parallel: the number of lanes of the widest vector.
 const ROOM: usize = 8;
 
 /// z of every oscillator.
@@ -27,15 +27,15 @@ pub type Row = Vec<(u32, Dd)>;
 
 /// Samples at equal steps.
 pub struct Batch<'a> {
-    /// `None` for one sample of the state as it is.
+    /// `None` for one sample of the current state.
     pub step: Option<&'a Step>,
     pub count: usize,
-    /// The states of the sources that are on, at the beginning of each step.
+    /// The states of the active sources at the beginning of each step.
     pub sources: &'a [Dd],
     pub rows: &'a [Row],
 }
 
-/// What the samples come to.
+/// The computed samples.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
     /// By sample, then output.
@@ -86,11 +86,11 @@ fn load<V: Vector>(x: &[f64]) -> V {
     V::load(&all)
 }
 
-/// The state at eight times: of each number first the leading parts, then the others.
+/// The state at eight times: for each number first the leading words, then the low words.
 type Times = [[f64; ROOM]; 2];
 
 side_by_side! {
-    /// Goes through the samples; the state is that of the last one afterwards.
+    /// Computes the samples; afterwards the state is that of the last one.
     pub fn run<V>(batch: &Batch, state: &mut State) -> Samples {
         let outputs = batch.rows.len();
         let mut samples =
@@ -115,7 +115,7 @@ side_by_side! {
     }
 }
 
-/// Up to eight steps.
+/// Takes up to eight steps.
 #[inline(always)]
 fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize, count: usize, times: &mut [Times]) {
     let on = step.phi.len();
@@ -146,7 +146,7 @@ fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize,
     }
 }
 
-/// The state as it is, at the first time.
+/// Stores the current state as that of the first time.
 fn stand(state: &State, times: &mut [Times]) {
     for (component, z) in state.z.iter().enumerate() {
         for i in 0..z.hi.len() {

@@ -1,11 +1,11 @@
-//! The motion of a system whose damping does not join its modes: each mode is an oscillator of its own, so a step takes
-//! two by two numbers a mode instead of a full matrix, and several modes and several times go side by side. In: a system,
-//! signals, times. Out: what the general method gives, with bounds as good, or nothing where that cannot be proven here.
-//! See docs/method/response.md#modal-steps.
+//! The motion of a system whose damping does not couple its modes: each mode is an oscillator of its own, so a step
+//! needs two by two numbers a mode instead of a full matrix, and several modes and several times are computed in
+//! parallel. In: a system, signals, times. Out: the result of the general method, with bounds as good, or nothing if
+//! that cannot be proven here. See docs/method/response.md#modal-steps.
 //!
 //! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
-//! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and what they do grows in
-//! the norm of z = (s eta, eta'), s^2 near |k|, by no more than the logarithmic norm of the oscillators allows.
+//! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and their effect
+//! grows in the norm of z = (s eta, eta'), s^2 near |k|, at most with the logarithmic norm of the oscillators.
 
 mod lanes;
 mod oscillators;
@@ -23,21 +23,22 @@ use oscillators::{Oscillators, Output};
 use std::rc::Rc;
 use step::Step;
 
-/// Fewer samples, times coordinates, are not worth the modes.
+/// For fewer samples times coordinates, computing the modes does not pay.
 pub const WORTH_IT: usize = 16;
-/// Samples between two evaluations of the harmonic sources' formulas.
+/// The most samples between two evaluations of the harmonic sources' formulas.
 const MOST_AT_ONCE: usize = 128;
-/// Different steps that are kept ready.
+/// Number of different steps that are cached.
 const STEPS_KEPT: usize = 8;
-/// Times this near to equal steps are taken as such; the difference is in the bound.
+/// Times this close to equal steps are treated as equal; the bound contains the difference.
 const EVEN: f64 = 1.0 / (1u128 << 95) as f64;
-/// A bound is good where it is 2^-60 of the output's largest value, or some hundred roundings of what the state could make.
+/// A bound is good if it is 2^-60 of the output's largest value, or some hundred rounding errors of what the state
+/// could produce.
 const GOOD: f64 = 1.0 / (1u64 << 60) as f64;
 const GOOD_OF_CHIRPS: f64 = 1e-14;
 const AS_GOOD_AS_ANY: f64 = 1e-27;
 
-/// As [`super::respond`]; `None` where another method is due: modes that damping joins, bounds that are not good enough, and
-/// whatever is to be refused.
+/// Like [`super::respond`]; `None` if another method is needed: damping couples modes, bounds are not good enough, or
+/// the general method has to report an error.
 pub fn respond(
     system: &LinearSystem,
     modes: Option<&Modes>,
@@ -60,14 +61,14 @@ pub fn respond(
     run.is_good(&values).then(|| History { times: times.to_vec(), values })
 }
 
-/// A time in all forms.
+/// A time in three representations.
 struct Moment {
     number: Number,
     ball: Ball,
     seconds: f64,
 }
 
-/// Something happens to a source.
+/// A source switches to a piece.
 struct Event {
     at: Moment,
     channel: usize,
@@ -82,21 +83,21 @@ struct Run<'a> {
     rows: Vec<Row>,
     steps: Vec<Rc<Step>>,
     state: State,
-    /// |z|^2, and a bound of what z is off by.
+    /// |z|^2.
     square: f64,
     trail: Trail,
-    /// The step that was taken last.
+    /// The most recent step.
     last: Option<Rc<Step>>,
     now: Number,
-    /// For each sample and output: what the state could make.
+    /// For each sample and output, the largest value that the state could produce.
     scales: Vec<f64>,
 }
 
-/// The sources that are on, from the beginning of a batch to its end.
+/// The active sources during a batch.
 struct Driving {
-    /// By time, one more than there are steps, then by state.
+    /// By time (one more than there are steps), then by state.
     states: Vec<Dd>,
-    /// Their norms, and a bound of what any of them is off by.
+    /// Their norms, and a bound of the error of each.
     norms: Vec<f64>,
     error: f64,
     on: usize,
@@ -146,7 +147,7 @@ impl<'a> Run<'a> {
         Some(run)
     }
 
-    /// In order; those of one time in that of the channels.
+    /// The events in order; simultaneous ones in the order of the channels.
     fn events(&self) -> Vec<Event> {
         let mut events: Vec<Event> = Vec::new();
         for (channel, c) in self.channels.iter().enumerate() {
@@ -158,7 +159,7 @@ impl<'a> Run<'a> {
         events
     }
 
-    /// Adds displacements and velocities of the modes, known to the disturbances.
+    /// Adds displacements and velocities of the modes, which are known up to the disturbances.
     fn add(&mut self, eta: &[Ball], rate: &[Ball]) {
         let of = &self.oscillators;
         let (mut radii, mut square, mut size) = (0.0, 0.0, 0.0);
@@ -177,7 +178,7 @@ impl<'a> Run<'a> {
         self.trail.add((radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP);
     }
 
-    /// Moves on without looking at the outputs.
+    /// Moves on to a time without computing the outputs.
     fn go_to(&mut self, time: &Moment) -> Option<()> {
         let rows = std::mem::take(&mut self.rows);
         let done = self.advance(std::slice::from_ref(time), None);
@@ -185,7 +186,7 @@ impl<'a> Run<'a> {
         done
     }
 
-    /// The samples from the first on that come before an event and lie at equal steps, as many as go at once.
+    /// Computes the first samples that come before an event and lie at equal steps, as many as are processed at once.
     fn samples(&mut self, moments: &[Moment], before: f64, values: &mut Vec<Vec<Ball>>) -> Option<()> {
         let first = &moments[0];
         let h = (&first.number - &self.now).to_ball().mid;
@@ -198,7 +199,7 @@ impl<'a> Run<'a> {
         self.advance(&moments[..count], Some(values))
     }
 
-    /// Goes through samples at equal steps, and puts a row down for each where somebody wants them.
+    /// Goes through samples at equal steps, and appends a row of outputs for each if `values` is given.
     fn advance(&mut self, moments: &[Moment], values: Option<&mut Vec<Vec<Ball>>>) -> Option<()> {
         let h = &moments[0].number - &self.now;
         let step = if h.is_zero() { None } else { Some(self.step(&h)?) };
@@ -208,7 +209,7 @@ impl<'a> Run<'a> {
             Batch { step: step.as_deref(), count, sources: &driving.states[..count * driving.on], rows: &self.rows };
         let samples = lanes::run(&batch, &mut self.state);
         let last = &moments[count - 1];
-        // What the last time is off by when reached in equal steps.
+        // Error of the last time if it is reached in equal steps.
         let slack = if count > 1 { EVEN * last.seconds } else { 0.0 };
         if let Some(step) = &step
             && !self.last.as_ref().is_some_and(|last| Rc::ptr_eq(last, step))
@@ -238,13 +239,13 @@ impl<'a> Run<'a> {
         Some(step)
     }
 
-    /// The states of the sources that are on.
+    /// The indices of the active sources' states.
     fn on(&self) -> Vec<usize> {
         self.channels.iter().flat_map(|c| c.first..c.first + c.states_on()).collect()
     }
 
-    /// The sources' states at the beginning of a batch and at each of its times: harmonics turn, from their formula at the
-    /// beginning; a constant stays; other polynomials are evaluated.
+    /// The sources' states at the beginning of a batch and at each of its times: harmonics are rotated, starting from
+    /// their formula; constants stay; other polynomials are evaluated.
     fn driving(&self, step: Option<&Step>, moments: &[Moment]) -> Driving {
         let on = self.on();
         let count = moments.len();
@@ -276,7 +277,7 @@ impl<'a> Run<'a> {
         driving
     }
 
-    /// Carries the bound through the samples, and puts their outputs down.
+    /// Carries the error bound through the samples, and stores their outputs.
     fn read(
         &mut self,
         step: Option<&Step>,
@@ -302,7 +303,7 @@ impl<'a> Run<'a> {
             size = square.sqrt() * UP;
             let at = sample + 1;
             let sources = driving.norms[at] + driving.error;
-            // A time that is off by the slack moves z by its rate.
+            // A time that is off by the slack changes z by its rate.
             let error = self.trail.error;
             let moved = slack * (of.norm * (size + error) + of.force_norm * sources);
             if let Some(values) = values.as_deref_mut() {
@@ -329,7 +330,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What happens at an event, as in the general method.
+    /// Applies an event, as in the general method.
     fn event(&mut self, channel: usize, piece: usize) -> Option<()> {
         let input = &self.system.inputs[self.channels[channel].input];
         let of = &self.oscillators;
@@ -375,17 +376,17 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What an output's parts are off by.
+/// Error bounds of an output's parts.
 struct Off {
     z: f64,
     error: f64,
     w: f64,
     w_error: f64,
-    /// Of the modes' accelerations, by the disturbances.
+    /// Error of the modes' accelerations caused by the disturbances.
     acceleration: f64,
 }
 
-/// The sine and cosine of a harmonic at each time; what they are off by at most.
+/// Fills in the sine and cosine of a harmonic at each time; returns a bound of their errors.
 fn turn(now: &[Ball], scale: f64, step: Option<&Step>, driving: &mut Driving, place: usize, count: usize) -> f64 {
     let mut state = [now[0].mid.scale(scale), now[1].mid.scale(scale)];
     let size = state.map(|x| x.hi.abs()).iter().sum::<f64>();
@@ -399,11 +400,11 @@ fn turn(now: &[Ball], scale: f64, step: Option<&Step>, driving: &mut Driving, pl
     }
     let start = (now[0].rad + now[1].rad) * scale;
     let each = step.map_or(0.0, |step| step.error_of_r + 16.0 * Dd::EPSILON);
-    // A rotation lengthens nothing; the steps' errors add up.
+    // A rotation does not change lengths; the errors of the steps add up.
     (start + each * count as f64 * (size + start) * 1.5) * UP
 }
 
-/// A polynomial's states at each time; what they are off by at most.
+/// Fills in a polynomial's states at each time; returns a bound of their errors.
 fn polynomial(
     channel: &Channel,
     now: Ball,
@@ -450,7 +451,7 @@ mod tests {
         Number::from(text)
     }
 
-    /// A chain with its first mass held, or free, damped in proportion to its springs; displacement, velocity and
+    /// A chain with its first mass held or free, with damping proportional to its springs; displacement, velocity and
     /// acceleration of each mass as outputs.
     fn chain(size: usize, held: bool, damping: &str) -> LinearSystem {
         let mut system = blank(size);
@@ -472,7 +473,8 @@ mod tests {
         system
     }
 
-    /// Both methods, whose balls have to meet; what the bounds are relative to the largest value of each output.
+    /// Checks that the enclosures of both methods overlap; returns the largest bound relative to the largest value of
+    /// its output.
     fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
         let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
         let whole = together(system, drives, times).expect("a motion");
@@ -524,7 +526,7 @@ mod tests {
         }
     }
 
-    /// A base that moves: through spring, damper and inertia, and added to the outputs.
+    /// A moving base: it acts through a spring, a damper and inertia, and is added to the outputs.
     #[test]
     fn a_base_moves_a_chain_as_the_whole_matrix_does() {
         let mut system = chain(3, true, "0.7");
@@ -540,12 +542,12 @@ mod tests {
             Signal::Chirp { value: n("0.1"), from: n("4"), to: n("0"), duration: n("2") },
         ] {
             let bound = meets(&format!("{signal:?}"), &system, &[vec![signal]], &grid("2.5", "0.03125"));
-            // A chirp's second derivative, which inertia and accelerations see, is known to some 1e-16.
+            // A chirp's second derivative, which enters inertia forces and accelerations, is known to some 1e-16.
             assert!(bound < 1e-15, "{bound:e}");
         }
     }
 
-    /// Resonance without damping, critical and overcritical damping, growth, and times that are not even.
+    /// Resonance without damping, critical and overcritical damping, growth, and unequal time steps.
     #[test]
     fn hard_oscillators_move_as_the_whole_matrix_says() {
         let oscillator = |c: &str, k: &str| {
@@ -571,7 +573,7 @@ mod tests {
         }
     }
 
-    /// Damping that joins the modes has no such method.
+    /// The method does not apply if damping couples the modes.
     #[test]
     fn joined_modes_are_refused() {
         let mut system = chain(3, true, "0.7");
@@ -579,7 +581,8 @@ mod tests {
         assert!(respond(&system, None, &[], &grid("2", "0.1")).is_none());
     }
 
-    /// A damper that joins the modes a little, by one part in 10^8 to 10^28: whichever method is taken, the digits are there.
+    /// A damper that couples the modes slightly, by one part in 10^8 to 10^28: whichever method is chosen, the digits
+    /// are correct.
     #[test]
     fn modes_that_are_nearly_apart_keep_their_digits() {
         for digits in (8..=28).step_by(2) {
@@ -596,7 +599,7 @@ mod tests {
         }
     }
 
-    /// A long run in many batches against one step of the whole matrix.
+    /// Compares a long run in many batches with one step of the whole matrix.
     #[test]
     fn ten_thousand_steps_keep_their_digits() {
         let mut system = chain(4, true, "0.0001");

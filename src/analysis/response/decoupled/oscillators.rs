@@ -1,5 +1,5 @@
-//! A system as oscillators that do not act on each other: what each of them is, how the sources push it, how the outputs
-//! read it, and what is left out. See docs/method/response.md#modal-steps.
+//! A system as uncoupled oscillators: the parameters of each, the forces of the sources on them, the outputs as rows
+//! over them, and bounds of what is neglected. See docs/method/response.md#modal-steps.
 
 use super::step::Step;
 use super::{Off, Row};
@@ -17,7 +17,7 @@ use crate::system::{CoordinateId, LinearSystem};
 /// eta'' + c eta' + k eta = force . w for each mode, as z' = A z + B w with z = (s eta, eta').
 pub struct Oscillators {
     modes: ModalSum,
-    /// sqrt |k|, or the reciprocal of the whole time where that is more.
+    /// sqrt |k|, or the reciprocal of the total time if that is larger.
     pub s: Vec<Dd>,
     /// k / s
     pub back: Vec<Dd>,
@@ -26,17 +26,17 @@ pub struct Oscillators {
     pub force: Vec<Vec<Ball>>,
     /// The sources' own equation w' = G w.
     generator: Vec<(usize, usize, Ball)>,
-    /// Powers of two: w = W w~, and w~ is what is meant everywhere else.
+    /// Powers of two with w = W w~; all other fields refer to w~.
     pub scale: Vec<f64>,
-    /// A bound of |[[A_i, B_i], [0, G]]|, and of what it is off by, for every mode.
+    /// A bound of |[[A_i, B_i], [0, G]]| for every mode, and of its error.
     pub norm: f64,
     pub radius: f64,
     /// A bound of |B| over all modes.
     pub force_norm: f64,
-    /// Bounds of the logarithmic norms of all A_i and of G.
+    /// Bounds of the logarithmic norms of all A_i, and of G.
     pub rate: f64,
     pub rate_of_sources: f64,
-    /// Bounds of what the disturbances do to eta'' for a state, and for a force, of norm one.
+    /// Bounds of the disturbances of eta'' for a state, and for a force, of norm one.
     pub defect: f64,
     pub force_defect: f64,
     largest_s: f64,
@@ -48,12 +48,12 @@ pub struct Oscillators {
 pub struct Output {
     pub row: Row,
     sources: Vec<Ball>,
-    /// Norms of the row and of its radii, and of that of the sources.
+    /// Norms of the row and of its radii, and those for the sources.
     norm: f64,
     radii: f64,
     source_norm: f64,
     source_radii: f64,
-    /// The norm of what it reads of the modes' accelerations.
+    /// The norm of the row over the modes' accelerations.
     acceleration: f64,
     rounding: f64,
 }
@@ -62,7 +62,7 @@ pub struct Output {
 const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
 
 impl Oscillators {
-    /// `None` where modes are missing or joined by the damping; `known` are all modes.
+    /// `None` if modes are missing or coupled by the damping; `known` are all modes.
     pub fn of(
         system: &LinearSystem,
         known: Option<&Modes>,
@@ -129,7 +129,7 @@ impl Oscillators {
         let largest_own = (0..n).map(own).fold(0.0, f64::max);
         self.force_norm = forces.sqrt() * UP;
         self.norm = (largest_own + forces + generator).sqrt() * UP;
-        // s and k / s are used as they are: k is what their product says, to a rounding that counts as a disturbance.
+        // s and k / s are used as stored: k is taken as their product, and its rounding error counts as a disturbance.
         self.radius = (radii + generator_radii).sqrt() * UP;
         // (A + A^T) / 2 = [[0, (s - k/s) / 2], [., -c]]
         let rate = |i: usize| {
@@ -152,14 +152,15 @@ impl Oscillators {
         self.force_defect = inverse * self.force_norm * UP;
     }
 
-    /// Upper bound on the 2-norm of (G + G^T) / 2. Harmonic sources are skew and add nothing; an integrator chain has one entry a row.
+    /// Upper bound of the 2-norm of (G + G^T) / 2. Harmonic sources are skew and add nothing; an integrator chain has
+    /// one entry a row.
     fn rate_of_generator(&self) -> f64 {
         let of = |&(i, j, value): &(usize, usize, Ball)| {
             let back = self.generator.iter().find(|&&(k, l, _)| (k, l) == (j, i));
             let sum = back.map_or(value, |&(_, _, back)| value + back);
             sum.magnitude() * 0.5
         };
-        // Each row of the symmetric part has two entries at most.
+        // Each row of the symmetric part has at most two entries.
         self.generator.iter().map(of).fold(0.0, f64::max) * 2.0 * UP
     }
 
@@ -167,7 +168,7 @@ impl Oscillators {
         self.s.len()
     }
 
-    /// G on the states that are on.
+    /// G restricted to the active states.
     pub fn generator_of(&self, on: &[usize]) -> Vec<(usize, usize, Dd)> {
         let place = |state: usize| on.iter().position(|&known| known == state);
         let entry = |&(i, j, value): &(usize, usize, Ball)| Some((place(i)?, place(j)?, value.mid));
@@ -178,7 +179,7 @@ impl Oscillators {
         self.modes.participation(a)
     }
 
-    /// eta and eta' at the beginning: X^T M q and X^T M q', to the disturbances.
+    /// Initial eta and eta', X^T M q and X^T M q', up to the disturbances.
     pub fn start(&self, system: &LinearSystem) -> (Vec<Ball>, Vec<Ball>) {
         let n = system.n();
         let (mut q, mut v) = (vec![Ball::ZERO; n], vec![Ball::ZERO; n]);
@@ -204,14 +205,14 @@ impl Oscillators {
         (seen(&q), seen(&v))
     }
 
-    /// What a change of the state computed as X^T (..) is off by, from the sizes of its two parts.
+    /// Error of a change of the state computed as X^T (..), from the magnitudes of its two parts.
     pub fn defect_of_change(&self, eta: f64, rate: f64) -> f64 {
         let off = self.modes.epsilon * self.count() as f64;
         (off / (1.0 - off) * (self.largest_s * eta + rate + self.damping_defect * eta) + self.damping_defect * eta) * UP
     }
 
-    /// What a step adds to the state's error, besides what it carries over: from that before it, |z|, and the sources' norm
-    /// and error.
+    /// The error that a step adds to the state, besides the error that it carries over: from the error before, |z|, and
+    /// the sources' norm and error.
     pub fn error_of_step(&self, step: &Step, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
         let carried = step.from_sources * w_error;
         let applied = (step.error + step.rounding) * (z + error)
@@ -222,7 +223,7 @@ impl Oscillators {
         (carried + applied + step.length * step.growth * disturbed) * UP
     }
 
-    /// Errors of the sources themselves, as accelerations of the modes.
+    /// Errors of the sources' approximations, as accelerations of the modes.
     pub fn approximations(&self, system: &LinearSystem, channels: &[Channel]) -> f64 {
         let of = |channel: &Channel| -> f64 {
             let b = &system.inputs[channel.input].b;
@@ -269,7 +270,7 @@ impl Oscillators {
     }
 }
 
-/// About the time in which all modes forget most of their state, where the horizon holds many of their turns; see
+/// Approximate time in which all modes lose most of their energy, if the horizon contains many of their periods; see
 /// [`crate::analysis::response::propagator::scales`].
 fn relaxation(modes: &ModalSum, horizon: f64) -> f64 {
     let rates = modes.k.iter().zip(&modes.c).map(|(k, c)| {
@@ -281,7 +282,7 @@ fn relaxation(modes: &ModalSum, horizon: f64) -> f64 {
     if fastest * horizon > MANY_TURNS && slowest > 0.0 { 2.0 / slowest } else { f64::INFINITY }
 }
 
-/// Shorter motions need no such care.
+/// Shorter motions do not need this.
 const MANY_TURNS: f64 = 1e6;
 
 impl Output {
@@ -301,7 +302,7 @@ impl Output {
         }
     }
 
-    /// Adds what the sources feed in at once; `w` holds those that are on.
+    /// Adds the direct feed-through of the sources; `w` holds the active ones.
     pub fn with_sources(&self, value: Dd, w: &[Dd], channels: &[Channel]) -> Dd {
         if self.source_norm == 0.0 {
             return value;
@@ -322,7 +323,7 @@ impl Output {
         own + fed + self.acceleration * off.acceleration
     }
 
-    /// The largest value that a state and sources of these norms could make.
+    /// The largest value that a state and sources of these norms could produce.
     pub fn scale(&self, z: f64, w: f64) -> f64 {
         self.norm * z + self.source_norm * w
     }

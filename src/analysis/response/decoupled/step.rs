@@ -1,10 +1,10 @@
-//! exp(A h) of every oscillator at once, side by side in the lanes of a vector, with the sources that act on it. In: the
-//! oscillators, the states of the sources that are on, h. Out: two by two numbers an oscillator, two a source, and what
-//! they are off by. See docs/method/response.md#modal-steps.
+//! exp(A h) of all oscillators at once, in the lanes of vectors, with the sources that act on them. In: the
+//! oscillators, the active states of the sources, h. Out: two by two numbers for each oscillator, two for each source,
+//! and bounds of their errors. See docs/method/response.md#modal-steps.
 //!
 //! A = [[A_i, B_i], [0, G]]: A_i = [[0, s], [-k/s, -c]], B_i the sources' forces on z_2, G their generator. The blocks
-//! F = exp(A_i h), Phi and R = exp(G h) are made by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by Horner's
-//! scheme, and squaring: F <- F F, Phi <- F Phi + Phi R, R <- R R.
+//! F = exp(A_i h), Phi and R = exp(G h) are computed by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by
+//! Horner's scheme, and squaring: F <- F F, Phi <- F Phi + Phi R, R <- R R.
 
 use super::lanes::Lanes;
 use super::oscillators::Oscillators;
@@ -18,11 +18,11 @@ use std::cell::RefCell;
 #[derive(Clone, Debug)]
 pub struct Step {
     pub h: Number,
-    /// States of the sources that are on.
+    /// Active states of the sources.
     pub on: Vec<usize>,
     /// F by rows.
     pub f: [Lanes; 4],
-    /// Both entries of Phi for each state that is on.
+    /// Both entries of Phi for each active state.
     pub phi: Vec<[Lanes; 2]>,
     /// R
     pub r: Matrix<Dd>,
@@ -33,18 +33,18 @@ pub struct Step {
     pub error: f64,
     pub error_of_sources: f64,
     pub error_of_r: f64,
-    /// What applying it loses, relative to |z| and |w|.
+    /// Rounding error of applying it, relative to |z| and |w|.
     pub rounding: f64,
     pub rounding_of_sources: f64,
-    /// |h|, and bounds of |exp(A_i t)| and |exp(G t)| up to it.
+    /// |h|, and bounds of |exp(A_i t)| and |exp(G t)| for t up to h.
     pub length: f64,
     pub growth: f64,
     pub growth_of_sources: f64,
-    /// Bounds of the norms of 2^k such steps at once, without sources, as far as they were asked for.
+    /// Bounds of the norms of 2^k such steps at once, without sources, computed on demand.
     powers: RefCell<Powers>,
 }
 
-/// F of each oscillator squared again and again, in binary64, with what each square is off by.
+/// F of each oscillator, squared repeatedly in binary64, with the error of each square.
 #[derive(Clone, Debug)]
 struct Powers {
     last: Vec<([f64; 4], f64)>,
@@ -53,23 +53,23 @@ struct Powers {
 
 /// Degree of the polynomial.
 const DEGREE: usize = 24;
-/// What the polynomial leaves out.
+/// Remainder of the polynomial.
 const LEFT_OUT: f64 = 1e-32;
 /// Twice the relative error of one operation.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 /// (2^-53)^2
 const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
 const UP: f64 = 1.0 + 1e-12;
-/// A time of 2^100 over the fastest rate is more than any that is worth a number.
+/// 2^100 times the fastest period is longer than any useful time.
 const MOST_SQUARINGS: usize = 100;
 
-/// What the lanes compute with.
+/// The input of the loop over lanes.
 struct Task<'a> {
     /// s h, -k/s h and -c h, scaled down.
     a: [Lanes; 3],
-    /// B h, scaled down: the place among the states that are on, and its entries.
+    /// B h, scaled down: the position among the active states, and its entries.
     b: Vec<(usize, Lanes)>,
-    /// The sums of Horner's scheme for exp(G h), from the highest down, then the powers that are squared.
+    /// The sums of Horner's scheme for exp(G h), from the highest down, then the powers to be squared.
     horner: &'a [Matrix<Dd>],
     powers: &'a [Matrix<Dd>],
     size: usize,
@@ -79,12 +79,12 @@ struct Task<'a> {
 struct Blocks {
     f: [Lanes; 4],
     phi: Vec<[Lanes; 2]>,
-    /// By squaring, then by oscillator: |F|^2 and |Phi|^2 of the computed blocks, Frobenius's norm.
+    /// By squaring, then by oscillator: |F|^2 and |Phi|^2 of the computed blocks, in the Frobenius norm.
     squares: Vec<[Vec<f64>; 2]>,
 }
 
 impl Step {
-    /// `None` where the exponent is out of range.
+    /// `None` if the exponent is out of range.
     pub fn of(of: &Oscillators, on: &[usize], h: &Number) -> Option<Step> {
         let t = h.to_ball();
         let m = on.len();
@@ -111,8 +111,8 @@ impl Step {
             size: of.count(),
         };
         let blocks = blocks(&task);
-        // Horner's scheme: a stage loses (size + 4) operations of sums that in absolute value are below 2 sqrt(size), and
-        // what a stage is off by enters the next one with |A h| / k: all of them together less than twice the last.
+        // Horner's scheme: a stage has (size + 4) rounding errors of sums whose absolute values are below 2 sqrt(size),
+        // and its error enters the next one with |A h| / k: all of them together are less than twice the last.
         let size = (m + 2) as f64;
         let uncertain = (of.radius * scaled.magnitude() + of.norm * scaled.rad) * 2.0;
         let start = (4.0 * (size + 4.0) * size.sqrt() * UNIT + LEFT_OUT + uncertain) * UP;
@@ -188,7 +188,7 @@ struct Errors {
 }
 
 impl Errors {
-    /// With F = exp + e, |F^2 - exp^2| <= 2 |exp| |e| + |e|^2 + rounding, and so for the other blocks.
+    /// With F = exp + e, |F^2 - exp^2| <= 2 |exp| |e| + |e|^2 + rounding; correspondingly for the other blocks.
     fn of(of: &Oscillators, blocks: &Blocks, powers: &[Matrix<Dd>], start: f64, time: f64, squarings: usize) -> Errors {
         let n = of.count();
         let m = powers[0].columns() as f64;
@@ -290,7 +290,7 @@ side_by_side! {
     }
 }
 
-/// P <- 1 + A h P / k for k from the degree down to one; the first block of sources' into `phi`.
+/// P <- 1 + A h P / k for k from the degree down to one; stores the block of the sources in `phi`.
 #[inline(always)]
 fn taylor<V: Vector>(task: &Task, at: usize, phi: &mut [[Double<V>; 2]]) -> [Double<V>; 4] {
     let one = Double::splat(Dd::ONE);
@@ -339,7 +339,7 @@ fn square<V: Vector>(f: &mut [Double<V>; 4], phi: &mut [[Double<V>; 2]], next: &
     *f = [a.times(a).plus(cross), a.times(b).plus(b.times(d)), c.times(a).plus(d.times(c)), cross.plus(d.times(d))];
 }
 
-/// Squares of Frobenius's norms.
+/// Squares of Frobenius norms.
 #[inline(always)]
 fn norms<V: Vector>(f: &[Double<V>; 4], phi: &[[Double<V>; 2]], at: usize, squares: &mut [Vec<f64>; 2]) {
     let zero = V::splat(0.0);
