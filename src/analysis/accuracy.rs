@@ -1,5 +1,5 @@
-//! Whether the answers are as accurate as was asked. In: certified modes and poles, the request. Out: the worst number that
-//! is not, with the bound that was reached. See docs/method/modes.md#requested-accuracy.
+//! Checks whether the answers are as accurate as requested. In: certified modes and poles, the request. Out: the least
+//! accurate number that is not, with the bound that was reached. See docs/method/modes.md#requested-accuracy.
 
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::error::place;
@@ -12,20 +12,20 @@ const CODE: Code = Code::limit("vib::limit::tolerance");
 /// The number farthest from being accurate enough.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortfall {
-    /// `the frequency of mode 3`
+    /// The number in words: `the frequency of mode 3`.
     what: String,
     /// Its relative bound.
     reached: f64,
     tolerance: f64,
-    /// A user set the tolerance.
+    /// Whether a user set the tolerance.
     asked: bool,
-    /// The coordinate that leads a mode's shape, and its place; of a pole the first of all.
+    /// The coordinate that leads a mode's shape, and its place; for a pole, the first coordinate.
     moving: Option<usize>,
     at: Span,
 }
 
-/// The worst relative bound above the tolerance, if there is one. Of numbers whose sign is not certain the verdict tells
-/// already; they count where a tolerance was asked for.
+/// The worst relative bound above the tolerance, if there is one. Numbers whose sign is not certain are already covered
+/// by the verdict; they count only if a tolerance was requested.
 pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &Request) -> Option<Shortfall> {
     let (tolerance, asked) = (request.limit(), request.asked.is_some());
     let frequencies = modes.numbered().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);
@@ -33,7 +33,7 @@ pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &
         let moving = mode.leading.map_or(0, CoordinateId::index);
         (mode.omega.relative_error(), format!("the frequency of mode {number}"), Some(moving))
     });
-    // Numbered as in the report: a pair once. Where nothing damps they are the frequencies again.
+    // Numbered as in the report, where a pair counts once. Without damping, the poles are the frequencies again.
     let upper = poles.list.iter().filter(|pole| pole.im.mid.hi >= 0.0 && !system.c.is_empty());
     let decays = (1..).zip(upper).filter(|(_, pole)| asked || pole.kind != PoleKind::Undetermined);
     let decays = decays.map(|(number, pole)| (pole.relative_error, format!("pole {number}"), None));
@@ -50,7 +50,7 @@ pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &
 }
 
 impl Shortfall {
-    /// An error where the tolerance was asked for; the answer is there all the same.
+    /// An error if the tolerance was requested, otherwise a warning; the answer is available in any case.
     pub fn to_diagnostic(&self) -> Diagnostic {
         let reached = if self.reached.is_finite() {
             format!("to {} of itself", above(self.reached))
@@ -71,7 +71,7 @@ impl Shortfall {
     }
 }
 
-/// Two digits, not below the value.
+/// Two digits, rounded up.
 fn above(value: f64) -> String {
     format!("{:.1e}", value * 1.06)
 }

@@ -1,4 +1,4 @@
-//! What analyses return.
+//! The answers of the analyses.
 
 use crate::analysis::poles::count::PoleCount;
 use crate::base::{Ball, Dd, Unproven};
@@ -12,7 +12,7 @@ pub enum Route {
     Exact,
     /// One-sided Jacobi on the factors in binary64, Rayleigh quotients and certificate in double-double.
     Factored,
-    /// As [`Route::Factored`], in double-double throughout.
+    /// Like [`Route::Factored`], in double-double throughout.
     FactoredDoubleDouble,
     /// The assembled matrices in double-double.
     Assembled,
@@ -20,7 +20,7 @@ pub enum Route {
     StarMesh,
     /// The assembled matrices in binary64, then residuals of the terms in double-double.
     Dense,
-    /// Sparse elimination, Lanczos' method, residuals in double-double and a count.
+    /// Sparse elimination, the Lanczos method, residuals in double-double and a count.
     Sparse,
     /// Bisection and Newton steps on a tree.
     Tree,
@@ -33,7 +33,7 @@ pub enum Route {
 }
 
 impl Route {
-    /// For reports: `factored`, `star-mesh`, ...
+    /// The name in reports: `factored`, `star-mesh`, ...
     pub fn name(self) -> &'static str {
         match self {
             Route::Exact => "exact",
@@ -55,7 +55,7 @@ impl Route {
 #[derive(Clone, Debug, Default)]
 pub struct Modes {
     pub list: Vec<Mode>,
-    /// Motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
+    /// Number of motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
     pub infinite: usize,
     /// Modes below those of the list that were not asked for: counted, not computed.
     pub before: Before,
@@ -63,7 +63,7 @@ pub struct Modes {
     pub after: usize,
 }
 
-/// How many modes of each kind come before those of a list.
+/// The number of modes of each kind that come before those of a list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Before {
     pub divergences: usize,
@@ -88,7 +88,7 @@ impl Before {
 }
 
 impl Modes {
-    /// Every mode is in the list.
+    /// Whether every mode is in the list.
     pub fn is_complete(&self) -> bool {
         self.before.count() + self.after == 0
     }
@@ -99,7 +99,8 @@ impl Modes {
     }
 }
 
-/// Up to so many coordinates modes keep their shapes in double-double: beyond, what needs them so is not computed either.
+/// Up to this many coordinates, modes keep their shapes in double-double; beyond, the analyses that need them are not
+/// made either.
 pub(in crate::analysis) const PRECISE: usize = 128;
 
 /// A mode of M q'' + K q = 0.
@@ -109,26 +110,28 @@ pub struct Mode {
     pub kind: ModeKind,
     /// omega^2 as an enclosure, 1/s^2; exactly zero for a rigid motion.
     pub omega_squared: Ball,
-    /// omega in rad/s for an oscillation, the growth rate in 1/s for a divergence, exactly zero for a rigid motion.
-    /// The radius is an absolute bound that holds; infinite where nothing could be certified.
+    /// omega in rad/s for an oscillation, the growth rate in 1/s for a divergence, exactly zero for a rigid motion. The
+    /// radius is a proven absolute bound; infinite if nothing could be certified.
     pub omega: Ball,
-    /// Modes that are certified only together (a repeated frequency or a tight cluster) share a number; alone otherwise.
+    /// Modes that are certified only together (a repeated frequency or a tight cluster) share a number; `None` for a
+    /// single mode.
     pub cluster: Option<u32>,
     /// Displacement of each coordinate, mass-normalised (shape^T M shape = 1), sign as spec.md's "Normalisation" says.
     pub shape: Vec<f64>,
-    /// The same in double-double as it was computed: most modes of fewer than 64 coordinates have about 30 digits of it. `None`
-    /// where it was computed in binary64, and in systems of more than 128 coordinates.
+    /// The shape in double-double as computed: most modes of fewer than 64 coordinates have about 30 correct digits.
+    /// `None` if it was computed in binary64, and in systems of more than 128 coordinates.
     pub precise: Option<Vec<Dd>>,
-    /// How many digits of omega the inputs fix is log10 of the inverse of this times their relative error:
-    /// (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for rigid motions.
+    /// The sensitivity of omega to relative errors of the inputs; log10 of the inverse of this times their relative
+    /// error is the number of digits that they determine. (sum |k e^2| + sum |g e^2|) / |omega^2 m x^2| + 1. `None` for
+    /// rigid motions.
     pub input_condition: Option<Unproven>,
-    /// The coordinate whose displacement leads the shape: the first of the largest translations, or of the largest rotations
-    /// where the translations carry nothing. `None` where nothing moves.
+    /// The coordinate whose displacement leads the shape: the first of the largest translations, or of the largest
+    /// rotations if the translations have no kinetic energy. `None` if nothing moves.
     pub leading: Option<CoordinateId>,
     /// Shares of the kinetic energy by body, largest first, none negative, summing to 1.
     pub kinetic: Vec<Share<Source>>,
-    /// Shares of the strain energy by what holds it (a spring's name, gravity), largest first, summing to 1
-    /// (shares of geometric terms may be negative). Empty for rigid motions, and where the parts cancel to nothing.
+    /// Shares of the strain energy by its source (a spring's name, gravity), largest first, summing to 1 (shares of
+    /// geometric terms may be negative). Empty for rigid motions, and if the parts cancel.
     pub strain: Vec<Share<Source>>,
     pub route: Route,
 }
@@ -141,16 +144,16 @@ pub enum ModeKind {
     Rigid,
     /// omega^2 < 0: the motion grows like exp(growth t)
     Divergence,
-    /// The enclosure of omega^2 holds zero and no exact argument settles its sign; omega is then 0 with the radius
+    /// The enclosure of omega^2 contains zero and no exact argument settles its sign; omega is then 0 with the radius
     /// sqrt(bound of |omega^2|).
     Undetermined,
 }
 
-/// A part of a whole.
+/// A share of a total.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share<T> {
     pub of: T,
-    /// From a shape, which has no bound.
+    /// Computed from a shape, which has no bound.
     pub part: Unproven,
 }
 
@@ -158,26 +161,26 @@ pub struct Share<T> {
 #[derive(Clone, Debug, Default)]
 pub struct Poles {
     pub list: Vec<Pole>,
-    /// How many there are, where it is proved that all were found, and each once.
+    /// The number of poles, if it is proved that all were found, each once.
     pub count: Option<PoleCount>,
-    /// How many were not computed or are not listed, because not all modes were asked for.
+    /// Number of poles that were not computed or are not listed, because not all modes were requested.
     pub left_out: usize,
-    /// Each was followed from a mode by itself: that no other one lies between is not proved.
+    /// Whether each pole was followed from a mode separately: then it is not proved that no other one lies between.
     pub followed: bool,
 }
 
 impl Poles {
-    /// How many of two for each coordinate are infinite, where that is proved: motions without inertia.
+    /// The number of infinite poles (of two for each coordinate), due to motions without inertia, if it is proved.
     pub fn infinite(&self) -> Option<usize> {
         self.count.map(PoleCount::infinite)
     }
 
-    /// All should be in the list, and it is not proved that they are.
+    /// Whether all poles should be in the list, but this is not proved.
     pub fn is_uncounted(&self) -> bool {
         self.left_out == 0 && self.count.is_none()
     }
 
-    /// Every pole is in the list, and that is proved.
+    /// Whether every pole is in the list, and this is proved.
     pub fn is_complete(&self) -> bool {
         self.count.is_some_and(|count| count.finite() == self.list.len())
     }
@@ -186,11 +189,11 @@ impl Poles {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Pole {
-    /// 1/s
+    /// Real part, 1/s.
     pub re: Ball,
-    /// rad/s
+    /// Imaginary part, rad/s.
     pub im: Ball,
-    /// Bound of |computed - true| / |true|; infinite where nothing could be certified, 0 for an exact zero.
+    /// Bound of |computed - true| / |true|; infinite if nothing could be certified, 0 for an exact zero.
     pub relative_error: f64,
     /// zeta = -re / |s|; `None` for a pole at zero.
     pub damping_ratio: Option<Ball>,
@@ -240,14 +243,14 @@ pub(in crate::analysis) fn modulus(re: Ball, im: Ball) -> Ball {
     if !(power.is_normal() && inverse.is_normal()) {
         return Ball::new(re.mid, f64::INFINITY);
     }
-    // Powers of two change no digit, but for what falls below the range: that is less than the least number.
+    // Powers of two change no digit, except for an underflow, which is less than the least positive number.
     let scaled = |x: Ball, by: f64| Ball::new(x.mid.scale(by), x.rad * by).widen(f64::MIN_POSITIVE);
     let (re, im) = (scaled(re, inverse), scaled(im, inverse));
     scaled((re.square() + im.square()).sqrt(), power)
 }
 
 impl PoleKind {
-    /// As in the JSON and in reports.
+    /// The name in JSON and in reports.
     pub fn name(self) -> &'static str {
         match self {
             PoleKind::Oscillation => "oscillation",
@@ -261,7 +264,7 @@ impl PoleKind {
 }
 
 impl ModeKind {
-    /// As in the JSON and in reports.
+    /// The name in JSON and in reports.
     pub fn name(self) -> &'static str {
         match self {
             ModeKind::Oscillation => "oscillation",

@@ -1,6 +1,6 @@
-//! Damping that is declared for the whole system: Rayleigh's C = alpha M + beta K, and one ratio for all modes,
-//! C = sum 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system; out: its C with these terms added.
-//! See docs/method/response.md.
+//! Damping that is declared for the whole system: Rayleigh's C = alpha M + beta K, and one ratio for all modes, C = sum
+//! 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system. Out: its C with these terms added. See
+//! docs/method/response.md.
 
 use crate::analysis::AnalysisError;
 use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};

@@ -1,6 +1,7 @@
-//! Quantities that follow from an answer: frequencies in hertz, periods, decay times, half-lives, levels and angles, and the
-//! bounds of the binary64 numbers that are printed for them. Measures, reports and JSON take them from here, so that none of
-//! them chooses or computes one again. See docs/method/report.md#numbers and docs/method/report.md#error-bounds.
+//! Quantities that follow from an answer: frequencies in hertz, periods, decay times, half-lives, levels and angles,
+//! and the bounds of the binary64 numbers that are printed for them. Measures, reports and JSON take them from here, so
+//! that each is chosen and computed only once. See docs/method/report.md#numbers and
+//! docs/method/report.md#error-bounds.
 
 use crate::analysis::answer::{Mode, ModeKind, Pole, PoleKind};
 use crate::analysis::modes::buckling::Buckling;
@@ -9,10 +10,10 @@ use crate::analysis::response::History;
 use crate::analysis::transfer::Disc;
 use crate::base::{Ball, Dd, Number, Rounded};
 
-/// Covers the few roundings of a bound itself.
+/// Covers the few rounding errors of the bound itself.
 const UP: f64 = 1.0 + 1e-14;
 
-/// rad/s to Hz.
+/// Converts rad/s to Hz.
 pub fn hertz(omega: Ball) -> Ball {
     omega / full_turn()
 }
@@ -27,7 +28,7 @@ pub fn doubling_time(rate: Ball) -> Ball {
     Ball::LN_2 / rate
 }
 
-/// Radians to degrees.
+/// Converts radians to degrees.
 pub fn degrees(angle: Ball) -> Ball {
     angle * Ball::from(180.0) / Ball::PI
 }
@@ -35,7 +36,7 @@ pub fn degrees(angle: Ball) -> Ball {
 /// 20 log10 of an amplitude ratio, dB; `None` for zero.
 pub fn level(ratio: Ball) -> Option<Ball> {
     let level = Number::Ball(Ball::exact(ratio.mid)).to_decibel()?.to_ball();
-    // d(20 log10 g) = 8.69 dg / g, and a little more for a wide ball.
+    // d(20 log10 g) = 8.69 dg / g, and slightly more for a wide ball.
     Some(level.widen(8.7 * ratio.relative_error().min(1e300)))
 }
 
@@ -44,28 +45,28 @@ fn full_turn() -> Ball {
 }
 
 impl Mode {
-    /// rad/s; 0 for a rigid motion, `None` where it is not certain that the mode oscillates.
+    /// rad/s; 0 for a rigid motion, `None` if it is not certain that the mode oscillates.
     pub fn angular_frequency(&self) -> Option<Ball> {
         matches!(self.kind, ModeKind::Oscillation | ModeKind::Rigid).then_some(self.omega)
     }
 
-    /// Hz; where there is an angular frequency.
+    /// Hz; `None` if there is no angular frequency.
     pub fn frequency(&self) -> Option<Ball> {
         self.angular_frequency().map(hertz)
     }
 
-    /// s; `None` where the mode does not oscillate.
+    /// s; `None` if the mode does not oscillate.
     pub fn period(&self) -> Option<Ball> {
         (self.kind == ModeKind::Oscillation).then(|| period(self.omega))
     }
 
-    /// 1/s; `None` where the mode does not diverge.
+    /// 1/s; `None` if the mode does not diverge.
     pub fn growth_rate(&self) -> Option<Ball> {
         (self.kind == ModeKind::Divergence).then_some(self.omega)
     }
 
-    /// A bound of the relative error of the angular frequency and of the frequency (of the growth rate where the mode
-    /// diverges), each as binary64; infinite where none is known.
+    /// A bound of the relative error of the angular frequency and of the frequency (of the growth rate if the mode
+    /// diverges), each as binary64; infinite if none is known.
     pub fn error_bound(&self) -> f64 {
         let frequency = if self.kind == ModeKind::Divergence { Ball::ZERO } else { hertz(self.omega) };
         Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(frequency))
@@ -78,7 +79,7 @@ impl Mode {
 }
 
 impl Split {
-    /// Hz
+    /// The difference of the frequencies, Hz.
     pub fn frequency(&self) -> Ball {
         hertz(self.omega)
     }
@@ -95,7 +96,7 @@ impl Split {
 }
 
 impl Buckling {
-    /// By which part of themselves the loads may grow; negative where they are too large already.
+    /// The relative amount by which the loads may grow; negative if they are too large already.
     pub fn margin(&self) -> Ball {
         self.load_factor - Ball::ONE
     }
@@ -112,7 +113,7 @@ impl Pole {
         hertz(self.im.abs())
     }
 
-    /// One of a complex pair.
+    /// Whether the pole is one of a complex pair.
     pub fn is_complex(&self) -> bool {
         match self.kind {
             PoleKind::Oscillation | PoleKind::Flutter => true,
@@ -121,7 +122,7 @@ impl Pole {
         }
     }
 
-    /// The other one of its pair stands for both where motions are counted.
+    /// Whether the pole is the lower one of its pair; only the upper one counts as a motion.
     pub fn is_lower_half(&self) -> bool {
         self.is_complex() && self.im.mid.hi < 0.0
     }
@@ -130,18 +131,19 @@ impl Pole {
         matches!(self.kind, PoleKind::Flutter | PoleKind::Divergence)
     }
 
-    /// 1 / |re s|, s: the amplitude has then fallen to 1/e. `None` where it does not decay.
+    /// 1 / |re s|, s: the amplitude has then fallen to 1/e. `None` if it does not decay.
     pub fn decay_time(&self) -> Option<Ball> {
         (!self.grows() && !self.re.is_zero()).then(|| Ball::ONE / self.re.abs())
     }
 
-    /// Cycles after which the amplitude has halved: ln 2 |im| / (2 pi |re|). `None` where nothing oscillates and decays.
+    /// Number of cycles after which the amplitude has halved: ln 2 |im| / (2 pi |re|). `None` if the motion does not
+    /// oscillate and decay.
     pub fn half_life(&self) -> Option<Ball> {
         let halves = self.is_complex() && !self.grows() && !self.re.is_zero();
         halves.then(|| hertz(Ball::LN_2 * self.im.abs() / self.re.abs()))
     }
 
-    /// s; `None` where the motion does not grow.
+    /// s; `None` if the motion does not grow.
     pub fn doubling_time(&self) -> Option<Ball> {
         self.grows().then(|| doubling_time(self.re))
     }
@@ -160,13 +162,13 @@ impl Pole {
 impl Disc {
     /// The angle of the value in radians, in (-pi, pi]; `None` for zero.
     pub fn angle(&self) -> Option<Ball> {
-        // arcsin of the relative radius, less than pi / 2 times it.
+        // At most the arcsine of the relative radius, which is less than pi / 2 times it.
         Some(self.midpoint_angle()?.widen(1.6 * self.relative_error().min(1e300)))
     }
 
     /// The angle in degrees, in (-180, 180]; `None` for zero.
     pub fn phase(&self) -> Option<Ball> {
-        // arcsin of the relative radius, in degrees: less than 90 times it.
+        // The arcsine of the relative radius in degrees, which is less than 90 times it.
         Some(degrees(self.midpoint_angle()?).widen(90.0 * self.relative_error().min(1e300)))
     }
 
@@ -180,8 +182,7 @@ impl Disc {
         level(self.gain())
     }
 
-    /// A bound of |printed - true| / |true| for the numbers that are printed: the two parts in the complex plane, and the
-    /// gain.
+    /// A bound of |printed - true| / |true| for the printed numbers: the two parts in the complex plane, and the gain.
     pub fn error_bound(&self) -> f64 {
         let part = |x: Dd| Rounded::bound_of(Ball::exact(x));
         let size = self.value.to_f64().abs() * (1.0 - 1e-15) - self.radius;
@@ -196,7 +197,7 @@ impl Disc {
 }
 
 impl History {
-    /// The largest |printed - true| of an output's samples as binary64; infinite where nothing is known of some sample.
+    /// The largest |printed - true| of an output's samples as binary64; infinite if some sample is unknown.
     pub fn error_bound(&self, output: usize) -> f64 {
         self.values.iter().map(|row| Rounded::bound_of(row[output])).fold(0.0, f64::max)
     }
@@ -221,7 +222,7 @@ mod tests {
         );
     }
 
-    /// s = -3 +- 4i: |s| = 5, half of it is gone after ln 2 / 3 s, which is 4 ln 2 / (6 pi) cycles.
+    /// s = -3 +- 4i: |s| = 5, the amplitude has halved after ln 2 / 3 s, which is 4 ln 2 / (6 pi) cycles.
     #[test]
     fn a_decaying_oscillation() {
         let pole = pole(-3.0, 4.0, PoleKind::Oscillation);
@@ -238,7 +239,7 @@ mod tests {
         let pole = pole(0.5, 1.0, PoleKind::Flutter);
         near(pole.doubling_time(), 2.0 * std::f64::consts::LN_2);
         assert!(pole.decay_time().is_none() && pole.half_life().is_none());
-        // Nothing damps: the motion never decays.
+        // Without damping, the motion never decays.
         let undamped = super::tests::pole(0.0, 1.0, PoleKind::Oscillation);
         assert!(undamped.decay_time().is_none() && undamped.half_life().is_none());
     }

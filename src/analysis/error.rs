@@ -1,4 +1,4 @@
-//! Why an analysis gives no answer: facts, and the diagnostic that they turn into.
+//! Why an analysis gives no answer: facts, and the diagnostics made from them.
 
 use crate::base::{Code, Diagnostic, Span};
 use crate::system::{CoordinateId, LinearSystem};
@@ -7,32 +7,33 @@ use crate::system::{CoordinateId, LinearSystem};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// More coordinates than the methods for general matrices take.
+    /// There are more coordinates than the methods for general matrices take.
     TooManyCoordinates { count: usize, limit: usize, at: Span },
-    /// Some modes were asked for of so many coordinates, and no sparse method suits them.
+    /// Some modes of a system of this many coordinates were requested, and no sparse method suits it.
     NotSparse { count: usize, limit: usize, at: Span },
-    /// Motions without inertia that nothing holds: the coordinates concerned, by name, and where the first is declared.
+    /// There are motions without inertia that nothing holds: the coordinates concerned, by name, and the place where
+    /// the first is declared.
     SingularMass { coordinates: Vec<String>, at: Span },
-    /// Motions without inertia in a part with dampers whose poles are not computed exactly: the coordinates without inertia, by
-    /// name, how many coordinates their part has, and where the first is declared.
+    /// There are motions without inertia in a part with dampers whose poles are not computed exactly: the coordinates
+    /// without inertia, by name, the number of coordinates of their part, and the place where the first is declared.
     MasslessPoles { coordinates: Vec<String>, count: usize, limit: usize, at: Span },
-    /// Bodies without mass whose elimination would leave more terms than `limit`.
+    /// There are bodies without mass whose elimination would leave more than `limit` terms.
     MasslessNet { coordinate: String, limit: usize, at: Span },
-    /// A mass or an inertia that is negative in some motion of this coordinate.
+    /// A mass or a moment of inertia is negative in some motion of this coordinate.
     IndefiniteMass { coordinate: String, at: Span },
-    /// More states than a dense matrix exponential is for.
+    /// There are too many states for a dense matrix exponential.
     TooManyStates { count: usize, limit: usize, at: Span },
-    /// A signal that needs too many pieces: the input's name.
+    /// A signal needs too many pieces: the input's name.
     SignalTooLong { input: String, at: Span },
-    /// An impulse of a prescribed motion: the base's name.
+    /// A prescribed motion has an impulse: the base's name.
     BlowOnBase { input: String, at: Span },
-    /// A motion that grows, or a time that is long, beyond what binary64 holds.
+    /// A motion grows, or a time is long, beyond the range of binary64.
     MotionOutOfRange { at: Span },
-    /// Simulation code whose numbers its precision does not hold.
+    /// Simulation code needs numbers outside the range of its precision.
     CodeOutOfRange { precision: &'static str, at: Span },
-    /// A step so long beside a motion or a signal that too few digits say where in its turn that is.
+    /// A step is so long relative to a motion or a signal that too few digits are left for its phase.
     StepTooLong { at: Span },
-    /// A number too large or too small for binary64 met on the way.
+    /// A number became too large or too small for binary64.
     OutOfRange { at: Span },
     /// `damping modal` at a part whose modes are not known well enough for a bound of what it adds.
     UncertainModes { at: Span },
@@ -45,7 +46,7 @@ impl AnalysisError {
         AnalysisError::SingularMass { coordinates, at }
     }
 
-    /// `part`: the coordinates of the part, of which some have no inertia.
+    /// `part`: the coordinates of the part, some of which have no inertia.
     pub(in crate::analysis) fn massless_poles(system: &LinearSystem, part: &[u32], limit: usize) -> AnalysisError {
         let mut heavy: Vec<u32> = (system.m.terms().iter())
             .flat_map(|term| system.m.row(term).iter().filter(|(_, a)| !a.is_zero()).map(|(i, _)| i.0))
@@ -212,9 +213,9 @@ impl AnalysisError {
     }
 }
 
-/// Which motions these are, and why the poles of their part are not computed.
+/// The text that names these motions, and says why the poles of their part are not computed.
 fn massless_poles(coordinates: &[String], count: usize, limit: usize) -> String {
-    /// Names that are listed.
+    /// The most names that are listed.
     const MOST: usize = 6;
     let who = match coordinates {
         [] => "some motion".to_string(),

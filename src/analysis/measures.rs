@@ -1,5 +1,5 @@
-//! Single numbers that a model asks for or requires, by their definitions on the language page, each a ball. In: answers;
-//! out: a value, or why there is none. See docs/method/response.md.
+//! Single numbers that a model asks for or requires, by their definitions on the language page, each as a ball. In:
+//! answers. Out: a value, or why there is none. See docs/method/response.md.
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
@@ -12,11 +12,11 @@ use crate::system::{LinearSystem, Signal};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measurement {
     Value(Ball),
-    /// A resonance without damping, a free body under a steady load.
+    /// An infinite value, as for a resonance without damping or a free body under a steady load.
     Infinite,
-    /// Why there is none.
+    /// Why there is no value.
     None(&'static str),
-    /// What stopped the analysis, in its own words.
+    /// The message of the error that stopped the analysis.
     Failed(String),
 }
 
@@ -34,7 +34,7 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
     }
 }
 
-/// omega^2 of the i-th mode without damping, 1/s^2: negative where it diverges.
+/// omega^2 of the i-th mode without damping, 1/s^2: negative if it diverges.
 pub fn square(modes: &Modes, i: usize) -> Measurement {
     match i.checked_sub(1).and_then(|i| modes.list.get(i)) {
         Some(mode) => Measurement::Value(mode.omega_squared),
@@ -42,14 +42,14 @@ pub fn square(modes: &Modes, i: usize) -> Measurement {
     }
 }
 
-/// c^2 - 4 k m of a single coordinate: positive where its motion does not oscillate.
+/// c^2 - 4 k m of a single coordinate: positive if its motion does not oscillate.
 pub fn discriminant(system: &LinearSystem) -> Measurement {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.entries(1)[0][0].clone());
     let value = &c.square() - &(&Number::from(4) * &(&k * &m));
     Measurement::Value(value.to_ball())
 }
 
-/// ((s1 - s2) / 2)^2 of the two poles of the i-th damped motion, 1/s^2: negative where it oscillates, positive where both are
+/// ((s1 - s2) / 2)^2 of the two poles of the i-th damped motion, 1/s^2: negative if it oscillates, positive if both are
 /// real.
 pub fn critical(poles: &Poles, i: usize) -> Measurement {
     const NONE: Measurement = Measurement::None("there is no such damped motion");
@@ -115,8 +115,8 @@ pub fn phase(transfer: &Transfer, input: usize, output: usize, frequency: &Numbe
     measured(at(transfer, input, output, frequency), |disc| disc.angle())
 }
 
-/// The largest value that an output comes near to in the steady state under the harmonic signals: signals of one frequency
-/// add as complex numbers, amplitudes of different frequencies add up.
+/// The supremum of an output in the steady state under the harmonic signals: signals of one frequency add as complex
+/// numbers, amplitudes of different frequencies add up.
 pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> Measurement {
     let mut sum = Ball::ZERO;
     for part in steady(transfer, drives, &[output]) {
@@ -132,7 +132,7 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 /// A steady load: the input, and its value.
 pub type Loads = Vec<(usize, Number)>;
 
-/// What stays on of a sum of signals: steps, ramps at their end, the last value of a table.
+/// The lasting part of a sum of signals: steps, ramps at their end, the last value of a table.
 pub fn lasting(signals: &[Signal]) -> Number {
     signals.iter().fold(Number::ZERO, |sum, signal| match signal {
         Signal::Step { value, .. } | Signal::Ramp { value, .. } => &sum + value,
@@ -141,7 +141,7 @@ pub fn lasting(signals: &[Signal]) -> Number {
     })
 }
 
-/// Where steady loads (input, value) bring an output: sum H(0) load.
+/// The final value of an output under steady loads (input, value): sum H(0) load.
 pub fn static_value(transfer: &Transfer, loads: &[(usize, Number)], output: usize) -> Measurement {
     let mut sum = Ball::ZERO;
     for (input, load) in loads.iter().filter(|(_, load)| !load.is_zero()) {
@@ -185,8 +185,8 @@ mod tests {
         }
     }
 
-    /// S10 of the published cases (VM86): k = 200, c = 6, m = 0.5, 10 N at 20 rad/s make 1/12 m. Two forces of half the size a
-    /// quarter of a turn apart make sqrt(1/2) of it.
+    /// S10 of the published cases (VM86): k = 200, c = 6, m = 0.5, 10 N at 20 rad/s give 1/12 m. Two forces of half the
+    /// size, a quarter of a period apart, give sqrt(1/2) of it.
     #[test]
     fn a_steady_amplitude() {
         let system = oscillator("0.5", "6", "200");
@@ -213,7 +213,7 @@ mod tests {
         assert!(matches!(frequency(&modes, 2), Measurement::None(_)));
         assert!(matches!(damping_ratio(&poles, 2), Measurement::None(_)));
         let transfer = Transfer::of(&system);
-        // At its own 2 rad/s an oscillator answers with 1 / (c omega), a quarter of a turn late.
+        // At its own 2 rad/s an oscillator responds with 1 / (c omega), a quarter of a period late.
         let own = Number::pi().recip().expect("not zero");
         assert!((value(gain(&transfer, 0, 0, &own)) - 0.25).abs() < 1e-16);
         assert!((value(phase(&transfer, 0, 0, &own)) + std::f64::consts::FRAC_PI_2).abs() < 1e-15);

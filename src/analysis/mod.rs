@@ -1,5 +1,5 @@
-//! Linear system to answers: modes, poles, transfer, response, and what they say about stability. Each answer carries its
-//! error bound and the route that found it. Nothing here knows the language or the scene.
+//! Analyses of a linear system: modes, poles, transfer functions, motions, and the stability that follows from them.
+//! Each answer carries its error bound and the route that found it. Nothing here depends on the language or the scene.
 //! See docs/method/modes.md, docs/method/poles.md, docs/method/transfer.md and docs/method/response.md.
 
 pub mod accuracy;

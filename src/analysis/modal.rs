@@ -1,8 +1,9 @@
-//! The modes asked for, their poles, and what they say about the rest. In: a linear system and a request. Out: all three.
+//! The requested modes, their poles, and the stability of the rest. In: a linear system and a request. Out: all three.
 //!
-//! Where all modes are cheap, or where damping that joins the modes needs them all, everything is computed and what was asked
-//! for is cut out. Else the modes asked for are computed, and the poles are those of these modes, or followed from them one by
-//! one. See docs/method/modes.md#some-of-the-modes and docs/method/poles.md#some-of-the-poles.
+//! If all modes are cheap, or if damping that couples the modes needs them all, everything is computed and the
+//! requested part is returned. Otherwise only the requested modes are computed, and the poles are those of these modes,
+//! or are followed from them one by one. See docs/method/modes.md#some-of-the-modes and
+//! docs/method/poles.md#some-of-the-poles.
 
 use crate::analysis::answer::{Before, Mode, ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::AnalysisError;
@@ -23,7 +24,8 @@ pub struct Modal {
     pub stability: Verdict,
 }
 
-/// Whether what is asked for is found with rows of M as they are chained (docs/method/system.md#deep-trees): some modes, and poles of these at most.
+/// Whether the request can be answered with the chained rows of M (docs/method/system.md#deep-trees): for some of the
+/// modes, and at most their poles.
 pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
     let few = match request.which {
         Which::All => false,
@@ -34,12 +36,12 @@ pub fn takes_chained(system: &LinearSystem, request: &Request) -> bool {
     few && !needs_all(system, &whole(system))
 }
 
-/// The modes asked for, and what goes with them.
+/// The requested modes, their poles and the verdict.
 pub fn modal(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
     modal_from(system, None, request)
 }
 
-/// [`modal`] where [`crate::analysis::modes`] of the system, or of one with the same M and K, may have been computed before.
+/// Like [`modal`], if [`crate::analysis::modes`] of the system, or of one with the same M and K, may be known already.
 pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Request) -> Result<Modal, AnalysisError> {
     if system.is_chained() {
         return of_chained(system, request);
@@ -57,7 +59,7 @@ pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Reques
     Ok(Modal { modes, poles, stability }.cut(request.which))
 }
 
-/// All modes to the accuracy asked for: those that are known, if they have it.
+/// All modes to the requested accuracy: the known ones if they are accurate enough.
 fn all_modes(system: &LinearSystem, known: Option<&Modes>, request: &Request) -> Result<Modes, AnalysisError> {
     let all = Request { which: Which::All, ..*request };
     let plain = Request { asked: None, ..all } == Request::default();
@@ -68,20 +70,20 @@ fn all_modes(system: &LinearSystem, known: Option<&Modes>, request: &Request) ->
 }
 
 impl Modal {
-    /// What was asked for, the rest counted.
+    /// Keeps what was requested, and counts the rest.
     fn cut(self, which: Which) -> Modal {
         Modal { modes: self.modes.cut(which), poles: self.poles.cut(which), ..self }
     }
 }
 
-/// Poles are the same in all coordinates.
+/// Analyses a linkage in other coordinates, in which the poles are the same.
 fn of_chained(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
     let Some(linkage) = Linkage::of(system) else { return modal(&linkage::written_out(system)?, request) };
     let found = modal(&linkage.system, request)?;
     Ok(Modal { modes: linkage.in_angles(system, found.modes), ..found })
 }
 
-/// The modes asked for and their poles; `None` if these are all and all poles can be had.
+/// The requested modes and their poles; `None` if these are all modes and all poles can be computed.
 fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
     let asked = |which| modes_as(system, &Request { which, ..*request });
     if are_of_modes(system, whole) {
@@ -91,7 +93,7 @@ fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Opt
         return Ok(told.then_some((modes, poles)));
     }
     let which = which_of(system, request.which);
-    // Modes beyond those asked for prove poles.
+    // Modes beyond the requested ones serve to prove poles.
     let (modes, further) = match which {
         Which::Lowest(count) => match asked(Which::Lowest(count + FURTHER)) {
             Ok(further) => (further.clone().cut(which), further),
@@ -115,7 +117,7 @@ fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Opt
     Ok(Some((modes.clone(), poles.unwrap_or_else(|| poles_of(system, whole, &modes)))))
 }
 
-/// So many modes beyond those asked for: somewhere among them is a gap.
+/// This many modes beyond the requested ones are computed: somewhere among them is a gap.
 const FURTHER: usize = 5;
 
 /// Like [`modal`], with a uniform damping ratio added to each oscillation, in closed form. `None` if the dampers couple
@@ -141,7 +143,7 @@ pub fn modal_by_ratio(
     }))
 }
 
-/// All modes are cheap, or only together give the poles.
+/// Whether all modes are cheap, or the poles need all of them.
 fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
     let n = system.n();
     if n <= MIN_SPARSE {
@@ -150,7 +152,7 @@ fn needs_all(system: &LinearSystem, whole: &Part) -> bool {
     n <= MAX_ALL && !are_of_modes(system, whole) && largest(system) <= MAX_UNASKED
 }
 
-/// Coordinates of the largest independent part.
+/// Number of coordinates of the largest independent part.
 fn largest(system: &LinearSystem) -> usize {
     let parts = if system.is_chained() { independent_chained(system) } else { independent(system) };
     parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0)
@@ -168,7 +170,7 @@ fn whole(system: &LinearSystem) -> Part {
 }
 
 impl Modes {
-    /// Those asked for, the others counted.
+    /// Keeps the requested modes, and counts the others.
     pub(in crate::analysis) fn cut(mut self, which: Which) -> Modes {
         if let Which::Within(band) = which {
             let (low, high) = self.range(band);
@@ -185,7 +187,7 @@ impl Modes {
         self
     }
 
-    /// Where the modes that may lie in the band begin and end.
+    /// The range of the modes that may lie in the band.
     fn range(&self, band: Band) -> (usize, usize) {
         let square = |mode: &Mode| (mode.omega_squared.mid.hi, mode.omega_squared.rad);
         let inside = |mode: &Mode| band.may_hold(square(mode).0, square(mode).1);
@@ -196,7 +198,7 @@ impl Modes {
 }
 
 impl Poles {
-    /// As many pairs as modes were asked for, of least |s|; or those with |s| in the band.
+    /// Keeps as many pairs of least |s| as modes were requested; or those with |s| in the band.
     fn cut(mut self, which: Which) -> Poles {
         let all = self.list.len();
         match which {

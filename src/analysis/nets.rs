@@ -1,12 +1,12 @@
-//! The independent parts of a system, and how the coordinates of each are coupled: a chain, a tree, a band, or a net of
-//! another form. In: a linear system; out: the parts, in the order of their first coordinates. Cost: linear in its terms.
-//! See docs/method/system.md#parts.
+//! The independent parts of a system, and how the coordinates of each are coupled: as a chain, a tree, a band, or
+//! another net. In: a linear system. Out: the parts, in the order of their first coordinates. Cost: linear in its
+//! terms. See docs/method/system.md#parts.
 
 use crate::analysis::answer::Mode;
 use crate::analysis::modes::parts::{independent, independent_chained};
 use crate::system::{CoordinateId, LinearSystem};
 
-/// Coordinates that act on each other and on nothing else.
+/// Coordinates that are coupled with each other and with nothing else.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Net {
     /// Ascending.
@@ -14,18 +14,18 @@ pub struct Net {
     pub form: NetForm,
 }
 
-/// How the terms of M, C and K join coordinates.
+/// The way in which the terms of M, C and K couple coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NetForm {
-    /// One coordinate that nothing holds, damps or drives: it moves on as it started.
+    /// One coordinate without spring, damper or load: it keeps the velocity with which it started.
     Free,
     /// One coordinate.
     Single,
-    /// Each coordinate joined to the next alone.
+    /// Each coordinate is coupled only to the next.
     Chain,
-    /// No way from a coordinate back to itself.
+    /// There is no cycle.
     Tree,
-    /// In a good order, coordinates are joined with the next so many at most.
+    /// In a suitable order, each coordinate is coupled with at most the next `width`.
     Band {
         width: usize,
     },
@@ -48,9 +48,9 @@ impl NetForm {
     }
 }
 
-/// Terms on more coordinates join each with each: then the part is no band worth the name.
+/// Terms on more coordinates couple each with each: then the part has no useful band.
 const LONGEST_ROW: usize = 16;
-/// A band pays where it holds less than this part of the matrix.
+/// A band is used if this many times its width is at most the number of coordinates.
 const BAND_PAYS: usize = 4;
 
 /// The parts of a system.
@@ -83,7 +83,7 @@ pub fn nets(system: &LinearSystem) -> Vec<Net> {
     parts.collect()
 }
 
-/// The parts of a system with chained rows: those of several coordinates are linkages.
+/// The parts of a system with chained rows: those with several coordinates are linkages.
 fn chained(system: &LinearSystem) -> Vec<Net> {
     let parts = independent_chained(system).into_iter().map(|part| Net {
         form: if part.coordinates.len() == 1 { NetForm::Single } else { NetForm::Linkage },
@@ -96,7 +96,7 @@ fn is_driven(system: &LinearSystem, coordinate: u32) -> bool {
     system.inputs.iter().flat_map(|input| input.b.iter().flatten()).any(|(i, _)| i.0 == coordinate)
 }
 
-/// For each mode the index of the part that moves in it.
+/// For each mode, the index of the part that moves in it.
 pub fn parts_of_modes(nets: &[Net], modes: &[Mode]) -> Vec<usize> {
     let n = nets.iter().map(|net| net.coordinates.len()).sum();
     let mut part_of = vec![0; n];
@@ -110,7 +110,7 @@ pub fn parts_of_modes(nets: &[Net], modes: &[Mode]) -> Vec<usize> {
     modes.iter().map(|mode| part_of[largest(mode)]).collect()
 }
 
-/// Which coordinates are joined, without repetition.
+/// The pairs of coupled coordinates, without repetition.
 struct Graph {
     starts: Vec<usize>,
     ends: Vec<u32>,
@@ -135,7 +135,7 @@ impl Graph {
         &self.ends[self.starts[i]..self.starts[i + 1]]
     }
 
-    /// The graph of a part is connected.
+    /// The form of a part, whose graph is connected.
     fn form(&self) -> NetForm {
         let n = self.n();
         if self.ends.len() == 2 * (n - 1) {
@@ -146,8 +146,8 @@ impl Graph {
         if BAND_PAYS * (width + 1) <= n { NetForm::Band { width } } else { NetForm::General }
     }
 
-    /// Half the band: in the order of the model, or in that of Cuthill and McKee (Proc. 24th ACM Nat. Conf. (1969) 157) from
-    /// an end of the graph.
+    /// Half the bandwidth: in the order of the model, or in that of Cuthill and McKee (Proc. 24th ACM Nat. Conf. (1969)
+    /// 157) from an end of the graph.
     fn band(&self) -> usize {
         let far = *self.levels(0).last().unwrap_or(&0);
         let order = self.levels(far);
@@ -162,7 +162,7 @@ impl Graph {
         (0..self.n()).map(width).max().unwrap_or(0)
     }
 
-    /// Breadth first, those with the fewest neighbours first.
+    /// Breadth-first order, with those of fewest neighbours first.
     fn levels(&self, first: u32) -> Vec<u32> {
         let mut seen = vec![false; self.n()];
         seen[first as usize] = true;

@@ -1,5 +1,5 @@
-//! Measures of the motion in time: the largest |output| between the samples too, and the root of its mean square. In: the
-//! system, signals, an output, a time. Out: a ball that holds the true number. See docs/method/measures.md.
+//! Measures of the motion in time: the largest |output|, also between the samples, and the root of its mean square. In:
+//! the system, signals, an output, a time. Out: a ball that contains the true number. See docs/method/measures.md.
 
 use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;
@@ -42,12 +42,12 @@ fn measured(followed: Result<Followed, AnalysisError>, value: impl FnOnce(()) ->
 
 /// An output on [0, 1] of a piece: sum terms[j] x^j, to within `error`.
 pub struct Curve<'a> {
-    /// The terms in binary64, for what is decided.
+    /// The terms in binary64, for decisions.
     rough: Vec<f64>,
-    /// In two words, for what is reported.
+    /// The terms in two words, for reported values.
     fine: Option<&'a [Dd]>,
     error: f64,
-    /// What the value, the slope and the second derivative of the rough terms lose by rounding, anywhere on [0, 1].
+    /// Rounding errors of the value, the slope and the second derivative of the rough terms, anywhere on [0, 1].
     roundings: [f64; 3],
 }
 
@@ -61,13 +61,13 @@ impl<'a> Curve<'a> {
     }
 
     fn of(rough: Vec<f64>, fine: Option<&'a [Dd]>, error: f64) -> Curve<'a> {
-        // Horner's scheme rounds each term twice for each of the terms above it, three times over.
+        // Horner's scheme rounds each term twice for each of the terms above it, for each of the three values.
         let each = 6.0 * (rough.len() as f64 + 2.0) * f64::EPSILON;
         let roundings = [0, 1, 2].map(|order| derivative_bound(&rough, order) * each);
         Curve { rough, fine, error, roundings }
     }
 
-    /// |value| at a place, and what it is off by.
+    /// |value| at a point, with an error bound.
     fn value(&self, x: Dd) -> (Dd, f64) {
         match self.fine {
             Some(terms) => {
@@ -78,7 +78,7 @@ impl<'a> Curve<'a> {
         }
     }
 
-    /// A bound of |slope| at a place.
+    /// A bound of |slope| at a point.
     fn slope(&self, x: Dd) -> f64 {
         match self.fine {
             Some(terms) => self.fine_slope(terms, x).hi.abs() * UP + self.roundings[1] / f64::EPSILON * UNIT,
@@ -91,7 +91,7 @@ impl<'a> Curve<'a> {
         terms.iter().enumerate().skip(1).rev().fold(Dd::ZERO, of)
     }
 
-    /// Where the slope is zero, between two places where it has different signs.
+    /// The zero of the slope between two points at which it has different signs.
     fn level(&self, from: f64, to: f64, falls: f64) -> Dd {
         let (mut x, mut low, mut high) = (0.5 * (from + to), from, to);
         for _ in 0..NEWTON {
@@ -122,7 +122,7 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// The largest |value| so far lies between these.
+/// Bounds of the largest |value| so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Largest {
     low: Dd,
@@ -130,7 +130,8 @@ pub struct Largest {
 }
 
 impl Largest {
-    /// The most that a curve may come to, where that is more than what is known; what the curve comes to for certain counts.
+    /// Takes account of the values that the curve certainly reaches; returns an upper bound of the curve if it exceeds
+    /// the largest known value.
     pub fn look(&mut self, curve: &Curve) -> Option<f64> {
         let above = (derivative_bound(&curve.rough, 0) + curve.error) * UP;
         if self.has(above) {
@@ -143,17 +144,17 @@ impl Largest {
         (!self.has(high)).then_some(high)
     }
 
-    /// Takes a curve in two words into account.
+    /// Takes account of a curve in two words.
     pub fn look_closer(&mut self, curve: &Curve) {
         self.search(curve);
     }
 
-    /// Some value may be as large as this.
+    /// Records that some value may be as large as this.
     pub fn at_most(&mut self, high: f64) {
         self.high = larger(self.high, Dd::from(high));
     }
 
-    /// Whether so much is known to be reached.
+    /// Whether a value of this magnitude is certainly reached.
     pub fn has(&self, value: f64) -> bool {
         value < self.low.hi || value == 0.0
     }
@@ -172,7 +173,7 @@ impl Largest {
         self.search_in(curve, 0.0, 1.0, bends, 0);
     }
 
-    /// On [from, from + width] of a piece, whose second and third derivatives are bounded.
+    /// Searches [from, from + width] of a piece, whose second and third derivatives are bounded.
     fn search_in(&mut self, curve: &Curve, from: f64, width: f64, bends: [f64; 2], depth: usize) {
         let middle = from + 0.5 * width;
         let [value, slope, bend] = evaluate(&curve.rough, middle);
@@ -181,7 +182,7 @@ impl Largest {
         if self.has((value.abs() + off + spread + curve.error) * UP) {
             return;
         }
-        // Flatter than the piece is known: splitting tells nothing more.
+        // The curve is flat to within its error: splitting gives no more information.
         if spread <= 0.1 * curve.error {
             return self.take(curve, Dd::from(middle), spread);
         }
@@ -190,10 +191,10 @@ impl Largest {
                 self.search_in(curve, from, 0.5 * width, bends, depth + 1);
                 return self.search_in(curve, middle, 0.5 * width, bends, depth + 1);
             }
-            // As flat as it gets: the whole piece is between these.
+            // The curve is nearly flat: this bounds the whole piece.
             return self.take(curve, Dd::from(middle), spread);
         }
-        // The second derivative keeps its sign: the largest and the least are at the ends or where the slope is zero.
+        // The second derivative keeps its sign: the extrema are at the ends or at a zero of the slope.
         let ends = [from, from + width];
         for end in ends {
             self.take(curve, Dd::from(end), 0.0);
@@ -210,11 +211,11 @@ impl Largest {
         } else {
             Dd::from(from + width)
         };
-        // A curve that bends one way stays below its tangents.
+        // A curve of one curvature stays below its tangents.
         self.take(curve, level, curve.slope(level) * width);
     }
 
-    /// A value that is there, and may rise by `spread` around it.
+    /// Records a value that the curve reaches, and by which `spread` it may rise nearby.
     fn take(&mut self, curve: &Curve, x: Dd, spread: f64) {
         let (value, error) = curve.value(x);
         let off = (error + value.hi * UNIT) * UP;
@@ -241,15 +242,15 @@ fn evaluate(terms: &[f64], x: f64) -> [f64; 3] {
     [value, slope, 2.0 * bend]
 }
 
-/// A bound of a derivative's size on [0, 1]; of order 0, of the polynomial's own.
+/// A bound of the magnitude of a derivative on [0, 1]; order 0 is the polynomial itself.
 fn derivative_bound(terms: &[f64], order: usize) -> f64 {
     let factor = |j: usize| (0..order).map(|k| (j - k) as f64).product::<f64>();
     terms.iter().enumerate().skip(order).map(|(j, term)| factor(j) * term.abs()).sum::<f64>() * UP
 }
 
-/// How long the motion is followed where nobody says how long: until the last signal has come and the motion since has
-/// decayed to a thousandth, but at most a hundred periods of the slowest motion, and at least three of it; rounded up to two
-/// digits. `None` where the motion grows, or where nothing tells a time.
+/// The default simulation time: until the last signal has ended and the motion has then decayed to a thousandth, but at
+/// most a hundred and at least three periods of the slowest motion; rounded up to two digits. `None` if the motion
+/// grows, or if no time follows from poles and signals.
 pub fn usual_time(poles: &Poles, drives: &[Vec<Signal>]) -> Option<Number> {
     let mut last: f64 = 0.0;
     let mut period: f64 = 0.0;
@@ -279,7 +280,7 @@ pub fn usual_time(poles: &Poles, drives: &[Vec<Signal>]) -> Option<Number> {
 /// ln 1000
 const THOUSANDTH: f64 = 6.907_755_278_982_137;
 
-/// When the last thing happens, and the period of what repeats, s.
+/// The time of the signal's last event, and its period, s.
 fn times_of(signal: &Signal) -> (f64, f64) {
     match signal {
         Signal::Step { at, .. } | Signal::Impulse { at, .. } => (at.to_f64(), 0.0),
@@ -291,7 +292,7 @@ fn times_of(signal: &Signal) -> (f64, f64) {
     }
 }
 
-/// Two digits, upwards.
+/// Rounds up to two digits.
 fn round_up(time: f64) -> Option<Number> {
     if !(time.is_finite() && time > 0.0) {
         return None;
@@ -311,8 +312,8 @@ fn round_up(time: f64) -> Option<Number> {
 mod tests {
     use super::*;
 
-    /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64 and in
-    /// two words.
+    /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64
+    /// and in two words.
     #[test]
     fn what_a_piece_is_off_by_is_in_the_bound() {
         let terms = [0.82, 1.2, -2.0];
@@ -325,12 +326,12 @@ mod tests {
         let high = largest.look(&Curve::rough(&terms, 1e-3)).expect("larger than nothing");
         assert!((1.001..1.0011).contains(&high), "{high}");
         assert!((0.9989..=0.999).contains(&largest.low.to_f64()));
-        // A smaller one says nothing more.
+        // A smaller value adds no information.
         assert!(largest.look(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
         assert!(largest.look(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
     }
 
-    /// A curve with an exact top: 1/3 at a third, in 30 digits.
+    /// A curve with an exact maximum: 1/3 at a third, in 30 digits.
     #[test]
     fn a_top_is_known_to_two_words() {
         let third = Dd::ONE / Dd::from(3.0);

@@ -1,6 +1,6 @@
-//! What modes and poles say about the rest: unstable if anything certainly grows; neutral if a rigid motion is left; stable if
-//! it is proved that nothing grows; undetermined otherwise. In: the system, its certified modes and poles. Out: a verdict
-//! that only a proof makes. See docs/method/poles.md#kinds-and-stability.
+//! The stability of the rest, from modes and poles: unstable if anything certainly grows; neutral if a rigid motion is
+//! left; stable if it is proved that nothing grows; undetermined otherwise. In: the system, its certified modes and
+//! poles. Out: a verdict that only a proof makes. See docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
 use crate::analysis::modes::parts::{Part, independent};
@@ -10,43 +10,43 @@ use crate::analysis::poles::proportional::proportional;
 use crate::base::Number;
 use crate::system::{Form, LinearSystem};
 
-/// What becomes of a small disturbance of the rest.
+/// The fate of a small disturbance of the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
     Stable,
-    /// A rigid motion is left: neither returns nor diverges.
+    /// A rigid motion is left, which neither returns nor diverges.
     Neutral,
     Unstable,
-    /// What could be certified does not tell whether something grows.
+    /// The certified bounds do not decide whether something grows.
     Undetermined,
 }
 
-/// A verdict and what it stands on. The analysis of stability makes it, and nothing else.
+/// A verdict and its reason. Only the analysis of stability makes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verdict {
     kind: Stability,
     reason: Reason,
 }
 
-/// Why a verdict is what it is.
+/// The reason for a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
     /// A pole or a mode certainly grows.
     Growth,
-    /// No term of M, C or K gives energy away: M > 0, K >= 0, C >= 0.
+    /// No term of M, C or K supplies energy: M > 0, K >= 0, C >= 0.
     Energy,
-    /// Every pole is enclosed where nothing grows, and where the numbers are exact Routh's count says so too.
+    /// Every pole is enclosed in a region where nothing grows, and Routh's count confirms it if the numbers are exact.
     Poles,
-    /// The enclosure of a mode or pole does not tell whether it grows.
+    /// The enclosure of a mode or pole leaves open whether it grows.
     Sign,
-    /// Some damper feeds energy in, and the poles that would tell are not computed.
+    /// Some damper feeds energy in, and the poles that would decide are not computed.
     NotComputed,
     /// Some damper feeds energy in, and it is not proved that all poles were found.
     NotCounted,
     /// Routh's count and the poles contradict each other.
     Contradiction,
-    /// The place that modes and poles are about is not proven to be a rest.
+    /// It is not proven that the linearisation point is a rest.
     Rest,
 }
 
@@ -59,12 +59,12 @@ impl Verdict {
         self.reason
     }
 
-    /// The same of a place that is a rest only if that is proven.
+    /// The verdict for a point that is a rest only if that is proven.
     pub fn of_rest(self, proven: bool) -> Verdict {
         if proven { self } else { Verdict { kind: Stability::Undetermined, reason: Reason::Rest } }
     }
 
-    /// For reports that no analysis made.
+    /// A verdict for tests of reports, without an analysis.
     #[cfg(test)]
     pub(crate) fn sample(kind: Stability, reason: Reason) -> Verdict {
         Verdict { kind, reason }
@@ -77,7 +77,7 @@ impl PartialEq<Stability> for Verdict {
     }
 }
 
-/// The verdict. A kind is certain or it is `Undetermined`, so no verdict rests on the midpoint of an enclosure.
+/// The verdict. Its kind is certain or `Undetermined`; it never relies on the midpoint of an enclosure.
 pub fn stability(system: &LinearSystem, modes: &Modes, poles: &Poles) -> Verdict {
     verdict(system, modes, poles, false)
 }
@@ -87,7 +87,7 @@ pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, r
     verdict(system, modes, poles, !takes_energy(ratio))
 }
 
-/// `fed`: something besides the terms of C may feed energy in.
+/// `fed`: whether something other than the terms of C may feed energy in.
 fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.has(kind) || modes.list.iter().any(|mode| mode.kind == kind);
@@ -97,8 +97,9 @@ fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Ve
             || independent(system).iter().all(|part| is_semidefinite(of(system), terms(part)))
     };
     let dissipative = !fed && positive(|system| &system.c, |part| &part.c);
-    // Q(s) is K at s = 0 and positive for large s, whatever the dampers are, so an eigenvalue of it vanishes in between for each
-    // negative omega^2: a growing pole. Motions without inertia may hide it behind a damper that feeds energy in.
+    // Q(s) is K at s = 0 and positive for large s, whatever the dampers are, so for each negative omega^2 one of its
+    // eigenvalues vanishes in between: a growing pole. Motions without inertia may hide it behind a damper that feeds
+    // energy in.
     let diverges = mode(ModeKind::Divergence) && (modes.infinite == 0 || dissipative);
     if diverges || pole(|kind| matches!(kind, PoleKind::Divergence | PoleKind::Flutter)) {
         return Verdict { kind: Stability::Unstable, reason: Reason::Growth };
@@ -119,7 +120,8 @@ fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Ve
     Verdict { kind, reason }
 }
 
-/// What all poles say, none of which grows: whether they are all, and whether Routh's count agrees, which knows C alone.
+/// The reason if no known pole grows: whether the poles are complete, and whether Routh's count, which uses only C,
+/// agrees.
 fn counted(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
     if poles.left_out > 0 {
         return Reason::NotComputed;
@@ -130,8 +132,8 @@ fn counted(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
     if fed || agrees_with_count(system, poles) { Reason::Poles } else { Reason::Contradiction }
 }
 
-/// In the small parts with exact numbers a count that knows no value of a pole finds none that grows, no more on the axis than
-/// may be there, and as many as are reported where all parts are such.
+/// Checks Routh's count, which uses no value of a pole, in the small parts with exact numbers: it must find no growing
+/// pole, no more poles on the axis than may be there, and, if all parts are of this kind, as many as are reported.
 fn agrees_with_count(system: &LinearSystem, poles: &Poles) -> bool {
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];
@@ -147,14 +149,14 @@ fn agrees_with_count(system: &LinearSystem, poles: &Poles) -> bool {
     right == 0 && axis <= near_axis && all
 }
 
-/// C = alpha M + beta K with neither negative: positive where M and K are.
+/// Whether C = alpha M + beta K with neither factor negative: then it is positive if M and K are.
 fn is_classical(system: &LinearSystem) -> bool {
     proportional(system, &Part::whole(system))
         .is_some_and(|damping| !damping.alpha.is_negative() && !damping.beta.is_negative())
 }
 
 impl Stability {
-    /// As in the JSON.
+    /// The name in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Stability::Stable => "stable",
@@ -166,7 +168,7 @@ impl Stability {
 }
 
 impl Reason {
-    /// What is not proved, where the verdict is undetermined; empty where it is not.
+    /// What is not proved, if the verdict is undetermined; empty otherwise.
     pub fn not_proved(self) -> &'static str {
         match self {
             Reason::Growth | Reason::Energy | Reason::Poles => "",
@@ -191,7 +193,7 @@ mod tests {
     use crate::base::{Ball, Dd, Number};
     use crate::system::CoordinateId;
 
-    /// An oscillator that a damper feeds: two growing poles.
+    /// An oscillator with a damper that feeds energy in: two growing poles.
     fn fed() -> LinearSystem {
         let mut system = oscillator("1", "0.1", "4");
         let (term, mut c) = (system.c.terms()[0].clone(), Form::new());
@@ -201,7 +203,7 @@ mod tests {
         system
     }
 
-    /// What is said where growing poles are not in the list: never that it is stable.
+    /// If growing poles are missing from the list, the verdict is never stable.
     #[test]
     fn a_list_without_its_growing_poles_proves_nothing() {
         let system = fed();
@@ -215,14 +217,15 @@ mod tests {
         };
         assert_eq!(reason(Poles::default()), Reason::NotCounted);
         assert_eq!(reason(Poles { left_out: 2, ..Poles::default() }), Reason::NotComputed);
-        // A list whose count is of other poles: one more, and the right number of wrong ones.
+        // A count that belongs to other poles: one more, and the right number of wrong ones.
         assert_eq!(reason(Poles { count: Some(PoleCount::sample(2, 0)), ..Poles::default() }), Reason::NotCounted);
         let decaying = poles(&oscillator("1", "0.1", "4"), &modes).expect("poles");
         assert!(decaying.is_complete());
         assert_eq!(reason(decaying), Reason::Contradiction);
     }
 
-    /// A ratio that C does not have: what it feeds in is in no term, so that only all poles could show that nothing grows.
+    /// A ratio that C does not contain: no term shows the energy that it feeds in, so only all poles could prove that
+    /// nothing grows.
     #[test]
     fn a_negative_ratio_is_no_energy_that_is_taken() {
         let system = oscillator("1", "0.1", "4");
@@ -234,7 +237,7 @@ mod tests {
         assert_eq!(reason(&Number::Ball(Ball::new(Dd::ZERO, 1e-30))), Reason::NotComputed);
     }
 
-    /// Two dampers in parallel whose sum takes energy: no pole need be known.
+    /// Two parallel dampers whose sum takes energy: no pole needs to be known.
     #[test]
     fn energy_alone_is_a_proof() {
         let mut system = blank(1);
@@ -249,7 +252,7 @@ mod tests {
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }
 
-    /// Routh's count against lists of poles of other systems: each of its three questions is enough to contradict.
+    /// Routh's count against lists of poles of other systems: each of its three checks alone detects the contradiction.
     #[test]
     fn a_count_contradicts_what_it_does_not_know() {
         let list = |c: &str| {
@@ -258,15 +261,15 @@ mod tests {
         };
         let damped = oscillator("1", "0.1", "4");
         assert!(agrees_with_count(&damped, &list("0.1")));
-        // On the axis there are two, and the list has none there.
+        // There are two poles on the axis, and none in the list.
         let mut undamped = oscillator("1", "0.1", "4");
         undamped.c = Form::new();
         assert!(!agrees_with_count(&undamped, &list("0.1")));
-        // Two more than there are.
+        // Two poles more than there are.
         let mut twice = list("0.1");
         twice.list.extend(twice.list.clone());
         assert!(!agrees_with_count(&damped, &twice));
-        // Growing ones beside a part whose numbers are not rational, which Routh's count leaves out.
+        // Growing poles next to a part whose numbers are not rational, which Routh's count omits.
         let mut system = blank(2);
         push(&mut system.m, "1", 0, None);
         push(&mut system.m, "1", 1, None);
@@ -281,7 +284,8 @@ mod tests {
         assert!(!agrees_with_count(&system, &twice));
     }
 
-    /// What the energy needs: a positive M, a K that holds where inertia is missing, and C = alpha M + beta K with neither negative.
+    /// The conditions of the energy argument: a positive M, a K that restrains motions without inertia, and C = alpha M
+    /// + beta K with neither negative.
     #[test]
     fn energy_proves_nothing_without_each_of_its_parts() {
         let (mut light, mut falling) = (blank(1), blank(1));
@@ -297,7 +301,8 @@ mod tests {
         let none = |infinite: usize| Modes { infinite, ..Modes::default() };
         assert_eq!(stability(&light, &none(0), &Poles::default()).reason(), Reason::NotCounted);
         assert_eq!(stability(&falling, &none(1), &Poles::default()).reason(), Reason::NotCounted);
-        // A negative omega^2 is a growing pole, but not where motions without inertia may hide it behind a damper that feeds.
+        // A negative omega^2 is a growing pole, unless motions without inertia may hide it behind a damper that feeds
+        // energy in.
         let mut diverging = modes(&falling).expect("modes");
         assert_eq!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
         diverging.infinite = 1;

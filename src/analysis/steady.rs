@@ -1,8 +1,9 @@
-//! The steady state under harmonic signals: for each frequency the motion that repeats, y = |a| sin(2 pi f t + arg a), a the sum
-//! of H(i 2 pi f) times the signals' complex amplitudes. In: a transfer function and signals. Out: one complex amplitude for
-//! each frequency and output. See docs/method/response.md#steady-state.
+//! The steady state under harmonic signals: for each frequency the periodic motion y = |a| sin(2 pi f t + arg a), where
+//! a is the sum of H(i 2 pi f) times the signals' complex amplitudes. In: a transfer function and signals. Out: one
+//! complex amplitude for each frequency and output. See docs/method/response.md#steady-state.
 //!
-//! It is what remains where damping takes every other motion away; without damping the motion from rest never comes to it.
+//! It is the motion that remains after damping has removed all others; without damping a motion from rest never reaches
+//! it.
 
 use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
@@ -15,12 +16,12 @@ use crate::system::Signal;
 pub struct Steady {
     /// Hz
     pub frequency: Number,
-    /// |a| is the amplitude and arg a the phase against sin(2 pi f t), one for each output asked for; infinite at a pole
-    /// without damping.
+    /// |a| is the amplitude and arg a the phase relative to sin(2 pi f t), one for each requested output; infinite at
+    /// an undamped pole.
     pub outputs: Vec<Gain>,
 }
 
-/// One for each frequency of the harmonic signals, in their order.
+/// One steady motion for each frequency of the harmonic signals, in their order.
 pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) -> Vec<Steady> {
     let mut list: Vec<Steady> = Vec::new();
     for (input, signals) in drives.iter().enumerate() {
@@ -51,7 +52,7 @@ fn scaled(gain: Gain, value: &Number, phase: &Number) -> Gain {
     Gain::Finite(Disc { value: product.mid(), radius })
 }
 
-/// Two infinite motions may cancel: nothing is known of their sum.
+/// Two infinite motions may cancel: their sum is unknown.
 fn plus(a: Gain, b: Gain) -> Gain {
     match (a, b) {
         (Gain::Finite(a), Gain::Finite(b)) => {

@@ -3,7 +3,7 @@
 use crate::base::{FileId, Name, Number, Span, Words};
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, Form, Input, Label, LinearSystem, Nature, Output};
 
-/// A system of `n` coordinates without terms; a force on and the displacement of each.
+/// A system of `n` coordinates without terms, with a force on each and its displacement as outputs.
 pub fn blank(n: usize) -> LinearSystem {
     let mut words = Words::new();
     let names: Vec<Label> =

@@ -1,9 +1,11 @@
-//! Emitted steps and the same steps in double-double, side by side: what the target's rounding, of coefficients and of operations, does
-//! to the outputs of code that needs no inputs from outside, whose run is therefore known. In: a discrete system, its
-//! coefficients before they were rounded. Out: bounds of the outputs' errors over so many steps. See docs/method/emit.md.
+//! Runs the emitted steps next to the same steps in double-double, to measure the effect of the target's rounding (of
+//! coefficients and of operations) on the outputs of code that needs no external inputs and whose run is therefore
+//! known. In: a discrete system and its unrounded coefficients. Out: bounds of the outputs' errors over a number of
+//! steps. See docs/method/emit.md.
 //!
-//! The states are those of the emitted code to the last bit: the same operations in the same order, each rounded to the target.
-//! An output's error is bounded by what the largest errors of its states add up to, and by the rounding of its own sum.
+//! The states are those of the emitted code to the last bit: the same operations in the same order, each rounded to the
+//! target. An output's error is bounded by the sum of the largest errors of its states, and by the rounding of its own
+//! sum.
 
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
@@ -12,11 +14,11 @@ use crate::analysis::discrete::{DiscreteSystem, Measured};
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 
-/// A cell before rounding: w' = F w + what signals add.
+/// A cell before rounding: w' = F w + the contributions of signals.
 #[derive(Clone, Debug)]
 pub struct ExactCell {
     pub f: Matrix<Dd>,
-    /// One list a state.
+    /// One list for each state.
     pub input: Vec<Vec<(Operand, Dd)>>,
 }
 
@@ -25,17 +27,17 @@ pub struct ExactCell {
 pub struct Exact {
     pub cells: Vec<ExactCell>,
     pub start: Vec<Dd>,
-    /// As [`DiscreteSystem::events`].
+    /// Unrounded changes, as in [`DiscreteSystem::events`].
     pub events: Vec<Vec<Dd>>,
 }
 
-/// Products in double-double that a run may take.
+/// The most products in double-double that a run may take.
 const MOST_PRODUCTS: f64 = 4e6;
-/// Steps whose errors are reported.
+/// Numbers of steps whose errors are reported.
 const FEW: u64 = 1000;
 const MANY: u64 = 100_000;
 
-/// Bounds after few steps and after many, or as many as time allows.
+/// Error bounds after few steps and after many, or after as many as time allows.
 pub fn measured(system: &DiscreteSystem, exact: &Exact, last: Option<u64>) -> Vec<Measured> {
     let products = |cell: &ExactCell| cell.f.rows() * cell.f.rows() + cell.input.iter().map(Vec::len).sum::<usize>();
     let mut run = Run::new(system, exact);
@@ -63,12 +65,12 @@ struct Run<'a> {
     event: usize,
     states: Vec<f64>,
     true_states: Vec<Dd>,
-    /// The largest of each state, and of its error.
+    /// The largest magnitude of each state, and of its error.
     sizes: Vec<f64>,
     errors: Vec<f64>,
-    /// The largest of each output.
+    /// The largest magnitude of each output.
     outputs: Vec<f64>,
-    /// What each output sees: states by their place among all, with their factors.
+    /// For each output the states that it reads, by their index among all, with their factors.
     seen: Vec<Vec<(usize, f64)>>,
 }
 
@@ -92,7 +94,7 @@ impl<'a> Run<'a> {
         run
     }
 
-    /// What the largest values and errors are by now.
+    /// Updates the largest values and errors.
     fn look(&mut self) {
         for (i, (&state, &truth)) in self.states.iter().zip(&self.true_states).enumerate() {
             self.sizes[i] = self.sizes[i].max(state.abs());
@@ -137,7 +139,7 @@ impl<'a> Run<'a> {
         self.look();
     }
 
-    /// The largest error of an output beside its largest value.
+    /// The largest error of an output, relative to its largest value.
     fn error(&self) -> f64 {
         let of = |output: usize| {
             let (mut error, mut size, mut terms) = (0.0, 0.0, 0.0);
@@ -146,7 +148,7 @@ impl<'a> Run<'a> {
                 size += c.abs() * self.sizes[state];
                 terms += 1.0;
             }
-            // Coefficients, products and sums.
+            // Rounding errors of coefficients, products and sums.
             let bound = error + (terms + 2.0) * self.system.precision.unit() * size;
             if bound == 0.0 { 0.0 } else { bound / self.outputs[output] }
         };
@@ -154,7 +156,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What an output sees: states by their place among all, with their factors.
+/// The states that an output reads, by their index among all, with their factors.
 fn seen(system: &DiscreteSystem, output: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     let direct = system.direct[output].iter().filter_map(|&(operand, c)| match operand {
         Operand::Signal(state) => Some((state, c)),
@@ -169,12 +171,13 @@ fn seen(system: &DiscreteSystem, output: usize) -> impl Iterator<Item = (usize, 
 fn round(precision: Precision, x: f64) -> f64 {
     match precision {
         Precision::Double => x,
-        // Sums and products of single numbers, rounded twice, are rounded as once (53 >= 2 * 24 + 2).
+        // Sums and products of single-precision numbers are the same if they are rounded to double first (53 >= 2 * 24
+        // + 2).
         Precision::Single => f64::from(x as f32),
     }
 }
 
-/// A step of a cell as the emitted code takes it.
+/// Takes a step of a cell exactly like the emitted code.
 fn emitted(cell: &Cell, states: &[f64], first: usize, precision: Precision, next: &mut Vec<f64>) {
     let round = |x: f64| round(precision, x);
     let plus = |so_far: Option<f64>, factor: f64, of: f64| {

@@ -1,6 +1,6 @@
-//! A part of the system that moves by itself: w' = A w + B u, y = C w, with its place in the model's own coordinates.
-//! In: A, what u, u' and u'' do, and what is seen of w and w'. Out: the same without derivatives of u in the motion
-//! (w = xi + E0 u + E1 u'). See docs/method/emit.md.
+//! An independent part of the system, w' = A w + B u, y = C w, with its relation to the model's own coordinates. In: A,
+//! the factors of u, u' and u'', and the rows that read w and w'. Out: the same motion without derivatives of u (w = xi
+//! + E0 u + E1 u'). See docs/method/emit.md.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
@@ -8,25 +8,25 @@ use crate::base::Dd;
 /// An independent group of states.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// What it is called in the header: `mode 2, 3.1 Hz`.
+    /// Its name in the header: `mode 2, 3.1 Hz`.
     pub name: String,
-    /// Where the block may ring: |s| of its fastest pole, rad/s.
+    /// |s| of its fastest pole, rad/s: the highest frequency at which the block may ring.
     pub rate: f64,
     pub a: Matrix<Dd>,
-    /// One column an input.
+    /// One column for each input.
     pub b: Matrix<Dd>,
-    /// One row an output.
+    /// One row for each output.
     pub c: Matrix<Dd>,
-    /// The states from displacements and velocities of all coordinates: one row a state, 2n columns.
+    /// The states from displacements and velocities of all coordinates: one row for each state, 2n columns.
     pub to: Matrix<Dd>,
     /// Displacements and velocities of all coordinates from the states: 2n rows.
     pub back: Matrix<Dd>,
 }
 
-/// What inputs do without a state in between.
+/// Direct effects of inputs, without a state in between.
 #[derive(Clone, Debug)]
 pub struct Direct {
-    /// Factors of u, u' and u'' in every output: one row an output, one column an input.
+    /// Factors of u, u' and u'' in every output: one row for each output, one column for each input.
     pub outputs: [Matrix<Dd>; 3],
     /// Factors of u and u' in displacements and velocities of all coordinates: 2n rows.
     pub state: [Matrix<Dd>; 2],
@@ -40,7 +40,7 @@ impl Direct {
         }
     }
 
-    /// Whether anything sees u, u' and u'' of an input at once.
+    /// Whether any direct effect uses u, u' and u'' of an input.
     pub fn seen(&self, input: usize) -> [bool; 3] {
         let any = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
         [0, 1, 2].map(|p| any(&self.outputs[p]) || self.state.get(p).is_some_and(any))
@@ -52,19 +52,20 @@ impl Direct {
 pub struct Split {
     pub blocks: Vec<Block>,
     pub direct: Direct,
-    /// How the blocks were found, for the header.
+    /// The method by which the blocks were found, for the header.
     pub method: &'static str,
 }
 
 impl Split {
-    /// Whether an input does anything.
+    /// Whether an input has any effect.
     pub fn feels(&self, input: usize) -> bool {
         let column = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
         self.blocks.iter().any(|block| column(&block.b)) || self.direct.outputs.iter().any(column)
     }
 }
 
-/// w' = A w + B0 u + B1 u' + B2 u'' with w = xi + (B1 + A B2) u + B2 u': the B of xi' = A xi + B u, and the two offsets.
+/// Eliminates derivatives: for w' = A w + B0 u + B1 u' + B2 u'' and w = xi + (B1 + A B2) u + B2 u', returns the B of
+/// xi' = A xi + B u and the two offsets.
 pub fn without_derivatives(a: &Matrix<Dd>, b: [Matrix<Dd>; 3]) -> (Matrix<Dd>, [Matrix<Dd>; 2]) {
     let [b0, b1, b2] = b;
     let offset = sum(&b1, &product(a, &b2));
@@ -86,7 +87,7 @@ pub fn product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
 /// Entries smaller than this share of the sum of their terms' magnitudes are rounding errors of zero.
 pub const NOTHING: f64 = 1e-24;
 
-/// A B, with exact zeros where terms cancel to rounding.
+/// A B, with exact zeros if terms cancel to rounding errors.
 pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     Matrix::from_fn(a.rows(), b.columns(), |i, j| {
         let (mut sum, mut size) = (Dd::ZERO, 0.0);
@@ -112,8 +113,8 @@ pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
     }
 }
 
-/// The inverse by Gauss and Jordan with partial pivoting, in double-double without a bound: an enclosure of it would lose all
-/// digits where there are hundreds of rows.
+/// The inverse by Gauss-Jordan elimination with partial pivoting, in double-double without a bound: an enclosure of it
+/// would lose all digits for hundreds of rows.
 pub fn inverse(m: &Matrix<Dd>) -> Option<Matrix<Dd>> {
     let n = m.rows();
     let mut rows: Vec<Vec<Dd>> = (0..n)
@@ -142,7 +143,7 @@ pub fn inverse(m: &Matrix<Dd>) -> Option<Matrix<Dd>> {
 }
 
 impl Block {
-    /// The block in other coordinates: s w.
+    /// The block in other coordinates s w.
     pub fn transformed(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {
         Block {
             name: self.name.clone(),
@@ -159,7 +160,7 @@ impl Block {
         self.a.rows()
     }
 
-    /// One state of a block whose A is diagonal.
+    /// A single state of a block whose A is diagonal.
     pub fn state(&self, at: usize) -> Block {
         let row = |m: &Matrix<Dd>| Matrix::from_fn(1, m.columns(), |_, j| m[(at, j)]);
         let column = |m: &Matrix<Dd>| Matrix::from_fn(m.rows(), 1, |i, _| m[(i, at)]);
@@ -179,7 +180,7 @@ impl Block {
 mod tests {
     use super::*;
 
-    /// The inverse of a matrix that needs rows exchanged, to double-double; none of a singular one.
+    /// The inverse of a matrix that requires row exchanges, to double-double; `None` for a singular one.
     #[test]
     fn the_inverse_gives_the_identity() {
         let m =
@@ -187,7 +188,7 @@ mod tests {
         let same = product(&m, &inverse(&m).expect("regular"));
         let off = |i: usize, j: usize| (same[(i, j)] - if i == j { Dd::ONE } else { Dd::ZERO }).hi.abs();
         let worst = (0..40).flat_map(|i| (0..40).map(move |j| (i, j))).map(|(i, j)| off(i, j)).fold(0.0, f64::max);
-        // Double-double is good to 1e-32, times the condition, some 1e5.
+        // Double-double is accurate to 1e-32 times the condition number, some 1e5.
         assert!(worst < 1e-25, "{worst:e}");
         assert!(inverse(&Matrix::from_fn(3, 3, |i, j| Dd::from((i + j) as f64))).is_none());
     }

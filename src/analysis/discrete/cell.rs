@@ -1,4 +1,4 @@
-//! One block made discrete: what a step does to its states, in numbers of the target. See docs/method/emit.md.
+//! Discretisation of one block: the effect of a step on its states, in numbers of the target. See docs/method/emit.md.
 
 use crate::analysis::discrete::Hold;
 use crate::analysis::discrete::beside::ExactCell;
@@ -11,37 +11,37 @@ use crate::analysis::discrete::turn::{Turn, turn};
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 
-/// What a term multiplies.
+/// The factor that a coefficient multiplies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Operand {
-    /// An input as given, by its place among those that are given.
+    /// An input, by its index among those given from outside.
     Input(usize),
-    /// An input that is zero in the first step, because no line leads to its first sample.
+    /// An input that is zero in the first step, because there is no earlier sample to interpolate from.
     Ramped(usize),
-    /// An input less its last value, zero in the first step.
+    /// An input minus its last value; zero in the first step.
     Slope(usize),
     /// A state of the built-in signals.
     Signal(usize),
 }
 
-/// A group of states and what one step does to it.
+/// A group of states and the effect of one step on it.
 #[derive(Clone, Debug)]
 pub struct Cell {
     pub name: String,
     pub form: Form,
-    /// What is added to each state.
+    /// Terms that are added to each state.
     pub input: Vec<Vec<(Operand, f64)>>,
-    /// What each state adds to the outputs.
+    /// Contributions of each state to the outputs.
     pub output: Vec<Vec<(usize, f64)>>,
-    /// Each state from displacements and velocities: one row a state; empty for signals.
+    /// Each state from displacements and velocities: one row for each state; empty for signals.
     pub to: Vec<Vec<f64>>,
-    /// Displacements and velocities from the states: one column a state; empty for signals.
+    /// Displacements and velocities from the states: one column for each state; empty for signals.
     pub back: Vec<Vec<f64>>,
     /// The states at t = 0.
     pub start: Vec<f64>,
 }
 
-/// What one step does to the states of a cell.
+/// The effect of one step on the states of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
     /// x <- r x + g u
@@ -50,7 +50,7 @@ pub enum Form {
     Lose(f64),
     /// v <- v - c v - k x + g u, x <- x + p v
     Pair(Lift),
-    /// w <- w + (g u + E w), E by rows; where the motion turns by more than a quarter, w <- (g u + E w) - w
+    /// w <- w + (g u + E w), E by rows; if the motion turns by more than a quarter of a period, w <- (g u + E w) - w
     Dense { turned: bool, rows: Vec<Vec<f64>> },
 }
 
@@ -59,7 +59,7 @@ impl Cell {
         self.input.len()
     }
 
-    /// All that is in it.
+    /// All coefficients.
     pub fn numbers(&self) -> Vec<f64> {
         let form = match &self.form {
             Form::Keep(x) | Form::Lose(x) => vec![*x],
@@ -73,13 +73,13 @@ impl Cell {
     }
 }
 
-/// How cells are made.
+/// Options and signals for making cells.
 pub struct Maker<'a> {
-    /// s
+    /// Step size, s.
     pub step: Dd,
     pub hold: Hold,
     pub precision: Precision,
-    /// Inputs that are given from outside.
+    /// Indices of the inputs that are given from outside.
     pub given: Vec<usize>,
     pub chains: &'a [Chain],
 }
@@ -90,19 +90,20 @@ struct Stepped {
     f: Matrix<Dd>,
 }
 
-/// What operands do, a column each.
+/// The effects of operands, one column each.
 type Columns = Vec<(Operand, Vec<Dd>)>;
 
-/// A cell, with what else depends on its coordinates.
+/// A cell, with the quantities that depend on its coordinates.
 pub struct Made {
     pub cell: Cell,
-    /// The cell's states from the block's.
+    /// The transformation from the block's states to the cell's.
     pub s: Matrix<Dd>,
-    /// What the line that inputs run along adds at the sample itself: to outputs, to displacements and velocities.
+    /// With linear interpolation, the direct effect of an input at the sample itself: on outputs, and on displacements
+    /// and velocities.
     pub seen: Columns,
     pub moved: Columns,
     to: Matrix<Dd>,
-    /// What outputs see of the states.
+    /// The outputs as rows over the states.
     pub c: Matrix<Dd>,
     pub exact: ExactCell,
     pub start: Vec<Dd>,
@@ -115,14 +116,14 @@ pub struct MadeSignal {
     inverse: Matrix<Dd>,
     /// Index of the first of its states among all signals'.
     pub first: usize,
-    /// Whether events set its states: those of a polynomial, not those of a harmonic.
+    /// Whether events set its states: true for those of a polynomial, not for those of a harmonic.
     pub set: bool,
     pub exact: ExactCell,
     pub start: Vec<Dd>,
 }
 
 impl Maker<'_> {
-    /// A block as a cell, in the form that loses least; `None` where a number is out of range.
+    /// Makes a cell of a block, in the form that loses fewest digits; `None` if a number is out of range.
     pub fn cell(&self, block: &Block, signals: &[MadeSignal], start: &[Dd]) -> Option<Made> {
         let propagator = propagator(&block.a, self.step)?;
         let (mut drive, shift) = self.drive(block, &propagator);
@@ -145,8 +146,8 @@ impl Maker<'_> {
         self.finish(block, form, Stepped { s, f }, &drive, &shift, start)
     }
 
-    /// What inputs do in a step, and at the sample itself. With inputs along a line, xi_(k+1) = F xi_k + G0 u_k + G1 u_(k+1);
-    /// the state is w_k = xi_k - G1 u_k, which is known before u_k is.
+    /// The effects of inputs in a step, and at the sample itself. With linear interpolation, xi_(k+1) = F xi_k + G0 u_k
+    /// + G1 u_(k+1); the state is w_k = xi_k - G1 u_k, which is known before u_k is.
     fn drive(&self, block: &Block, propagator: &Propagator) -> (Columns, Columns) {
         let held = product(&propagator.p1, &block.b);
         let columns = |m: &Matrix<Dd>, operand: fn(usize) -> Operand| -> Columns {
@@ -164,7 +165,7 @@ impl Maker<'_> {
         }
     }
 
-    /// Each form keeps the relative error of what is small.
+    /// The form of a single state. Each form keeps the relative accuracy of small numbers.
     fn single(&self, block: &Block) -> Option<Form> {
         let lost = -exp_minus_one(block.a[(0, 0)] * self.step)?;
         let keep = Dd::ONE - lost;
@@ -172,7 +173,7 @@ impl Maker<'_> {
         Some(if kept { Form::Keep(self.precision.round(keep)) } else { Form::Lose(self.precision.round(lost)) })
     }
 
-    /// Two states, with their coordinates: lifted, or as they are where that would lose digits.
+    /// The form of two states, with their coordinates: lifted, or dense if lifting would lose digits.
     fn pair(&self, turn: &Turn, drive: Option<[Dd; 2]>) -> (Form, Matrix<Dd>) {
         match lift(turn, drive, self.precision) {
             Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
@@ -210,7 +211,7 @@ impl Maker<'_> {
         };
         let input = (0..block.size()).map(|i| by_state(&drive, i)).collect();
         if let Form::Pair(lift) = &form {
-            // x follows v, so it gets only what inputs do to it beyond that.
+            // x follows v, so only the remaining effect of inputs is added to it.
             drive.iter_mut().for_each(|(_, column)| beyond(column, Dd::from(lift.p)));
         }
         let (c, back) = (clean_product(&block.c, &inverse), clean_product(&block.back, &inverse));
@@ -223,7 +224,7 @@ impl Maker<'_> {
         });
         let entries = |m: &Matrix<Dd>| (0..m.columns()).flat_map(|j| m.column(j).to_vec()).collect::<Vec<Dd>>();
         let most = |numbers: &[Dd]| numbers.iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
-        // A motion that does not start in this block does so by rounding alone.
+        // If a motion does not start in this block, what is left here is rounding error.
         let nothing = NOTHING * most(&entries(&to)) * most(start);
         let at_start = product(&to, &Matrix::from_fn(start.len(), 1, |i, _| start[i]));
         let at_start = at_start.map(|x| if x.hi.abs() <= nothing { Dd::ZERO } else { x });
@@ -249,7 +250,7 @@ impl Maker<'_> {
         Some(Made { cell, s, seen, moved, to, c, exact, start })
     }
 
-    /// The cell of a signal's states; `first` numbers them among all signals'.
+    /// Makes a cell of a signal's states; `first` is their index among those of all signals.
     pub fn signal(&self, chain: &Chain, first: usize) -> Option<MadeSignal> {
         let size = chain.size();
         let (form, s, f) = match chain.angle {
@@ -304,14 +305,14 @@ impl Maker<'_> {
         (0..factors[0].rows()).map(row).collect()
     }
 
-    /// What inputs and signals take from the states of a cell: to (E0 u + E1 u').
+    /// The part of a cell's states that is due to inputs and signals: to (E0 u + E1 u').
     pub fn taken(&self, made: &Made, direct: &Direct, signals: &[MadeSignal]) -> Vec<Vec<(Operand, f64)>> {
         let factors = [&direct.state[0], &direct.state[1]].map(|e| clean_product(&made.to, e));
         let rows = self.rows(&factors, signals);
         rows.iter().map(|row| rounded_terms(row, self.precision)).collect()
     }
 
-    /// A state's terms as numbers of the target.
+    /// A state's terms in numbers of the target.
     fn terms(&self, columns: &Columns, state: usize) -> Vec<(Operand, f64)> {
         let terms: Vec<(Operand, Dd)> = columns.iter().map(|(operand, column)| (*operand, column[state])).collect();
         rounded_terms(&terms, self.precision)
@@ -338,22 +339,22 @@ fn transformed(s: &Matrix<Dd>, columns: &Columns) -> Columns {
     columns.iter().map(|(operand, column)| (*operand, image(column))).collect()
 }
 
-/// The first row less p times the second.
+/// Subtracts p times the second row from the first.
 fn beyond(column: &mut [Dd], p: Dd) {
     let follows = p * column[1];
     let rest = column[0] - follows;
-    // Coordinates were chosen to make it zero.
+    // Coordinates were chosen to make this zero.
     let nothing = rest.hi.abs() <= 1e-20 * (column[0].hi.abs() + follows.hi.abs());
     column[0] = if nothing { Dd::ZERO } else { rest };
 }
 
-/// Terms as numbers of the target, without zeros.
+/// Terms in numbers of the target, without zeros.
 pub fn rounded_terms(terms: &[(Operand, Dd)], precision: Precision) -> Vec<(Operand, f64)> {
     let rounded = terms.iter().map(|&(operand, value)| (operand, precision.round(value)));
     rounded.filter(|(_, value)| *value != 0.0).collect()
 }
 
-/// The inverse of a matrix of two rows, or of the identity.
+/// The inverse of a matrix of two rows, or of an identity matrix.
 fn inverse(s: &Matrix<Dd>) -> Matrix<Dd> {
     match s.rows() {
         2 => {

@@ -1,6 +1,6 @@
-//! The plain right-hand side of M q'' + C q' + K q = forces, for somebody else's integrator: stretches that springs and dampers
-//! share, tensions, forces, accelerations. In: a linear system. Out: sparse rows of numbers that a back end only prints, or
-//! the coordinate without mass that stands in the way. See docs/method/emit.md.
+//! The right-hand side of M q'' + C q' + K q = forces, for use with an external integrator: stretches that springs and
+//! dampers share, tensions, forces, accelerations. In: a linear system. Out: sparse rows of numbers that a back end
+//! only prints, or the coordinate without mass that makes this impossible. See docs/method/emit.md.
 
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::precision::Precision;
@@ -16,9 +16,9 @@ pub struct Equations {
     pub inputs: Vec<Port>,
     pub outputs: Vec<Port>,
     pub precision: Precision,
-    /// What stretches: springs and dampers along the same row are one.
+    /// Stretches; springs and dampers along the same row share one.
     pub stretches: Vec<Stretch>,
-    /// Stiffness and damping of each coordinate against the ground.
+    /// Stiffness and damping of each coordinate to the ground.
     pub own: Vec<(f64, f64)>,
     /// Factors of u, u' and u'' in each coordinate's force.
     pub forces: Vec<[Vec<(usize, f64)>; 3]>,
@@ -45,9 +45,9 @@ pub struct Stretch {
 pub enum NoEquations {
     /// A coordinate that has no mass of its own.
     Massless { coordinate: String },
-    /// So many masses move each other that L has more numbers than code is for.
+    /// Inertia couples so many coordinates that L has too many numbers for emitted code.
     TooMany,
-    /// A number that the precision does not hold.
+    /// A number outside the range of the precision.
     OutOfRange { precision: &'static str },
 }
 
@@ -69,7 +69,7 @@ impl fmt::Display for NoEquations {
     }
 }
 
-/// Numbers of L that are written out at most.
+/// The most numbers of L that are written out.
 const MOST_NUMBERS: usize = 1_000_000;
 
 type Row = Vec<(CoordinateId, Number)>;
@@ -112,7 +112,7 @@ pub fn equations(system: &LinearSystem, precision: Precision) -> Result<Equation
 }
 
 impl Equations {
-    /// Whether all numbers are numbers, and none that is a factor of something is lost.
+    /// Whether all numbers are finite, and no factor was lost by underflow.
     fn fits(&self) -> bool {
         let of = |row: &Vec<(usize, f64)>| row.iter().map(|(_, value)| *value).collect::<Vec<f64>>();
         let rows = self.forces.iter().chain(&self.seen).chain(&self.direct).flatten().chain(&self.lower);
@@ -127,11 +127,11 @@ impl Equations {
     }
 }
 
-/// Terms of K and C by their rows; those of one coordinate alone are summed.
+/// Terms of K and C by their rows; those on a single coordinate are summed.
 fn stretches(system: &LinearSystem, precision: Precision) -> (Vec<(f64, f64)>, Vec<Stretch>) {
     let mut own = vec![[Dd::ZERO; 2]; system.n()];
     let mut shared: Vec<(Row, [Dd; 2])> = Vec::new();
-    // Of one pair of coordinates there are few rows.
+    // There are few different rows for any pair of coordinates.
     let mut places: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
     let mut add = |form: &Form, which: usize| {
         for term in form.terms() {
@@ -163,7 +163,7 @@ fn stretches(system: &LinearSystem, precision: Precision) -> (Vec<(f64, f64)>, V
 
 type Factors = (Vec<Vec<(usize, f64)>>, Vec<f64>);
 
-/// M = L D L^T without the zeros of L, row by row: L z = m with the columns that are known.
+/// M = L D L^T without the zeros of L, row by row: each row solves L z = m with the columns computed so far.
 fn factors(system: &LinearSystem, precision: Precision) -> Result<Factors, NoEquations> {
     let n = system.n();
     let m = sparse(&system.m, n);

@@ -1,6 +1,6 @@
-//! What happens between samples: the states of piecewise signals are set at the next sample, and the states of the blocks get
-//! what they lack: of a signal that has changed on the way, of an impulse. In: the signals, the blocks and their cells. Out: changes in
-//! numbers of the target. See docs/method/emit.md.
+//! Changes between samples: the states of piecewise signals are set at the next sample, and the states of the blocks
+//! are corrected for a signal that changed, or an impulse that acted, during the step. In: the signals, the blocks and
+//! their cells. Out: changes in numbers of the target. See docs/method/emit.md.
 
 use crate::analysis::discrete::Event;
 use crate::analysis::discrete::block::{Block, product};
@@ -13,13 +13,13 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
 use std::collections::BTreeSet;
 
-/// Why there are no events.
+/// Why the events could not be computed.
 pub enum Fault {
     TooMany { input: usize },
     OutOfRange,
 }
 
-/// The changes, by the sample at which they are made: states of signals first, then of the blocks.
+/// The changes with the samples at which they are made: states of signals first, then those of the blocks.
 pub fn changes(
     signals: &Signals,
     blocks: &[Block],
@@ -68,8 +68,8 @@ fn image(m: &Matrix<Dd>, x: &[Dd]) -> Vec<Dd> {
     product(m, &Matrix::from_fn(x.len(), 1, |i, _| x[i])).column(0).to_vec()
 }
 
-/// The changes after the first sample, rounded and not; those at it are part of the start. `set`: which states are set, not
-/// added to.
+/// The changes after the first sample, rounded and unrounded; those at the first sample are part of the start. `set`:
+/// the states that are set instead of added to.
 pub fn after_start(
     changes: Vec<(u64, Vec<Dd>)>,
     set: &[bool],

@@ -1,14 +1,14 @@
-//! One step of a block, exactly: w(t + h) = F w(t) + what an input does that is held, or runs along a line, in between.
-//! In: A and h. Out: F = exp(A h), P1 = int exp(A s) ds and P2 = int (h - s) exp(A s) ds over the step, in double-double.
-//! They are blocks of the exponential of one larger matrix (Van Loan, IEEE Trans. AC-23 (1978) 395).
-//! See docs/method/emit.md.
+//! One step of a block, exactly: w(t + h) = F w(t) + the effect of an input that is held, or interpolated linearly, in
+//! between. In: A and h. Out: F = exp(A h), P1 = int exp(A s) ds and P2 = int (h - s) exp(A s) ds over the step, in
+//! double-double. They are blocks of the exponential of one larger matrix (Van Loan, IEEE Trans. AC-23 (1978) 395). See
+//! docs/method/emit.md.
 
 use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::numeric::enclosure::norm_bound;
 use crate::analysis::response::exponential::Generator;
 use crate::base::{Ball, Dd};
 
-/// What one step does.
+/// The matrices of one step.
 #[derive(Clone, Debug)]
 pub struct Propagator {
     pub f: Matrix<Dd>,
@@ -16,7 +16,7 @@ pub struct Propagator {
     pub p2: Matrix<Dd>,
 }
 
-/// The step of w' = A w + B u; `None` where it is out of range.
+/// The step of w' = A w + B u; `None` if it is out of range.
 pub fn propagator(a: &Matrix<Dd>, h: Dd) -> Option<Propagator> {
     let n = a.rows();
     let scale = balance(a);
@@ -37,11 +37,12 @@ pub fn propagator(a: &Matrix<Dd>, h: Dd) -> Option<Propagator> {
     Some(Propagator { f: part(0, Dd::ONE), p1: part(1, h), p2: part(2, h * h) })
 }
 
-/// What a source does to w' = A w + drive s, s' = (R / h) s, in so many steps of h: the corner of exp([A, drive; 0, R / h] t).
+/// The effect of a source on w' = A w + drive s, s' = (R / h) s, in `steps` steps of h: the corner of exp([A, drive; 0,
+/// R / h] t).
 pub fn coupled(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
     let (n, m) = (a.rows(), r.rows());
     let scale = balance(a);
-    // The drive has a unit of its own: a power of two brings it near one.
+    // A power of two brings the drive, which has its own unit, near one.
     let force = |i: usize, j: usize| (drive[(i, j)] * h).scale(1.0 / scale[i]);
     let most = (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| force(i, j).hi.abs()).fold(0.0, f64::max);
     if most == 0.0 || steps.is_zero() {
@@ -70,7 +71,7 @@ pub fn moved(a: &Matrix<Dd>, x: &[Dd], t: Dd) -> Option<Vec<Dd>> {
     Some((0..n).map(|i| (0..n).fold(Dd::ZERO, |sum, j| sum + entry(i, j) * x[j])).collect())
 }
 
-/// exp of a matrix without a unit.
+/// exp of a dimensionless matrix.
 pub fn exponential(a: Matrix<Dd>) -> Option<Matrix<Dd>> {
     let norm = norm_bound(a.rows(), a.columns(), |i, j| a[(i, j)].hi.abs());
     if !norm.is_finite() {
@@ -80,7 +81,8 @@ pub fn exponential(a: Matrix<Dd>) -> Option<Matrix<Dd>> {
     (0..e.columns()).all(|j| e.column(j).iter().all(|x| x.is_finite())).then_some(e)
 }
 
-/// Powers of two that bring rows and columns to the same size (Osborne 1960), so that no unit makes the norm large.
+/// Powers of two that bring rows and columns to the same magnitude (Osborne 1960), so that units do not make the norm
+/// large.
 fn balance(a: &Matrix<Dd>) -> Vec<f64> {
     let n = a.rows();
     let mut scale = vec![1.0f64; n];
@@ -122,7 +124,7 @@ mod tests {
         assert!((p.f[(1, 0)].to_f64() + 3.0 * 1.5f64.sin()).abs() < 1e-15);
     }
 
-    /// A stiff oscillator in SI: the norm of A is 1e12, that of the motion 1e6.
+    /// A stiff oscillator in SI units: the norm of A is 1e12, its natural frequency 1e6 rad/s.
     #[test]
     fn units_do_not_cost_digits() {
         let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-1e12, 0.0]][i][j]));

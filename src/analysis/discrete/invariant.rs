@@ -1,10 +1,10 @@
-//! A system in state space, taken apart into the motions of its poles: z' = A z with A T = T diag(A_1, A_2, ...). In: the
-//! system and its poles. Out: a block of one state for a real pole, of two for a complex pair, of more for poles that lie so
-//! close together that taking them apart would lose digits; one dense block where nothing can be taken apart.
-//! See docs/method/emit.md.
+//! A system in state space, decomposed into the motions of its poles: z' = A z with A T = T diag(A_1, A_2, ...). In:
+//! the system and its poles. Out: a block of one state for a real pole, of two for a complex pair, of more for poles so
+//! close together that separating them would lose digits; one dense block if nothing can be separated. See
+//! docs/method/emit.md.
 //!
-//! Vectors are found by inverse iteration beside each pole or group of poles and corrected together: with
-//! T^-1 A T = D + E, E off the blocks, the step T (I + X) with D_i X_ij - X_ij D_j = -E_ij squares the error (Stewart 1973).
+//! Vectors are found by inverse iteration near each pole or group of poles and corrected together: with T^-1 A T = D +
+//! E, E off the blocks, the step T (I + X) with D_i X_ij - X_ij D_j = -E_ij squares the error (Stewart 1973).
 
 use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::discrete::block::{
@@ -18,16 +18,16 @@ use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;
 use std::ops::Div;
 
-/// Poles nearer than this share of their size stay in one block.
+/// Poles closer than this relative distance stay in one block.
 const NEAR: f64 = 1e-4;
 /// The last correction of T must be below this.
 const SETTLED: f64 = 1e-21;
 const MOST_STEPS: usize = 8;
-/// Larger blocks are not taken: their products fill the code.
+/// Larger blocks are refused: their products would fill the code.
 const MOST_DENSE: usize = 100;
-/// Larger systems are started in binary64.
+/// Larger systems start in binary64.
 const MOST_PRECISE: usize = 60;
-/// The time over which energy coordinates may grow by a factor e: any will do.
+/// The time over which energy coordinates may grow by a factor e; its choice does not matter.
 const HORIZON: f64 = 1.0;
 
 /// The blocks of a system.
@@ -71,7 +71,7 @@ fn held(system: &LinearSystem) -> Exogenous {
     }
 }
 
-/// xi' = A xi + B u, y = C xi, with what inputs do at once.
+/// xi' = A xi + B u, y = C xi, with the direct effects of inputs.
 struct Continuous {
     n: usize,
     a: Matrix<Dd>,
@@ -147,7 +147,7 @@ impl Continuous {
     }
 }
 
-/// What is below the rounding of the largest entry of its column is nothing.
+/// Sets entries below the rounding error of the largest entry of their column to zero.
 fn without_rounding(m: &mut Matrix<Dd>) {
     for j in 0..m.columns() {
         let most = m.column(j).iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
@@ -158,9 +158,9 @@ fn without_rounding(m: &mut Matrix<Dd>) {
 /// Poles of one block.
 #[derive(Clone, Debug)]
 struct Group {
-    /// Those with im >= 0; near the real axis both of a pair.
+    /// The poles with im >= 0; near the real axis both of a pair.
     poles: Vec<Complex<f64>>,
-    /// The conjugates belong to the block too.
+    /// Whether the conjugates belong to the block too.
     paired: bool,
 }
 
@@ -186,7 +186,7 @@ fn complex(pole: &Pole) -> Complex<f64> {
     Complex::new(pole.re.to_f64(), pole.im.to_f64())
 }
 
-/// Poles in groups that lie apart from each other, in the order of their first poles.
+/// Groups of poles that are well separated from each other, in the order of their first poles.
 fn groups(poles: &[Pole]) -> Vec<Group> {
     let all: Vec<Complex<f64>> = poles.iter().map(complex).collect();
     let near = |a: Complex<f64>, b: Complex<f64>| (a - b).abs() <= NEAR * a.abs().max(b.abs());
@@ -252,7 +252,7 @@ fn vectors<T: Real + Div<Output = T>>(a: &Matrix<Dd>, groups: &[Group]) -> Optio
     (columns.len() == n).then(|| Matrix::from_fn(n, n, |i, j| columns[j][i]))
 }
 
-/// Numbers without a pattern, so that no vector starts orthogonal to what is looked for.
+/// Pseudo-random numbers, so that no start vector is orthogonal to the wanted one.
 fn scrambled<T: Real>(i: usize, seed: usize) -> Complex<T> {
     let mixed =
         (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (seed as u64 + 7).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -261,13 +261,13 @@ fn scrambled<T: Real>(i: usize, seed: usize) -> Complex<T> {
     Complex::real(T::of_dd(Dd::from(value)))
 }
 
-/// Gram and Schmidt, twice.
+/// Gram-Schmidt, applied twice.
 fn orthonormal<T: Real + Div<Output = T>>(space: &mut [Vec<Complex<T>>]) -> Option<()> {
     for k in 0..space.len() {
         for _ in 0..2 {
             let (before, rest) = space.split_at_mut(k);
             let x = &mut rest[0];
-            // Sizes first: solutions beside a pole are huge.
+            // Normalise first: solutions near a pole are huge.
             let most = x.iter().map(|z| z.to_f64().abs()).fold(0.0, f64::max);
             if !(most.is_finite() && most > 0.0) {
                 return None;
@@ -287,14 +287,14 @@ fn orthonormal<T: Real + Div<Output = T>>(space: &mut [Vec<Complex<T>>]) -> Opti
     Some(())
 }
 
-/// A complex vector as two real columns at right angles, each of length one; a real one as one.
+/// A complex vector as two orthogonal real columns of length one; a real vector as one.
 fn real_columns<T: Real>(x: &[Complex<T>], paired: bool) -> Vec<Vec<Dd>> {
     let to_dd = |z: T| Dd::from(z.to_f64());
     let (re, im): (Vec<Dd>, Vec<Dd>) = x.iter().map(|z| (to_dd(z.re), to_dd(z.im))).unzip();
     if !paired {
         return vec![unit(re)];
     }
-    // Turned by the angle that makes x^T x real.
+    // Rotated by the angle that makes x^T x real.
     let (squares, cross) = (dot(&re, &re) - dot(&im, &im), dot(&re, &im) * 2.0);
     let size = (squares.hi * squares.hi + cross.hi * cross.hi).sqrt();
     let cosine = if size > 0.0 { squares.hi / size } else { 1.0 };
@@ -311,7 +311,7 @@ fn unit(mut x: Vec<Dd>) -> Vec<Dd> {
     x
 }
 
-/// Corrects the columns until what is left off the blocks is nothing.
+/// Corrects the columns until the off-diagonal blocks are negligible.
 fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis> {
     let n = a.rows();
     let places: Vec<(usize, usize)> = groups
@@ -346,7 +346,7 @@ fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis>
         if size <= SETTLED {
             return Some((t, inverse, d));
         }
-        // Rounding has the last word.
+        // Rounding errors prevent further progress.
         if size > 0.5 * last {
             return None;
         }
@@ -394,7 +394,7 @@ fn sylvester(a: &Matrix<f64>, b: &Matrix<f64>, c: &Matrix<f64>) -> Option<Matrix
     Some(Matrix::from_fn(m, n, |i, j| x[i + m * j]))
 }
 
-/// A complex matrix as triangular factors, rows exchanged.
+/// The triangular factors of a complex matrix, with row exchanges.
 struct Factors<T> {
     rows: Vec<Vec<Complex<T>>>,
     order: Vec<usize>,

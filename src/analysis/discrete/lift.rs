@@ -1,10 +1,10 @@
-//! Two states as a lifted step: v <- v - c v - k x + g u, x <- x + p v (both with the other sign where the motion turns by more
-//! than a quarter). In: the step of a block. Out: c, k, p in the precision of the target, and
-//! coordinates in which F has that form; nothing where F is nearly a multiple of one, which has it in none.
+//! Two states as a lifted step: v <- v - c v - k x + g u, x <- x + p v (both with the opposite sign if the motion turns
+//! by more than a quarter of a period). In: the step of a block. Out: c, k, p in the precision of the target, and
+//! coordinates in which F has that form; nothing if F is nearly a multiple of one, which has no such form.
 //!
-//! The determinant of the step is 1 - c and |1 - lambda|^2 is p k, whatever c, k and p are: c rounds with its own relative
-//! error, and only the product of k and p matters, so k is chosen among neighbours until p rounds well. So amplitude and
-//! phase drift by far less than rounding each entry of a rotation would make them drift (lifting: Bruekers and van den
+//! The determinant of the step is 1 - c and |1 - lambda|^2 is p k, whatever c, k and p are: c is rounded with its own
+//! relative error, and only the product of k and p matters, so k is chosen among neighbours such that p rounds well. So
+//! amplitude and phase drift far less than if each entry of a rotation were rounded (lifting: Bruekers and van den
 //! Enden, IEEE JSAC 10 (1992) 129), and near-critical and critical damping need no other form. See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::Precision;
@@ -15,14 +15,14 @@ use crate::base::Dd;
 /// The step of a pair of states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lift {
-    /// The motion turns by more than a quarter: F is minus the lifted step.
+    /// Whether the motion turns by more than a quarter of a period: F is minus the lifted step.
     pub turned: bool,
     pub decay: Decay,
     pub k: f64,
     pub p: f64,
 }
 
-/// What is left of v: v - c v, or r v.
+/// The remaining part of v: v - c v, or r v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decay {
     Lose(f64),
@@ -30,7 +30,7 @@ pub enum Decay {
 }
 
 impl Decay {
-    /// c or r.
+    /// The number c or r.
     pub fn value(self) -> f64 {
         match self {
             Decay::Lose(value) | Decay::Keep(value) => value,
@@ -38,27 +38,28 @@ impl Decay {
     }
 }
 
-/// A lifted step and the coordinates (x, v) = s w that it is for.
+/// A lifted step and its coordinates (x, v) = s w.
 #[derive(Clone, Debug)]
 pub struct Lifted {
     pub lift: Lift,
     pub s: Matrix<Dd>,
 }
 
-/// What decays faster than this in a step has nothing left that a lifted form could keep.
+/// A motion that decays faster than this in a step has nothing left that a lifted form could preserve.
 const LEAST: f64 = 1e-10;
 
 /// Square root of the golden ratio.
 const GOLDEN_ROOT: f64 = 1.272019649514069;
 
-/// Neighbours tried for k: the best of so many has a product good to twelve bits more than the precision.
+/// Neighbours that are tried for k: the best product is accurate to twelve bits more than the precision.
 const TRIALS: u32 = 4096;
 
-/// Rows x and v nearer to each other than this, as sine of the angle between them, are no coordinates: F is nearly a
-/// multiple of one, which no choice of x tells apart from it.
+/// Rows x and v closer than this (sine of the angle between them) are not usable as coordinates: F is nearly a multiple
+/// of one, for which every x gives such rows.
 const LEAST_ANGLE: f64 = 0.05;
 
-/// F in lifted form, in coordinates in which the input `drive` (a column of w) acts on v alone, with factor one, if that can be.
+/// F in lifted form, if possible in coordinates in which the input `drive` (a column of w) acts only on v, with factor
+/// one.
 pub fn lift(turn: &Turn, drive: Option<[Dd; 2]>, precision: Precision) -> Option<Lifted> {
     let (lost, product) = (turn.lost, turn.product);
     let det = Dd::ONE - lost;
@@ -72,14 +73,14 @@ pub fn lift(turn: &Turn, drive: Option<[Dd; 2]>, precision: Precision) -> Option
     Some(Lifted { lift, s })
 }
 
-/// k and p with k p = product, nearly equal in effect: p det = k.
+/// k and p with k p = product, balanced by p det = k.
 fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
     if product.hi == 0.0 {
         return (0.0, 1.0);
     }
     let root = det.hi.clamp(0.01, 1.0).sqrt();
-    // With k one unit in the last place more, p is 0.618 units less: trials spread evenly (golden ratio), where with k = p
-    // they would all round alike.
+    // If k is one unit in the last place larger, p is 0.618 units smaller: so the trials are spread evenly (golden
+    // ratio), while for k = p they would all round alike.
     let start = product.hi.sqrt() * root * GOLDEN_ROOT;
     let mut best = (start, f64::INFINITY, 0.0);
     let mut k = precision.round(Dd::from(start));
@@ -94,8 +95,8 @@ fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
     (best.0, best.2)
 }
 
-/// Rows x and v with x' = x + p v', v' = det v - k x: any row x will do that is no left eigenvector; v = x (1 - F^-1) / p, and
-/// 1 - F^-1 = (E + det E) / det F with F = 1 + E.
+/// Rows x and v with x' = x + p v', v' = det v - k x: x can be any row that is not a left eigenvector; v = x (1 - F^-1)
+/// / p, and 1 - F^-1 = (E + det E) / det F with F = 1 + E.
 fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Matrix<Dd>> {
     let step = &turn.change;
     let inverse = Matrix::from_fn(2, 2, |i, j| {
@@ -107,12 +108,12 @@ fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Ma
             let terms = [x[j] * turn.product, x[0] * step[(0, j)], x[1] * step[(1, j)]];
             let sum = terms[0] + terms[1] + terms[2];
             let size: f64 = terms.iter().map(|x| x.hi.abs()).sum();
-            // What is left of zero by rounding is nothing.
+            // A result within rounding error of zero is zero.
             if sum.hi.abs() <= 1e-26 * size { Dd::ZERO } else { sum / (p * det) }
         };
         [x, [change(0), change(1)]]
     };
-    // Independence of the rows, measured in coordinates of the size of the motion.
+    // Independence of the rows, measured in coordinates balanced by the magnitude of the motion.
     let balance = (step[(0, 1)].hi.abs() / step[(1, 0)].hi.abs()).sqrt();
     let balance = if balance.is_finite() && balance > 0.0 { balance } else { 1.0 };
     let independence = |s: [[Dd; 2]; 2]| {
@@ -130,7 +131,7 @@ fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Ma
     }
     let mut chosen = plain;
     if let Some(g) = drive {
-        // x F^-1 g = 0: then the input's part of x' is p times that of v'.
+        // x F^-1 g = 0: then the input's contribution to x' is p times that to v'.
         let back = [0, 1].map(|i| inverse[(i, 0)] * g[0] + inverse[(i, 1)] * g[1]);
         let driven = rows([back[1], -back[0]]);
         if independence(driven) >= 0.3 * independence(plain) {
@@ -149,7 +150,7 @@ fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Ma
     (0..2).all(|j| s.column(j).iter().all(|x| x.is_finite())).then_some(s)
 }
 
-/// Written out, so that it is the same on every machine.
+/// The hypotenuse, written out so that it is the same on every machine.
 fn hypotenuse(a: f64, b: f64) -> f64 {
     let most = a.abs().max(b.abs());
     if most == 0.0 { 0.0 } else { most * ((a / most).powi(2) + (b / most).powi(2)).sqrt() }
@@ -182,8 +183,8 @@ mod tests {
     use crate::analysis::discrete::hold::propagator;
     use crate::analysis::discrete::turn::turn;
 
-    /// Undamped and damped oscillators, slow and fast beside the step, critical and rigid: the lifted step is F in other
-    /// coordinates.
+    /// Undamped and damped oscillators, slow and fast relative to the step, critical and rigid: the lifted step is F in
+    /// other coordinates.
     #[test]
     fn the_lifted_step_is_the_propagator() {
         for (k, c) in
@@ -208,7 +209,7 @@ mod tests {
         }
     }
 
-    /// The product of the factors is good to far more than a double's sixteen digits.
+    /// The product of the factors is accurate to far more than the sixteen digits of a double.
     #[test]
     fn the_phase_is_better_than_rounding() {
         let exact = Dd::from(2.0) - Dd::from(0.3f64.cos()) * 2.0;

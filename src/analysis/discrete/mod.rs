@@ -1,13 +1,13 @@
-//! The exact discrete system that emitted code runs: the states of independent blocks, what one step does to each, what
-//! inputs add and what outputs see. In: a linear system, its modes, the signals built in, a step. Out: a value that a back
-//! end only prints. Everything is computed in double-double and rounded once, to the precision of the target. See
-//! docs/method/emit.md.
+//! The exact discrete system that emitted code runs: the states of independent blocks, the effect of one step on each,
+//! the contributions of inputs, and the outputs. In: a linear system, its modes, the built-in signals, a step. Out: a
+//! value that a back end only prints. Everything is computed in double-double and rounded once, to the precision of the
+//! target. See docs/method/emit.md.
 //!
 //! # Steps
 //! 1. [`modal`] or [`invariant`]: the continuous system as independent blocks
-//! 2. [`reduce`]: what no input reaches, no output sees or the tolerance allows to leave out
-//! 3. [`hold`], [`lift`]: one step of each block, in the form that loses least
-//! 4. [`rounding`]: what the target's rounding can do at most; [`beside`]: what it does where the run is known
+//! 2. [`reduce`]: removes blocks that no input reaches, that no output sees, or that the tolerance allows to leave out
+//! 3. [`hold`], [`lift`]: one step of each block, in the form that loses fewest digits
+//! 4. [`rounding`]: a bound of the effect of the target's rounding; [`beside`]: its actual effect, if the run is known
 
 mod beside;
 pub mod block;
@@ -45,31 +45,31 @@ use crate::analysis::poles::poles;
 use crate::base::{Dd, Number};
 use crate::system::{CoordinateKind, LinearSystem, Signal};
 
-/// What an input does between samples.
+/// The course of an input between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// It stays as it was at the sample.
+    /// It keeps its value from the sample.
     Zero,
-    /// It runs along a line to its next value.
+    /// It is interpolated linearly to its next value.
     First,
 }
 
-/// What is wanted.
+/// Options of a discrete system.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// s
+    /// Step size, s.
     pub step: Number,
     pub hold: Hold,
     pub precision: Precision,
-    /// Modes that contribute less than this share of an output are left out; `None`: none are.
+    /// Modes that contribute less than this share of every output are left out; `None`: none are.
     pub tolerance: Option<f64>,
-    /// Everything is kept, also what no input reaches.
+    /// Keep everything, even blocks that no input reaches.
     pub unpruned: bool,
     /// Whether the model's signals are built into the state.
     pub built_in: bool,
     /// Signals built into the state, for each input; inputs without any stay inputs. Empty: none are built in.
     pub internal: Vec<Vec<Signal>>,
-    /// The end of the motion, s, where it is known: what happens later is left out.
+    /// The end of the motion, s, if it is known: later events are left out.
     pub until: Option<Number>,
 }
 
@@ -80,11 +80,11 @@ pub struct Port {
     pub unit: String,
 }
 
-/// A change of all states, in the order of the cells, at a sample.
+/// A change of all states (in the order of the cells) at a sample.
 #[derive(Clone, Debug)]
 pub struct Event {
     pub tick: u64,
-    /// What is added to each state, or what it is set to.
+    /// The number that is added to each state, or to which it is set.
     pub change: Vec<f64>,
 }
 
@@ -96,34 +96,35 @@ pub struct DiscreteSystem {
     pub rates: Vec<&'static str>,
     pub inputs: Vec<Port>,
     pub outputs: Vec<Port>,
-    /// s
+    /// Step size, s.
     pub step: f64,
     pub hold: Hold,
     pub precision: Precision,
     pub tolerance: Option<f64>,
     pub method: &'static str,
     pub cells: Vec<Cell>,
-    /// What each output sees at once.
+    /// The direct feed-through to each output.
     pub direct: Vec<Vec<(Operand, f64)>>,
-    /// Displacements, then velocities, of all coordinates: what the last inputs and the signals add.
+    /// Contributions of the last inputs and of the signals to displacements, then velocities, of all coordinates.
     pub offset: Vec<Vec<(Operand, f64)>>,
-    /// What the last inputs and the signals take from a state that is set: one row a state that is not a signal's.
+    /// Contributions of the last inputs and of the signals that are subtracted when a state is set: one row for each
+    /// state that is not a signal's.
     pub taken: Vec<Vec<(Operand, f64)>>,
-    /// How many of the cells, the first ones, are those of signals.
+    /// Number of cells, at the beginning of the list, that are those of signals.
     pub signals: usize,
-    /// What happens to all states at certain samples, ascending.
+    /// Changes of all states at certain samples, ascending.
     pub events: Vec<Event>,
-    /// For each state, whether events set it, not add to it.
+    /// For each state, whether events set it instead of adding to it.
     pub set: Vec<bool>,
-    /// Outputs that would follow the derivative of an input, which an input that is held does not have.
+    /// Outputs that would follow the derivative of an input; an input that is held has none.
     pub without_slope: Vec<usize>,
     pub left: Vec<Left>,
     pub rounding: Rounding,
-    /// What rounding does to code without inputs, as it runs from its start.
+    /// The effect of rounding on code without inputs, run from its start.
     pub measured: Vec<Measured>,
 }
 
-/// A bound of the outputs' errors by rounding over so many steps, beside the largest value of each.
+/// A bound of the outputs' rounding errors over a number of steps, relative to the largest value of each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     pub steps: u64,
@@ -136,7 +137,7 @@ impl DiscreteSystem {
         self.cells.iter().map(Cell::size).sum()
     }
 
-    /// Whether all of its numbers are numbers.
+    /// Whether all numbers are finite.
     fn is_finite(&self) -> bool {
         let rows = [&self.direct, &self.offset, &self.taken].into_iter().flatten().flatten().map(|(_, value)| *value);
         let changes = self.events.iter().flat_map(|event| &event.change).copied();
@@ -150,19 +151,19 @@ impl DiscreteSystem {
         kept || self.uses(|operand| matches!(operand, Operand::Slope(_)))
     }
 
-    /// Whether the first step differs from the others, as inputs that are interpolated have nothing before them.
+    /// Whether the first step differs from the others, because interpolated inputs have no earlier sample.
     pub fn ramps(&self) -> bool {
         self.uses(|o| matches!(o, Operand::Ramped(_) | Operand::Slope(_)))
     }
 
-    /// Whether a term of the step has such an operand.
+    /// Whether some term of the step has such an operand.
     pub fn uses(&self, which: impl Fn(&Operand) -> bool) -> bool {
         let in_cells = self.cells.iter().flat_map(|cell| cell.input.iter().flatten());
         in_cells.chain(self.direct.iter().flatten()).any(|(operand, _)| which(operand))
     }
 }
 
-/// Beyond this the tables of the states in the model's coordinates fill files.
+/// With more states, the tables of the states in the model's coordinates fill files.
 pub const MOST_STATES: usize = 800;
 
 /// The discrete system of a model.
@@ -309,7 +310,7 @@ fn start(system: &LinearSystem) -> Vec<Dd> {
     start
 }
 
-/// The feed-through that the system declares.
+/// The direct feed-through that the system declares.
 fn direct_of(system: &LinearSystem) -> Direct {
     let mut direct = Direct::none(system.n(), system.inputs.len(), system.outputs.len());
     for (i, output) in system.outputs.iter().enumerate() {

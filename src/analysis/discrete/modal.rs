@@ -1,6 +1,6 @@
-//! A system whose damping its undamped modes diagonalise, as one oscillator a mode: eta'' + c eta' + k eta = X^T B u.
-//! In: the system and its modes. Out: blocks of two states, of one where two real rates lie well apart, or nothing where
-//! damping couples the modes. See docs/method/emit.md.
+//! A system whose damping is diagonal in its undamped modes, as one oscillator for each mode: eta'' + c eta' + k eta =
+//! X^T B u. In: the system and its modes. Out: blocks of two states, of one for well separated real rates, or nothing
+//! if damping couples the modes. See docs/method/emit.md.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
@@ -10,9 +10,10 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Number};
 use crate::system::{CoordinateId, LinearSystem};
 
-/// Entries that should vanish, beside the geometric mean of the diagonals: they are rounding of double-double, or coupling.
+/// Off-diagonal entries below this, relative to the geometric mean of the diagonal ones, are rounding errors of
+/// double-double; larger ones are coupling.
 const COUPLED: f64 = 1e-22;
-/// Two real rates a +- d are taken apart where d / a is above this: nearer ones are one block of two states.
+/// Two real rates a +- d are separated if d / a is above this; closer ones form one block of two states.
 const APART: f64 = 0.05;
 
 /// The oscillators.
@@ -47,8 +48,8 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     Some(found)
 }
 
-/// X^T A X where A has far more terms than entries, as of springs between all pairs of bodies: from the entries, unless that loses
-/// digits that the terms would keep.
+/// X^T A X for an A with far more terms than entries, as for springs between all pairs of bodies: computed from the
+/// entries, unless that loses digits that the terms would keep.
 fn gram_of_many(form: &Squares, x: &Matrix<Dd>) -> Option<Matrix<Ball>> {
     let n = x.rows();
     if form.len() < 4 * n {
@@ -92,7 +93,7 @@ fn name(index: usize, mode: &Mode) -> String {
     }
 }
 
-/// Off the diagonal there is nothing but rounding.
+/// Whether the off-diagonal entries are only rounding errors.
 fn is_diagonal(gram: &Matrix<Ball>) -> bool {
     let n = gram.columns();
     let most = (0..n).map(|i| gram[(i, i)].magnitude()).fold(0.0, f64::max);
@@ -102,7 +103,8 @@ fn is_diagonal(gram: &Matrix<Ball>) -> bool {
     })
 }
 
-/// A coordinate that a mode does not move is moved by rounding alone, 1e-31 of the largest. Whether there was any.
+/// Sets the displacement of coordinates that a mode moves only by rounding, below 1e-31 of the largest, to zero;
+/// returns whether there were any.
 fn without_rounding(x: &mut Matrix<Dd>) -> bool {
     let mut found = false;
     for j in 0..x.columns() {
@@ -139,7 +141,7 @@ struct Oscillator<'a> {
 }
 
 impl Oscillator<'_> {
-    /// Adds the oscillator's blocks, and what its inputs do at once.
+    /// Adds the oscillator's blocks, and the direct effects of its inputs.
     fn blocks(&self, name: String, found: &mut Split) {
         let system = self.system;
         let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
@@ -176,7 +178,7 @@ impl Oscillator<'_> {
         found.blocks.extend(apart(block, k, c));
     }
 
-    /// x . column, exactly zero where nothing but rounding is left.
+    /// x . column, exactly zero if only rounding error is left.
     fn participation(&self, column: &[(CoordinateId, Number)]) -> Dd {
         let (mut sum, mut size) = (Ball::ZERO, 0.0);
         for (i, value) in column {
@@ -196,7 +198,7 @@ fn length(column: &[(CoordinateId, Number)]) -> f64 {
     column.iter().map(|(_, value)| value.to_ball().magnitude()).fold(0.0, f64::max)
 }
 
-/// Two real rates that lie well apart, each by itself: the slower one is k over the faster one, so it keeps its digits.
+/// Separates two well separated real rates: the slower one is k over the faster one, so it keeps its digits.
 fn apart(block: Block, k: Dd, c: Dd) -> Vec<Block> {
     let half = c * 0.5;
     let square = half * half - k;
@@ -207,7 +209,7 @@ fn apart(block: Block, k: Dd, c: Dd) -> Vec<Block> {
     let fast = if half.hi < 0.0 { -half + root } else { -half - root };
     let slow = k / fast;
     let rates = [slow, fast];
-    // w = (1, s)^T w~: columns are the motions exp(s t), scaled to length one.
+    // w = (1, s)^T w~: the columns are the motions exp(s t), scaled to length one.
     let scale = rates.map(|s| Dd::ONE / (Dd::ONE + s * s).sqrt());
     let inverse = Matrix::from_fn(2, 2, |i, j| if i == 0 { scale[j] } else { rates[j] * scale[j] });
     let det = fast - slow;

@@ -1,6 +1,7 @@
-//! A small system as a function of one parameter, for code that keeps it changeable. In: the system at several exact values of the
-//! parameter. Out: every entry of M, C, K and of the rows of inputs and outputs as a polynomial of degree two at most, found
-//! from three of the values and confirmed at the others; or why that cannot be. See docs/method/emit.md.
+//! A small system as a function of one parameter, for code in which it stays adjustable. In: the system at several
+//! exact values of the parameter. Out: every entry of M, C, K and of the rows of inputs and outputs as a polynomial of
+//! degree at most two, found from three of the values and confirmed at the others; or why that is not possible. See
+//! docs/method/emit.md.
 
 use crate::analysis::discrete::Port;
 use crate::base::{Ball, Number};
@@ -13,7 +14,7 @@ pub type Polynomial = [f64; 3];
 #[derive(Clone, Debug)]
 pub struct Parameterised {
     pub name: String,
-    /// The value in use and the range that was looked at, SI.
+    /// The current value and the range that was examined, in SI units.
     pub value: f64,
     pub range: (f64, f64),
     pub coordinates: Vec<Port>,
@@ -32,12 +33,12 @@ pub struct Parameterised {
     pub start: Vec<(f64, f64)>,
 }
 
-/// More coordinates would make the recomputation longer than most steps can wait for.
+/// With more coordinates, the recomputation would take longer than most steps can wait.
 pub const MOST_COORDINATES: usize = 8;
-/// The parameter is looked at in these multiples of its value: three settle a polynomial, the others confirm it.
+/// The parameter is evaluated at these multiples of its value: three determine a polynomial, the others confirm it.
 pub const MULTIPLES: [(i64, i64); 8] = [(1, 1), (2, 1), (5, 1), (1, 16), (1, 3), (7, 1), (11, 1), (16, 1)];
 
-/// The polynomials; `Err` tells what stands in the way.
+/// The polynomials; `Err` says why they do not exist.
 pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Result<Parameterised, String> {
     let Some(first) = systems.first() else { return Err("there is no system".into()) };
     let n = first.n();
@@ -124,7 +125,7 @@ pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Re
     })
 }
 
-/// Newton's divided differences from the first three values; the others must lie on it.
+/// Newton's divided differences from the first three values; the others must lie on the polynomial.
 fn polynomial(x: &[Number], y: &[Number]) -> Option<Polynomial> {
     let slope = |a: usize, b: usize| &(&y[b] - &y[a]) / &(&x[b] - &x[a]);
     let (first, second) = (slope(0, 1), slope(1, 2));
@@ -140,7 +141,7 @@ fn polynomial(x: &[Number], y: &[Number]) -> Option<Polynomial> {
     fits.then(|| [c0.to_f64(), c1.to_f64(), c2.to_f64()])
 }
 
-/// A coefficient that adds nothing to what it was found from is zero.
+/// A coefficient whose contribution is below the rounding error of the values is zero.
 fn nothing(c: Number, y: &Number, x: &Number) -> Number {
     let term: Ball = (&c * x).to_ball();
     let small = !y.is_zero() && term.mid.hi.abs() <= 1e-24 * y.to_ball().magnitude();

@@ -1,10 +1,12 @@
-//! Piecewise polynomials over samples: all steps, ramps, pulses, tables and chirps of an input as one polynomial from knot to
-//! knot. In: the sources of an input, the step. Out: the polynomial's states at any sample, when these are to be set anew, and what
-//! a block does in a step in which the polynomial changes. See docs/method/emit.md.
+//! Piecewise polynomials over samples: all steps, ramps, pulses, tables and chirps of an input as one polynomial from
+//! knot to knot. In: the sources of an input, the step. Out: the polynomial's states at any sample, the samples at
+//! which they must be set, and the effect on a block of a step in which the polynomial changes. See
+//! docs/method/emit.md.
 //!
-//! States c_k = h^k u^(k) / k! are u = sum c_k s^k, s in steps. They are set at each knot's next sample, not added to: what
-//! rounding leaves of the highest one would grow like the power of time that it stands for. Where a step is long beside the pieces,
-//! a piece carried on to its end is huge; then only what outputs see is kept for that step, and the blocks get the rest at its end.
+//! The states c_k = h^k u^(k) / k! give u = sum c_k s^k, with s in steps. They are set, not added to, at the sample
+//! that follows each knot: otherwise the rounding error of the highest one would grow like its power of time. If a step
+//! is long relative to the pieces, a piece that is continued to the end of the step may be huge; then only the states
+//! that outputs read are kept for that step, and the blocks get the rest at its end.
 
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::{coupled, moved};
@@ -17,34 +19,34 @@ use std::cmp::Ordering;
 /// A time between samples.
 #[derive(Clone, Copy, Debug)]
 pub struct When {
-    /// The first sample not before it.
+    /// The first sample at or after it.
     pub tick: u64,
-    /// How long before that sample it is, in steps.
+    /// Its distance to that sample, in steps.
     pub before: Dd,
 }
 
-/// Where a polynomial changes, after t = 0.
+/// A time after t = 0 at which a polynomial changes.
 #[derive(Clone, Debug)]
 pub struct Knot {
     pub when: When,
-    /// The states from here on, at this time.
+    /// The states from that time on, at that time.
     pub states: Vec<Dd>,
-    /// These less what they were just before.
+    /// The difference from the states just before.
     pub jump: Vec<Dd>,
 }
 
-/// Beyond this multiple of the signal's largest value, a piece is not carried on to the end of a step.
+/// Beyond this multiple of the signal's largest value, a piece is not continued to the end of a step.
 const MOST_BEYOND: f64 = 4.0;
 
 impl When {
-    /// A time after t = 0 on the samples; `None` beyond the range of a count.
+    /// The position of a time after t = 0 among the samples; `None` beyond the range of the counter.
     pub fn of(at: &Number, step: &Number) -> Option<When> {
         let samples = at / step;
         let near = samples.to_f64().ceil();
         if !(0.0..4e9).contains(&near) {
             return None;
         }
-        // The quotient may have been rounded over a whole number.
+        // The quotient may have been rounded past a whole number.
         let mut tick = near as i64;
         while (&Number::from(tick) - &samples).is_negative() {
             tick += 1;
@@ -61,7 +63,8 @@ impl When {
 /// The states at t = 0 and the knots after it.
 type Polynomials = (Vec<Dd>, Vec<Knot>);
 
-/// The sum of all piecewise sources; the inner `None` where there are none, the outer one where it has too many knots.
+/// The sum of all piecewise sources. The inner `None` means that there are none, the outer one that there are too many
+/// knots.
 pub fn knots(sources: &[Source], step: &Number, felt: impl Fn(&Number) -> bool) -> Option<Option<Polynomials>> {
     let lists: Vec<&[Piece]> = sources.iter().filter_map(pieces).collect();
     let Some(order) = sources.iter().filter(|source| pieces(source).is_some()).map(Source::order).max() else {
@@ -72,7 +75,7 @@ pub fn knots(sources: &[Source], step: &Number, felt: impl Fn(&Number) -> bool) 
         let derivatives = piece.map_or_else(Vec::new, |piece| piece.at_time(time));
         scale.iter().enumerate().map(|(k, &scale)| derivatives.get(k).map_or(Dd::ZERO, |x| x.mid * scale)).collect()
     };
-    // The piece of each source that is in force, counted from one.
+    // The current piece of each source, counted from one.
     let mut current: Vec<usize> =
         lists.iter().map(|list| list.iter().take_while(|piece| !piece.at.is_positive()).count()).collect();
     let piece = |source: usize, count: usize| count.checked_sub(1).map(|i| &lists[source][i]);
@@ -116,15 +119,15 @@ fn add(mut sum: Vec<Dd>, own: Vec<Dd>, factor: Dd) -> Vec<Dd> {
     sum
 }
 
-/// A piece of a polynomial, for rounding.
+/// The data of a polynomial piece that its rounding errors depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
     pub steps: f64,
-    /// sum |c_k| n^k after so many steps, beside the signal's largest value.
+    /// sum |c_k| n^k after n steps, relative to the signal's largest value.
     pub terms: f64,
 }
 
-/// What outputs see of u, u' and u'' at once.
+/// Whether outputs read u, u' and u'' directly.
 pub type Seen = [bool; 3];
 
 impl Chain {
@@ -145,13 +148,13 @@ impl Chain {
         }
     }
 
-    /// Whether the piece at a sample ends before the next one and would be huge there.
+    /// Whether the piece at a sample ends before the next one, and would be huge there.
     fn is_cut(&self, tick: u64) -> bool {
         let beyond: f64 = self.at(tick).iter().skip(1).map(|x| x.hi.abs()).sum();
         !self.within(tick).is_empty() && beyond > MOST_BEYOND * self.largest
     }
 
-    /// The states that a step begins with.
+    /// The states with which a step begins.
     pub fn used(&self, tick: u64, seen: Seen) -> Vec<Dd> {
         let mut states = self.at(tick);
         if self.is_cut(tick) {
@@ -170,7 +173,8 @@ impl Chain {
         })
     }
 
-    /// For rounding: the steps of each piece, and the sum of its terms at its end beside the largest value.
+    /// The steps of each piece, and the sum of its terms at its end relative to the largest value, for bounds of
+    /// rounding errors.
     pub fn spread(&self) -> Vec<Spread> {
         let starts = [(0, &self.start)].into_iter().chain(self.knots.iter().map(|knot| (knot.when.tick, &knot.states)));
         let ends = self.knots.iter().map(|knot| knot.when.tick).chain([u64::MAX]);
@@ -183,7 +187,8 @@ impl Chain {
         if self.angle.is_some() { Vec::new() } else { starts.zip(ends).map(of).collect() }
     }
 
-    /// What a block has got of the signal in the step to a sample beside what its states at the sample before gave it.
+    /// The effect of the signal on a block in the step to a sample, minus the effect of its states at the previous
+    /// sample.
     pub fn correction(&self, block: &Block, tick: u64, seen: Seen, h: Dd) -> Option<Vec<Dd>> {
         let mut sum = vec![Dd::ZERO; block.size()];
         let Some(last) = tick.checked_sub(1) else { return Some(sum) };
@@ -207,7 +212,7 @@ impl Chain {
         Some(add(sum, given, -Dd::ONE))
     }
 
-    /// w' = A w + b u over so many steps from w and the states of u.
+    /// Solves w' = A w + b u over `steps` steps, from w and the states of u.
     fn forced(&self, block: &Block, w: Vec<Dd>, states: &[Dd], steps: Dd, h: Dd) -> Option<Vec<Dd>> {
         let size = block.size();
         let drive: Vec<Dd> = (0..size).map(|i| block.b[(i, self.input)] * h).collect();
@@ -234,9 +239,9 @@ impl Chain {
     }
 }
 
-/// Parts of a step that are gone through one by one; beyond, squaring is faster.
+/// The most parts into which a step is divided; beyond that, squaring is faster.
 const MOST_PARTS: f64 = 64.0;
-/// Terms beyond those of the polynomial: 1/30! is 4e-33.
+/// Number of terms beyond those of the polynomial: 1/30! is 4e-33.
 const TERMS: usize = 30;
 
 /// The Taylor series of w' = A w + b sum c_k s^k: w_(j+1) = (A w_j + b c_j) / (j + 1).
@@ -245,7 +250,7 @@ fn series(a: &Matrix<Dd>, drive: &[Dd], w: Vec<Dd>, states: &[Dd], s: Dd) -> Vec
     let mut sum = w.clone();
     let (mut term, mut power) = (w, Dd::ONE);
     for j in 0..states.len() + TERMS {
-        // Terms carry s^j.
+        // Terms contain the factor s^j.
         let c = states.get(j).map_or(Dd::ZERO, |&c| c * power);
         let next = |i: usize| (0..size).fold(drive[i] * c, |sum, k| sum + a[(i, k)] * term[k]);
         let scale = s / Dd::from((j + 1) as f64);
@@ -256,7 +261,7 @@ fn series(a: &Matrix<Dd>, drive: &[Dd], w: Vec<Dd>, states: &[Dd], s: Dd) -> Vec
     sum
 }
 
-/// The coefficients of a polynomial of s + by (Horner, repeated).
+/// The coefficients of a polynomial of s + by, by repeated Horner steps.
 fn shifted(states: &[Dd], by: Dd) -> Vec<Dd> {
     let mut states = states.to_vec();
     if by.is_zero() {

@@ -1,8 +1,8 @@
-//! The floating-point numbers of the target: rounding to them, and what one rounding costs. See docs/method/emit.md.
+//! The floating-point formats of the target: rounding to them, and their rounding errors. See docs/method/emit.md.
 
 use crate::base::{Ball, Dd, Number};
 
-/// The numbers that emitted code computes with.
+/// The floating-point format of emitted code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     Double,
@@ -18,7 +18,7 @@ impl Precision {
         }
     }
 
-    /// As in messages.
+    /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Precision::Double => "double",
@@ -26,7 +26,7 @@ impl Precision {
         }
     }
 
-    /// The smallest number that has all its digits.
+    /// The smallest normal number: smaller ones have fewer digits.
     pub fn least(self) -> f64 {
         match self {
             Precision::Double => f64::MIN_POSITIVE,
@@ -34,7 +34,7 @@ impl Precision {
         }
     }
 
-    /// Whether what is left of numbers that are not all zero has all its digits, that of the largest at least.
+    /// Whether the largest of these numbers, unless all are zero, keeps all its digits.
     pub fn keeps(self, numbers: impl IntoIterator<Item = Dd>) -> bool {
         let largest = numbers.into_iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
         largest == 0.0 || self.round(Dd::from(largest)) >= self.least()
@@ -57,7 +57,7 @@ impl Precision {
     }
 }
 
-/// exp(x) - 1 without cancellation; `None` out of range.
+/// exp(x) - 1 without cancellation; `None` if out of range.
 pub fn exp_minus_one(x: Dd) -> Option<Dd> {
     if x.hi < -700.0 {
         return Some(-Dd::ONE);
@@ -65,7 +65,7 @@ pub fn exp_minus_one(x: Dd) -> Option<Dd> {
     if x.hi.abs() > 0.03 {
         return Some(Number::Ball(Ball::exact(x)).exp()?.to_ball().mid - Dd::ONE);
     }
-    // Fifteen terms leave 0.03^15 / 16! of the first.
+    // The remainder after fifteen terms is 0.03^15 / 16! of the first.
     let (mut term, mut sum) = (x, x);
     for i in 2..=15 {
         term = term * x / Dd::from(f64::from(i));

@@ -1,6 +1,6 @@
-//! What of a split system is worth emitting: blocks that an input (or the initial state) reaches, that an output sees, and
-//! that contribute more than the tolerance. In: the blocks, the initial state. Out: fewer of them, and why. What a dropped
-//! block does that is static goes into the feed-through. See docs/method/emit.md.
+//! Chooses the blocks of a split system that are worth emitting: those that an input (or the initial state) reaches,
+//! that an output sees, and that contribute more than the tolerance. In: the blocks, the initial state. Out: fewer
+//! blocks, and the reasons. The static part of a dropped block goes into the feed-through. See docs/method/emit.md.
 
 use crate::analysis::discrete::Options;
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};
@@ -26,16 +26,16 @@ pub enum Why {
     Small(f64),
 }
 
-/// Frequencies at which contributions are compared, between 0 and the highest of the band.
+/// Number of frequencies at which contributions are compared, between 0 and the highest of the band.
 const FREQUENCIES: usize = 257;
 
-/// Drops what is not worth emitting.
+/// Drops the blocks that are not worth emitting.
 pub fn reduce(split: &mut Split, start: &[Dd], options: &Options) -> Vec<Left> {
     let mut left = Vec::new();
     if options.unpruned {
         return left;
     }
-    // Without inputs the motion comes from the state alone, and any state may be set.
+    // Without inputs the motion depends only on the state, and any state may be set.
     let driven = split.blocks.iter().any(|block| block.b.columns() > 0);
     let mut kept = Vec::with_capacity(split.blocks.len());
     for block in std::mem::take(&mut split.blocks) {
@@ -62,7 +62,7 @@ fn is_zero(m: &Matrix<Dd>) -> bool {
     (0..m.columns()).all(|j| m.column(j).iter().all(|x| x.is_zero()))
 }
 
-/// Whether the initial state has a part in the block.
+/// Whether the block contributes to the initial state.
 fn starts(block: &Block, start: &[Dd]) -> bool {
     (0..block.size()).any(|i| {
         let (sum, size) = (0..start.len()).fold((Dd::ZERO, 0.0), |(sum, size), j| {
@@ -73,10 +73,10 @@ fn starts(block: &Block, start: &[Dd]) -> bool {
     })
 }
 
-/// Drops blocks, the smallest contribution first, while all that is dropped stays below the tolerance.
+/// Drops blocks in ascending order of their contribution, while the sum of the dropped ones stays below the tolerance.
 fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, left: &mut Vec<Left>) {
     let frequencies: Vec<f64> = (0..FREQUENCIES).map(|i| highest * i as f64 / (FREQUENCIES - 1) as f64).collect();
-    // Peaks are where the poles are.
+    // Peaks are near the poles.
     let rates = split.blocks.iter().map(|block| block.rate).filter(|&rate| rate < highest);
     let frequencies: Vec<f64> = frequencies.into_iter().chain(rates).collect();
     let sizes = whole(split, &frequencies);
@@ -120,7 +120,7 @@ fn whole(split: &Split, frequencies: &[f64]) -> Matrix<f64> {
             sum = Matrix::from_fn(sum.rows(), sum.columns(), |i, j| sum[(i, j)] + gain[(i, j)]);
         }
         sizes = Matrix::from_fn(sum.rows(), sum.columns(), |i, j| {
-            // A pole without damping is infinite at its own frequency: any neighbour will do.
+            // At its own frequency an undamped pole is infinite: the neighbouring frequencies are used.
             let size = sum[(i, j)].abs();
             if size.is_finite() { sizes[(i, j)].max(size) } else { sizes[(i, j)] }
         });
@@ -128,7 +128,7 @@ fn whole(split: &Split, frequencies: &[f64]) -> Matrix<f64> {
     sizes
 }
 
-/// The largest |H_block - its static part| beside the whole; `None` where the block has no static part.
+/// The largest |H_block - its static part|, relative to the whole system; `None` if the block has no static part.
 fn share(block: &Block, sizes: &Matrix<f64>, frequencies: &[f64]) -> Option<f64> {
     let still = static_part(block)?;
     let mut worst = 0.0f64;
@@ -138,7 +138,7 @@ fn share(block: &Block, sizes: &Matrix<f64>, frequencies: &[f64]) -> Option<f64>
             for i in 0..gain.rows() {
                 let moving = gain[(i, j)] - Complex::real(still[(i, j)].hi);
                 let share = moving.abs() / sizes[(i, j)];
-                // No output at all: nothing to compare with.
+                // The output is zero: there is nothing to compare with.
                 if moving.abs() > 0.0 {
                     worst = if share.is_finite() { worst.max(share) } else { f64::INFINITY };
                 }
@@ -155,7 +155,7 @@ fn static_part(block: &Block) -> Option<Matrix<Dd>> {
     Some(product(&block.c, &x.mid()).map(|x| -x))
 }
 
-/// C (i w - A)^-1 B in binary64: it only decides what is small.
+/// C (i w - A)^-1 B in binary64: it only decides which contributions are small.
 fn gain(block: &Block, w: f64) -> Matrix<Complex<f64>> {
     let (n, inputs) = (block.size(), block.b.columns());
     let mut rows: Vec<Vec<Complex<f64>>> = (0..n)

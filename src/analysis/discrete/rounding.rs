@@ -1,5 +1,6 @@
-//! What rounding in the target can do to the outputs at most. In: the cells. Out: a bound that grows with the number of
-//! steps, relative to the sum of the largest contributions of the cells to an output. See docs/method/emit.md.
+//! A bound of the effect of the target's rounding on the outputs. In: the cells. Out: a bound that grows with the
+//! number of steps, relative to the sum of the largest contributions of the cells to an output. See
+//! docs/method/emit.md.
 //!
 //! A step of a cell computes F w + G u with an error e, |e| <= rho unit max(|w|, |w'|), in a norm in which |F^j| <= r^j; so after N
 //! steps the error is at most rho unit (1 + r + ... + r^(N-1)) max |w|. A pair of complex poles has such a norm, the modulus of
@@ -16,18 +17,18 @@ use crate::base::{Dd, larger};
 /// A bound of the relative error of any output after N steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rounding {
-    /// Of one sum of an output.
+    /// Rounding error of one sum of an output.
     output: f64,
-    /// For each cell: what one step adds, and the bounds of sum |F^j| over 2^i steps.
+    /// For each cell the error of one step, and bounds of sum |F^j| over 2^i steps.
     cells: Vec<(f64, Vec<f64>)>,
 }
 
-/// Bounds are kept up to 2^40 steps.
+/// Bounds are stored for up to 2^40 steps.
 const DOUBLINGS: usize = 40;
 
 impl Rounding {
-    /// After so many steps: |emitted - exact| <= this times the sum of the largest sizes that the cells' and the inputs'
-    /// contributions to the output have had.
+    /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest contributions that
+    /// the cells and the inputs have made to the output.
     pub fn after(&self, steps: u64) -> f64 {
         let doublings = (64 - steps.leading_zeros()) as usize;
         let worst = self.cells.iter().map(|(step, sums)| step * sums[doublings.min(DOUBLINGS)]);
@@ -35,10 +36,10 @@ impl Rounding {
     }
 }
 
-/// The bound for these cells. `spreads`: the pieces of the polynomials among them, which are the first ones.
+/// The bound for these cells. `spreads`: the pieces of the polynomials, which are the first of the cells.
 pub fn rounding(cells: &[Cell], spreads: &[Vec<Spread>], precision: Precision) -> Rounding {
     let unit = precision.unit();
-    // Coefficient, product and sum of each input; a factor of one is none.
+    // Coefficient, product and sum for each input; a factor of one causes no rounding.
     let term = |&(_, g): &(Operand, f64)| if g.abs() == 1.0 { 1.0 } else { 3.0 };
     let of_state = |terms: &Vec<(Operand, f64)>| terms.iter().map(term).sum::<f64>();
     let inputs = |cell: &Cell| cell.input.iter().map(of_state).fold(0.0, f64::max);
@@ -47,7 +48,7 @@ pub fn rounding(cells: &[Cell], spreads: &[Vec<Spread>], precision: Precision) -
             return ((cell.size() as f64 + 2.0) * unit, polynomial(spread));
         }
         let (step, sums) = match &cell.form {
-            // Coefficient and product of the own term, its sum.
+            // Coefficient and product of the state's own term, and its sum.
             Form::Keep(r) => (3.0 + inputs(cell), powers(&Matrix::filled(1, 1, *r))),
             Form::Lose(d) => (1.0 + 3.0 * d.abs() + inputs(cell), powers(&Matrix::filled(1, 1, 1.0 - d))),
             Form::Pair(lift) => pair(lift, [0, 1].map(|i| cell.input.get(i).map_or(0.0, of_state))),
@@ -65,14 +66,16 @@ pub fn rounding(cells: &[Cell], spreads: &[Vec<Spread>], precision: Precision) -
     Rounding { output: (terms as f64 + 4.0) * unit, cells: bounds.collect() }
 }
 
-/// Of a polynomial whose states are set at every knot: after m of n steps from one, a state is off by m roundings of the sum of its
-/// terms' sizes, and what that adds to the value at the end is no more than so many roundings of the sum of all terms there.
+/// The bound for a polynomial whose states are set at every knot: m steps after a knot, a state has an error of m
+/// rounding errors of the sum of its terms' magnitudes, and the resulting error at the end of the piece is at most m
+/// rounding errors of the sum of all terms there.
 fn polynomial(spread: &[Spread]) -> Vec<f64> {
     let after = |steps: f64| spread.iter().map(|s| (1.0 + s.steps.min(steps)) * s.terms).fold(0.0, f64::max);
     (0..=DOUBLINGS).map(|i| after(2f64.powi(i as i32))).collect()
 }
 
-/// In the modulus of the modal coordinate zeta = k x + mu v, where its poles are complex and apart; in the plain norm else.
+/// Bounds in the modulus of the modal coordinate zeta = k x + mu v if the poles are complex and well separated,
+/// otherwise in the Euclidean norm.
 fn pair(lift: &Lift, inputs: [f64; 2]) -> (f64, Vec<f64>) {
     let (keep, damped) = match lift.decay {
         Decay::Lose(c) => (1.0 - c, if c == 0.0 { 0.0 } else { 1.0 + 2.0 * c.abs() }),
@@ -84,12 +87,12 @@ fn pair(lift: &Lift, inputs: [f64; 2]) -> (f64, Vec<f64>) {
     let imaginary = (keep - half * half).max(0.0).sqrt();
     let real = 1.0 - p * k - half;
     let mu = (real * real + imaginary * imaginary).sqrt();
-    // Of v: the damped term, the sums with inputs and with k x, that coefficient and product; of x: coefficient, product and sum, and
-    // inputs.
+    // For v: the damped term, the sums with inputs and with k x, and that coefficient and product; for x: coefficient,
+    // product and sum, and inputs.
     let of_x = k * (1.0 + inputs[0]) + 2.0 * mu * k;
     let of_v = 2.0 * k * p + mu * (damped + 1.0 + inputs[1]);
     if imaginary > 0.05 * mu && k > 0.0 {
-        // Of |zeta| = 1: the largest x and v, as if inputs kept both so large.
+        // The largest x and v for |zeta| = 1, as if inputs kept both that large.
         let step = of_x * mu / (imaginary * k) + of_v / imaginary;
         let r = keep.sqrt();
         let sums = (0..=DOUBLINGS).map(|i| geometric(r, 2f64.powi(i as i32)));
@@ -110,7 +113,7 @@ fn powers(f: &Matrix<f64>) -> Vec<f64> {
     let mut power = f.clone();
     let mut sums = vec![1.0f64.max(norm_bound(n, n, |i, j| if i == j { 1.0 } else { 0.0 }))];
     for i in 0..DOUBLINGS {
-        // The norm is rounded up by what squaring has lost.
+        // The norm is rounded up by the rounding errors of squaring.
         let norm = norm_bound(n, n, |i, j| power[(i, j)].abs()) * (1.0 + 1e-12 * (i + 1) as f64);
         sums.push(sums[i] * (1.0 + norm));
         power = Matrix::from_fn(n, n, |i, j| (0..n).map(|k| power[(i, k)] * power[(k, j)]).sum());
@@ -130,7 +133,8 @@ mod tests {
         Cell { name: String::new(), form, input, output, to: vec![], back: vec![], start: vec![1.0; size] }
     }
 
-    /// One step in units of the roundoff: the states after it, and the largest error of each, of coefficients, products and sums.
+    /// One step with errors in units of the roundoff: the states after it, and the largest error of each, from
+    /// coefficients, products and sums.
     fn step(form: &Form, w: &[f64]) -> (Vec<f64>, Vec<f64>) {
         match form {
             Form::Keep(r) => (vec![r * w[0]], vec![2.0 * (r * w[0]).abs()]),
@@ -153,14 +157,14 @@ mod tests {
                 let in_v = lost + 2.0 * (lift.k * x).abs() + next.abs();
                 let moved = x + lift.p * next;
                 let in_x = 2.0 * (lift.p * next).abs() + moved.abs();
-                // What v errs by reaches x in the same step.
+                // The error of v reaches x in the same step.
                 (vec![sign * moved, sign * next], vec![in_x + lift.p * in_v, in_v])
             }
         }
     }
 
-    /// The error of the first state after so many steps if all roundings conspire, in units of the roundoff and of the largest
-    /// size that the state has had.
+    /// The error of the first state after `steps` steps if all rounding errors conspire, in units of the roundoff and
+    /// of the largest magnitude of the state.
     fn conspiring(form: &Form, start: &[f64], steps: usize) -> f64 {
         let n = start.len();
         let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
@@ -172,9 +176,9 @@ mod tests {
             states.push(next);
             errors.push(error);
         }
-        // As if an input kept the motion as large as it has been.
+        // As if an input kept the motion at its largest magnitude.
         let error: Vec<f64> = (0..n).map(|i| errors.iter().map(|error| error[i]).fold(0.0, f64::max)).collect();
-        // What a change of the states before the last steps does to the first one at the end.
+        // The effect of a change of the states before the last steps on the first state at the end.
         let mut felt = unit(0);
         let mut total = 0.0;
         for _ in 0..steps {
@@ -184,8 +188,8 @@ mod tests {
         total / states.iter().map(|w| w[0].abs()).fold(0.0, f64::max)
     }
 
-    /// Roundings that conspire stay below the bound, and come near it: oscillators without and with damping, turning by little
-    /// and by more than a quarter, critical ones, single states, a dense step.
+    /// Conspiring rounding errors stay below the bound, and come near it: oscillators without and with damping, turning
+    /// by little and by more than a quarter, critical ones, single states, a dense step.
     #[test]
     fn the_bound_is_above_what_conspiring_roundings_do_and_not_far() {
         let mut forms: Vec<(Form, Vec<f64>)> = Vec::new();

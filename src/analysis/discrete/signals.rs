@@ -1,8 +1,8 @@
-//! Signals built into the state, so that nothing is lost between samples: a harmonic is two states that turn, a step, a ramp or a
-//! polynomial a chain of states. In: the signals of each input. Out: cells of their own, what they do to the other blocks, and
-//! what happens between samples. See docs/method/emit.md.
+//! Signals built into the state, so that nothing is lost between samples: a harmonic is two rotating states; a step, a
+//! ramp or a polynomial is a chain of states. In: the signals of each input. Out: separate cells, their effect on the
+//! other blocks, and the changes between samples. See docs/method/emit.md.
 //!
-//! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, whatever h is.
+//! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, for any h.
 
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::coupled;
@@ -22,9 +22,9 @@ pub struct Chain {
     /// u, u' and u'' as rows over s.
     pub rows: [Vec<Dd>; 3],
     pub start: Vec<Dd>,
-    /// How far a harmonic turns in a step, less whole turns, rad.
+    /// Rotation of a harmonic in a step, minus whole turns, rad.
     pub angle: Option<Dd>,
-    /// Where the polynomial changes, ascending; of a harmonic there are none.
+    /// The times at which the polynomial changes, ascending; a harmonic has none.
     pub knots: Vec<Knot>,
     /// The largest value at t = 0 and the knots.
     pub largest: f64,
@@ -39,7 +39,7 @@ pub struct Blow {
     pub when: When,
 }
 
-/// All signals made ready.
+/// All signals, prepared for emission.
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
     pub chains: Vec<Chain>,
@@ -47,17 +47,17 @@ pub struct Signals {
     pub blows: Vec<Blow>,
 }
 
-/// A signal that needs more pieces than code is for, by its input.
+/// Error: the signal of this input needs too many pieces for emitted code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLong {
     pub input: usize,
 }
 
-/// More changes than this would make tables of megabytes.
+/// More changes would make tables of megabytes.
 pub const MOST_EVENTS: usize = 20_000;
 
 impl Signals {
-    /// The signals of each input until a time (all of them without one), for steps of `step`.
+    /// The signals of each input until `until` (without it, all of them), for steps of `step`.
     pub fn of(drives: &[Vec<Signal>], step: &Number, until: Option<&Number>) -> Result<Signals, TooLong> {
         let mut signals = Signals::default();
         let felt = |at: &Number| until.is_none_or(|until| !(until - at).is_negative());
@@ -91,7 +91,7 @@ impl Signals {
         &self.blows[first..first + count]
     }
 
-    /// A prescribed motion that has an impulse, which would need infinite forces.
+    /// An input that prescribes a motion and has an impulse, which would need infinite forces.
     pub fn blow_on_base(&self, system: &LinearSystem) -> Option<usize> {
         let moves = |input: usize| {
             let b = &system.inputs[input].b;
@@ -100,7 +100,7 @@ impl Signals {
         self.blows.iter().map(|blow| blow.input).find(|&input| moves(input))
     }
 
-    /// Those of inputs that anything feels.
+    /// Keeps the signals of inputs that have an effect.
     pub fn useful(mut self, felt: impl Fn(usize) -> bool) -> Signals {
         self.chains.retain(|chain| felt(chain.input));
         self.blows.retain(|blow| felt(blow.input));
@@ -108,7 +108,7 @@ impl Signals {
     }
 }
 
-/// A chain that all polynomials of an input add up in.
+/// A chain for the sum of all polynomials of an input.
 fn polynomial(input: usize, start: Vec<Dd>, knots: Vec<Knot>, step: &Number) -> Chain {
     let order = start.len();
     let scale = scales(order, step.to_ball().mid);
@@ -140,7 +140,7 @@ fn harmonic(input: usize, source: &Source, frequency: &Number, step: &Number) ->
     })
 }
 
-/// 2 pi times what is left of so many turns without the whole ones, where their number is exact.
+/// 2 pi times the fractional part of a number of turns, if that number is exact.
 fn angle(turns: &Number) -> Option<Dd> {
     let turns = turns.exact()?;
     let whole = (turns + &Rational::new(1, 2)).floor();
@@ -161,7 +161,7 @@ impl Chain {
         self.start.len()
     }
 
-    /// What the chain's states do to a block's in so many steps.
+    /// The effect of the chain's states on those of a block in `steps` steps.
     pub fn on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
         let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
         coupled(&block.a, &drive, &self.generator, steps, h)

@@ -1,14 +1,14 @@
-//! exp(A) of two states less plus or minus one, in closed form: with half the trace a and the angle w, w^2 = det A - a^2, it is
-//! e^a (cos w + sin w / w (A - a)), and the angle is taken less whole and half turns. So entries keep their relative error
-//! however near a step comes to a whole number of periods, where a general exponential holds only what is left of one.
-//! In: A times the step, and the angle less whole turns where it is known exactly. Out: F less plus or minus one.
-//! See docs/method/emit.md.
+//! exp(A) of two states, minus or plus one, in closed form: with half the trace a and the angle w, w^2 = det A - a^2,
+//! the exponential is e^a (cos w + sin w / w (A - a)), and the angle is reduced by whole and half turns. So entries
+//! keep their relative accuracy however near a step is to a whole number of periods; a general exponential would leave
+//! only the digits beyond one. In: A times the step, and the angle minus whole turns if it is known exactly. Out: F
+//! minus or plus one. See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::exp_minus_one;
 use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Number};
 
-/// F = sign (1 + change), the sign being minus where the motion turns by more than a quarter.
+/// F = sign (1 + change), with the minus sign if the motion turns by more than a quarter of a period.
 #[derive(Clone, Debug)]
 pub struct Turn {
     pub turned: bool,
@@ -27,21 +27,21 @@ impl Turn {
     }
 }
 
-/// Beyond this angle, in rad, too few of the digits of a double-double say where in its turn a motion is.
+/// Beyond this angle, in rad, too few digits of a double-double are left for the phase of a motion.
 const MOST_ANGLE: f64 = 1e9;
 
-/// An exponent that leaves nothing of a motion.
+/// An exponent at which nothing is left of a motion.
 const GONE: f64 = -700.0;
 
-/// Whether two states turn beyond what digits tell, before they are gone.
+/// Whether two states turn so far that their phase is lost before they have decayed.
 pub fn too_far(a: &Matrix<Dd>) -> bool {
     let half = (a[(0, 0)].hi + a[(1, 1)].hi) * 0.5;
     let square = (a[(0, 0)].hi - half).powi(2) + a[(0, 1)].hi * a[(1, 0)].hi;
     half >= GONE && -square > MOST_ANGLE * MOST_ANGLE
 }
 
-/// The step of w' = A w over a unit of time; `None` out of range. `angle`: what is known of the angle of a motion without
-/// damping, less whole turns.
+/// The step of w' = A w over a unit of time; `None` if out of range. `angle`: the angle of an undamped motion minus
+/// whole turns, if it is known.
 pub fn turn(a: &Matrix<Dd>, angle: Option<Dd>) -> Option<Turn> {
     let half = (a[(0, 0)] + a[(1, 1)]) * 0.5;
     let aside = (a[(0, 0)] - a[(1, 1)]) * 0.5;
@@ -72,7 +72,7 @@ pub fn turn(a: &Matrix<Dd>, angle: Option<Dd>) -> Option<Turn> {
     Some(Turn { turned: false, change, lost, product: fast * slow })
 }
 
-/// An angle less whole turns, or an odd number of half turns where that is nearer.
+/// An angle minus whole turns, or minus an odd number of half turns if that is nearer.
 fn reduced(angle: Dd) -> Option<(bool, Dd)> {
     if !angle.is_finite() {
         return None;
@@ -81,7 +81,7 @@ fn reduced(angle: Dd) -> Option<(bool, Dd)> {
     Some((halves % 2.0 != 0.0, angle - Dd::PI * halves))
 }
 
-/// sin x and 1 - cos x = 2 sin^2(x / 2) for |x| <= pi / 2, to the relative error of a double-double.
+/// sin x and 1 - cos x = 2 sin^2(x / 2) for |x| <= pi / 2, to the relative accuracy of a double-double.
 fn sine_and_versine(x: Dd) -> Option<(Dd, Dd)> {
     let half = sine(x * 0.5)?;
     Some((sine(x)?, half.square() * 2.0))
@@ -91,7 +91,7 @@ fn sine(x: Dd) -> Option<Dd> {
     if x.hi.abs() > 0.1 {
         return Some(Number::Ball(Ball::exact(x)).sin_cos()?.0.to_ball().mid);
     }
-    // Eleven terms leave 0.1^22 / 23! of the first.
+    // The remainder after eleven terms is 0.1^22 / 23! of the first.
     let square = x.square();
     let (mut term, mut sum) = (x, x);
     for i in 1..11 {
@@ -101,7 +101,7 @@ fn sine(x: Dd) -> Option<Dd> {
     Some(sum)
 }
 
-/// sinh d / d of d^2, for d below 0.03.
+/// sinh d / d as a function of d^2, for d below 0.03.
 fn hyperbolic(square: Dd) -> Dd {
     let (mut term, mut sum) = (Dd::ONE, Dd::ONE);
     for i in 1..9 {
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::analysis::discrete::hold::propagator;
 
-    /// Slow and fast, damped, critical and overdamped: the general exponential, less plus or minus one.
+    /// Compares with the general exponential, minus or plus one: slow and fast, damped, critical and overdamped.
     #[test]
     fn the_closed_form_is_the_exponential() {
         for (k, c) in [
@@ -149,7 +149,7 @@ mod tests {
         }
     }
 
-    /// A step that is a million periods and 1e-9 rad: what is left keeps its digits.
+    /// A step of a million periods and 1e-9 rad: the remainder keeps its digits.
     #[test]
     fn what_is_left_of_whole_turns_keeps_its_digits() {
         let over = Dd::from(1e-9);

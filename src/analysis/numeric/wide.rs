@@ -10,8 +10,8 @@ pub const LANES: usize = 8;
 
 /// A vector of eight numbers.
 pub trait Eight: Copy {
-    /// Number of [`Eight`]s that a kernel keeps in one column of registers (of 16, or of 32 if a register holds eight
-    /// numbers).
+    /// Height, in [`Eight`]s, of the block that a product keeps in registers: there are 16, or 32 that hold an
+    /// [`Eight`] each.
     const ROWS: usize;
     fn splat(x: f64) -> Self;
     fn load(x: &[f64]) -> Self;

@@ -271,7 +271,7 @@ fn spline_bends(times: &[Number], values: &[Number]) -> Vec<Number> {
     bends
 }
 
-/// Orders a and b, by the midpoints of their enclosures if these overlap.
+/// Compares a and b; equal if it is not certain which is smaller.
 pub fn order(a: &Number, b: &Number) -> Ordering {
     a.compare(b).unwrap_or(Ordering::Equal)
 }
