@@ -162,7 +162,7 @@ fn no_other_file_has_the_words_of_elements_and_joints() {
     let known = [
         ("lower/kinematics.rs", "slide"),
         ("equations/motion.rs", "slide"),
-        ("backend/equations/document.rs", "slide"),
+        ("backend/equations/assumptions.rs", "slide"),
         ("answers/report/rest.rs", "spring"),
         // Classes of glyphs in a written figure.
         ("picture/figure.rs", "spring"),
