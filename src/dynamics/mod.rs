@@ -26,7 +26,7 @@ struct ByModes {
     spread: Result<Spread, AnalysisError>,
 }
 
-/// What remains to be known once the ratio is expressed as terms of C.
+/// What is kept when the ratio is expressed as terms of C.
 #[derive(Clone, Debug)]
 struct Spread {
     /// C without the ratio.

@@ -297,7 +297,7 @@ pub enum FunctionKind {
 }
 
 impl FunctionKind {
-    /// Says what a function of this kind is and where it stands, for messages about one that stands elsewhere.
+    /// Describes a function of this kind and where it may be used, for messages about one that is used elsewhere.
     pub fn describe(self, function: &Function) -> String {
         match self {
             FunctionKind::Shape => format!("a shape: write `shape = {}` in a body", function.example),

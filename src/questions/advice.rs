@@ -12,13 +12,13 @@ use crate::base::{Ball, Number, Quantity, Rational};
 use crate::model::Setting;
 use crate::model::scene::{Parameter, Question, Require};
 
-/// At most so many parameters are tried: if a scene has thousands, most are repetitions.
+/// At most this many parameters are tried: if a scene has thousands, most are repetitions.
 const MOST_TRIED: usize = 200;
-/// At most so many parameters are searched for a value.
+/// At most this many parameters are searched for a value.
 const MOST_ADVISED: usize = 4;
-/// At most so many parameters are tried if the requirement has no number that gives a direction.
+/// At most this many parameters are tried if the requirement has no number that gives a direction.
 const MOST_BLIND: usize = 12;
-/// A value more than so many times the present one is not worth advising.
+/// A value more than this many times the present one is not worth advising.
 const MOST_RAISED: f64 = 1000.0;
 /// Factors on a parameter, tried in this order: the smallest changes first.
 const FACTORS: [f64; 8] = [2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 500.0, 0.002];
@@ -27,7 +27,7 @@ const BEYOND: [f64; 6] = [1.0, 1.01, 1.05, 1.25, 2.0, 4.0];
 /// Number of bisections between a value that fails and one that holds.
 const HALVINGS: usize = 12;
 
-/// A requirement that fails, with the model that it stands in.
+/// A requirement that fails, and its model.
 pub struct Advice<'a> {
     pub text: &'a Text<'a>,
     pub settings: &'a [Setting],

@@ -33,7 +33,7 @@ pub struct Proof(());
 
 /// Number of evaluations without any information, after which the measure counts as one that cannot be enclosed.
 const SILENT: usize = 48;
-/// At most so many parts are reported.
+/// At most this many parts are reported.
 const MOST_PARTS: usize = 8;
 
 /// What is needed to settle parts of a range.
@@ -42,7 +42,7 @@ pub struct Cover<'a> {
     pub over: &'a dyn Fn(Ball) -> Over,
     /// The side on which the measure certainly lies at a number; equal if that is not certain.
     pub side: &'a dyn Fn(Dd) -> Option<Ordering>,
-    /// At most so many parts are evaluated.
+    /// At most this many parts are evaluated.
     pub most: usize,
 }
 

@@ -219,7 +219,7 @@ pub enum Binary {
     LessEqual,
     Greater,
     GreaterEqual,
-    /// `==` is no operator of the language; it is parsed so that its message can be a good one.
+    /// `==` is not an operator of the language; it is parsed so that its message can be a good one.
     Equal,
 }
 
