@@ -5,8 +5,8 @@
 //! - along a fixed direction a: e = a . delta / |a|; grad^2 e = 0
 //! - torsion: e = the relative rotation; grad^2 e = 0
 //!
-//! Directions are not normalised; their squared length is kept beside them, so that the squares `(k / |d|^2) (d .
-//! delta)^2` are rational if the scene is.
+//! Directions are not normalised; their squared length is kept beside them, so that the squares
+//! `(k / |d|^2) (d . delta)^2` are rational if the scene is.
 
 use super::{Scalar, Square, Vector};
 

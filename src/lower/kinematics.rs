@@ -8,8 +8,8 @@
 //! u(q) = sum_g (R_g - 1) v_g + sum_k s_k R_g(k) d_k
 //! ```
 //!
-//! with v_g the section of the path that lies in group g as drawn and s_k the slides on the path. Hence, with w_g = R_g
-//! (v_g + sum of s_k d_k in g) and the axis a_g,
+//! with v_g the section of the path that lies in group g as drawn and s_k the slides on the path. Hence, with
+//! w_g = R_g (v_g + sum of s_k d_k in g) and the axis a_g,
 //!
 //! ```text
 //! du/dtheta_g = a_g x w_g          d2u/dtheta_g^2 = a_g x (a_g x w_g)

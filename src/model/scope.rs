@@ -204,7 +204,7 @@ impl<T: Copy> Space<T> {
         }
     }
 
-    /// The indices of a word, if it is declared with any indices at all or none.
+    /// The indices with which a word is declared; `None` if it is not declared.
     pub fn family(&self, symbol: Symbol) -> Option<&Family> {
         self.families.get(&symbol)
     }

@@ -189,7 +189,7 @@ impl Asked<'_> {
         }
     }
 
-    /// The reciprocal of that complex number, times a force, if a single force causes the motion.
+    /// The reciprocal of the response behind the measure, and the force, if a single force causes the motion.
     fn inverse(&self) -> Option<(Phasor, Number)> {
         let family = self.family?;
         match self.probe {

@@ -319,8 +319,8 @@ fn coordinate(system: &LinearSystem, coordinate: &Coordinate) -> Named {
     Named { text: system.display(coordinate.name), place: Some(coordinate.span) }
 }
 
-/// The largest shares by name, in a longer and a shorter wording: `block 61 %, rod 39 %`. The rest is counted (`8 more 63
-/// %`), unless it is a single share, which is named.
+/// The largest shares by name, in a longer and a shorter wording: `block 61 %, rod 39 %`. The rest is counted
+/// (`8 more 63 %`), unless it is a single share, which is named.
 fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
     /// Shares are named until they cover this much, and at most `MOST` of them.
     const COVERED: f64 = 0.98;
