@@ -202,7 +202,7 @@ fn replace_file(path: &Path, text: &str) -> io::Result<()> {
 
 /// The path that a name without a file leads to: a link may point to a file that does not exist yet.
 fn led_to(path: &Path) -> io::Result<PathBuf> {
-    /// Operating systems follow as many links.
+    /// As many links as operating systems follow.
     const LINKS: usize = 40;
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
