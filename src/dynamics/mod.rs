@@ -65,7 +65,7 @@ pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Opti
     damped.written_out(diagnostics)
 }
 
-/// Most products of entries of rows that the matrices of a transfer function are summed from: some ten seconds of work.
+/// Limit on the products of row entries that the matrices of a transfer function are summed from: some ten seconds of work.
 const MOST_PRODUCTS: u64 = 50_000_000;
 
 /// The error for rows with too many entries to multiply out: each of n links that hang one below another moves with all

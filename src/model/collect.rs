@@ -12,12 +12,12 @@ use super::value::Function;
 use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 
-/// Most declarations that all `repeat`s together may unroll to: a million bodies with a spring, a damper and an output
+/// Limit on the declarations that all `repeat`s together unroll to: a million bodies with a spring, a damper and an output
 /// each.
 pub const MAX_INSTANCES: u64 = 4_000_000;
-/// Most bodies among them: each has coordinates, and takes some 400 bytes even without these.
+/// Limit on the bodies among them: each has coordinates, and takes some 400 bytes even without these.
 pub const MAX_BODIES: u64 = 1_000_000;
-/// Most joints, couplings, inputs, outputs and questions among them: a force with its signal takes a kilobyte.
+/// Limit on the joints, couplings, inputs, outputs and questions among them: a force with its signal takes a kilobyte.
 pub const MAX_OTHERS: u64 = 1_000_000;
 
 /// The number of declarations that `repeat`s unroll to.

@@ -89,9 +89,9 @@ pub struct Sensitivity {
     pub unit: Written,
     /// Number of the first mode below.
     pub first: usize,
-    /// Of the undamped frequencies, Hz; `None` for a mode that does not oscillate.
+    /// Derivatives of the undamped frequencies, Hz; `None` for a mode that does not oscillate.
     pub frequencies: Vec<Option<Slope>>,
-    /// Of the damping ratios of the damped motions, as `damping(i)` counts them; empty if nothing damps.
+    /// Derivatives of the damping ratios of the damped motions, as `damping(i)` counts them; empty if nothing damps.
     pub ratios: Vec<Option<Slope>>,
 }
 

@@ -56,7 +56,7 @@ fn others(solved: &Solved) -> Option<Line> {
     }
 }
 
-/// An enclosed derivative with its certain digits; one that is not proven with few digits, and marked.
+/// An enclosed derivative with its certain digits; an unproven one with few digits and a mark.
 pub fn derivative(derivative: &Derivative, digits: usize) -> Line {
     match derivative {
         Derivative::Enclosed(ball) => Figure::ball(*ball, digits).into(),
@@ -77,7 +77,7 @@ pub fn required(list: &[Requirement]) -> Section {
     Section::new(HEADING, [Block::Line("requirements".into())].into_iter().chain(blocks(list)))
 }
 
-/// Whether the requirements of a file hold, below its name; nothing if it has none.
+/// The requirements of a file and whether they hold, under the file's name; nothing if it has none.
 pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
     let section = Section::new("Requirements", blocks(list));
     (!list.is_empty()).then(|| Report::new(line![file.to_string()], [section]))

@@ -118,7 +118,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Finds the tensions that are the only unknown ones at some coordinate.
+    /// Finds tensions one by one, as long as some coordinate has a single unknown one.
     fn determinate(&mut self) {
         let mut waiting: Vec<Index> = (0..self.forces.len() as Index).rev().collect();
         while let Some(coordinate) = waiting.pop() {
