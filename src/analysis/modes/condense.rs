@@ -118,7 +118,7 @@ impl Condensed {
         parts.fold(x[i], |sum, (at, v)| sum - v[i].to_ball().mid * x[*at])
     }
 
-    /// The whole motion in which the coordinates that are left move like `x`.
+    /// The motion over all coordinates in which the remaining ones move like `x`.
     pub fn expanded(&self, n: usize, x: &[Triple]) -> Vec<Triple> {
         let mut whole = vec![Triple::ZERO; n];
         for (&i, &x) in self.kept.iter().zip(x) {

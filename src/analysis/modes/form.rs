@@ -72,7 +72,7 @@ impl ModalForm {
         ModalForm { m: gram(m, &shapes), k: gram(k, &shapes), shapes }
     }
 
-    /// Whether a step would change nothing but rounding errors.
+    /// Whether another step would change nothing but rounding errors.
     fn is_diagonal(&self, kinds: &[ModeKind]) -> bool {
         let k = self.stiffnesses();
         let (ones, sizes) = (vec![1.0; k.len()], sizes(&k, least_stiffness(kinds, &k)));
@@ -128,7 +128,8 @@ pub(in crate::analysis) fn kinds(modes: &[Mode]) -> Vec<ModeKind> {
     modes.iter().map(|mode| mode.kind).collect()
 }
 
-/// Stands for the stiffness k_i of a rigid motion, which is zero up to rounding: the least of the others; infinite without any.
+/// A substitute for the stiffness k_i of a rigid motion, which is zero up to rounding: the least of the others;
+/// infinite if there are none.
 pub(in crate::analysis) fn least_stiffness(kinds: &[ModeKind], k: &[Dd]) -> f64 {
     let others = kinds.iter().zip(k).filter(|(kind, _)| **kind != ModeKind::Rigid);
     others.map(|(_, k)| k.hi.abs()).fold(f64::INFINITY, f64::min)
