@@ -16,7 +16,7 @@ use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Sou
 /// Sums of magnitudes are rounded upwards.
 const UP: f64 = 1.0 + 1e-9;
 
-/// Adds alpha M + beta K, term by term: exact where these are.
+/// Adds alpha M + beta K, term by term; exact if the terms are.
 pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
     let (m, k) = (system.m.clone(), system.k.clone());
     let source = source(system);
@@ -39,7 +39,7 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
 /// Adds the damping ratio to every oscillation. The rows are enclosures of numbers that give exactly this C: what is
 /// uncertain in the modes is uncertain in C, and so in every bound that is computed from it.
 ///
-/// The modes keep the shapes that were refined for it: they are those of the damped system too.
+/// The modes keep the shapes that were refined for this, which are those of the damped system too.
 pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
     let mut terms: Vec<Option<Term>> = vec![None; modes.list.len()];
     for part in &independent_undamped(system) {
