@@ -1,6 +1,6 @@
-//! Ten thousand random systems: whether every bound holds, how sharp they are, and what could not be certified.
-//! `cargo bench --bench bounds` prints the table of `benches/README.md`; `cargo bench --bench bounds -- 100` takes as many of
-//! each kind.
+//! Ten thousand random systems: whether every bound holds, how sharp the bounds are, and how many results could not be
+//! certified. `cargo bench --bench bounds` prints the table of `benches/README.md`; `cargo bench --bench bounds -- 100`
+//! takes 100 of each kind.
 
 // Tests compare with the platform's functions to a few digits.
 #![allow(clippy::disallowed_methods)]
@@ -20,7 +20,7 @@ use sweeps::{DAMPED, Figures, Kind, UNDAMPED, check_modes, check_poles, turned};
 use systems::Random;
 use vibc::system::LinearSystem;
 
-/// Of each kind: fifteen kinds, each as it is and turned, make ten thousand.
+/// Number of systems of each kind: fifteen kinds, each with and without a rotation, make ten thousand.
 const EACH: usize = 334;
 
 fn main() {

@@ -1,5 +1,5 @@
-//! How long `examples/cart.vib` takes: stage by stage inside the process, and as a whole process beside one that does nothing.
-//! Targets: text to modes in 50 microseconds; `vibc analyze` in 3 ms of processor time.
+//! The time for `examples/cart.vib`: stage by stage inside the process, and as a whole process compared with one that
+//! does nothing. Targets: text to modes in 50 microseconds; `vibc analyze` in 3 ms of processor time.
 
 use std::hint::black_box;
 use std::io::Write;
@@ -83,14 +83,14 @@ fn stages(text: &str) -> [Duration; 5] {
     })
 }
 
-/// Mean user and system time of a child in seconds, from what the kernel adds up for all of them.
+/// Mean user and system time of a child process in seconds, from the kernel's sum for all children.
 fn processor_time(program: &str, arguments: &[&str]) -> Option<f64> {
     let before = children_ticks()?;
     for _ in 0..PROCESSES {
         let status = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status().ok()?;
         assert!(status.success(), "{program} {arguments:?}");
     }
-    // Linux counts these in hundredths of a second whatever the kernel's own tick.
+    // Linux counts these in hundredths of a second, whatever the kernel's own tick is.
     Some((children_ticks()? - before) / 100.0 / f64::from(PROCESSES))
 }
 

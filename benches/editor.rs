@@ -1,8 +1,8 @@
-//! How long the language server takes, as its client sees it: over a connection in memory, from the change to the findings,
-//! and for each request after it. Targets: 10 ms up to 50 coordinates, 100 ms for 1,000.
+//! Response times of the language server as its client sees them: over an in-memory connection, from a change to the
+//! findings, and for each request after it. Targets: 10 ms up to 50 coordinates, 100 ms for 1,000.
 //!
-//! Medians of the time on the wall between the message and its answer; every round changes a number of the text, so
-//! that nothing can be remembered.
+//! Medians of the wall-clock time between the message and its answer; every round changes a number of the text, so that
+//! nothing can be cached.
 
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use std::time::Instant;
 const URI: &str = "file:///bench.vib";
 const ROUNDS: usize = 15;
 
-/// A server with a text, and its client.
+/// A server with an open text, and its client.
 struct Session {
     connection: Connection,
     server: std::thread::JoinHandle<()>,
@@ -64,7 +64,7 @@ impl Session {
         }
     }
 
-    /// How many findings the newest version has.
+    /// The number of findings of the newest version.
     fn findings(&self) -> usize {
         loop {
             if let Message::Notification(told) = self.connection.receiver.recv().expect("findings")
@@ -83,7 +83,7 @@ impl Session {
     }
 }
 
-/// What is asked after each change, beside the findings.
+/// The requests after each change, besides the findings.
 const ASKED: [&str; 6] = [
     "textDocument/inlayHint",
     "textDocument/hover",
@@ -110,7 +110,7 @@ fn params(method: &str, text: &str) -> Value {
     params
 }
 
-/// A chain, written with `repeat` or line by line; with dampers between all, or none.
+/// A chain, written with `repeat` or line by line; with dampers between all masses, or none.
 fn chain(n: usize, damped: bool, written_out: bool, round: usize) -> String {
     let mut text = format!(
         "model chain\nparam k = {} N/m\nbody m[1] {{ mass = 1 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = k }}\n",

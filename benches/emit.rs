@@ -1,6 +1,6 @@
-//! Steps a second of emitted code, beside a modal recurrence as one writes it by hand in C, in the same run, and beside Runge
-//! and Kutta's and Newmark's methods at equal error; then the ratio for every size up to 40. `cargo bench --bench emit`; the last
-//! numbers are in benches/README.md.
+//! Steps per second of emitted code, compared with a modal recurrence written by hand in C in the same run, and with
+//! the Runge-Kutta and Newmark methods at equal error; then the ratio for every size up to 40. `cargo bench --bench
+//! emit`; the last results are in benches/README.md.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -53,13 +53,14 @@ fn chain(n: usize) -> LinearSystem {
 
 const STEP: &str = "0.001";
 
-/// Sizes that are compared with integrators too.
+/// Sizes that are also compared with integrators.
 const SIZES: [usize; 3] = [2, 20, 200];
-/// Sizes beside the recurrence alone: every remainder of every width of loop.
+/// Sizes that are compared only with the recurrence: every remainder of every loop width.
 const SWEEP: std::ops::RangeInclusive<usize> = 1..=40;
 const FLAGS: [&[&str]; 2] = [&["-O2"], &["-O3", "-march=native"]];
 
-/// Processes that the median is taken of: where the system puts the stack decides whether vectors cross lines of the cache.
+/// Number of processes of which the median is taken: the position of the stack, which the system chooses, determines
+/// whether vectors cross cache lines.
 const PROCESSES: usize = 15;
 
 fn main() {
@@ -124,13 +125,14 @@ impl Folder {
         assert!(compiled.is_ok_and(|status| status.success()), "gcc compiles");
     }
 
-    /// What the program prints.
+    /// Runs the program and returns its output.
     fn run(&self) -> String {
         let run = Command::new(self.0.join("bench")).output().expect("it runs");
         String::from_utf8_lossy(&run.stdout).into_owned()
     }
 
-    /// Of several processes: steps a second of emitted code and of the recurrence, and the ratio, each process its own.
+    /// Medians over several processes: steps per second of emitted code and of the recurrence, and the ratio within
+    /// each process.
     fn medians(&self) -> [f64; 3] {
         let read = |text: String| -> Vec<f64> {
             text.split_whitespace().map(|number| number.parse().expect("a number")).collect()
@@ -150,7 +152,7 @@ impl Drop for Folder {
     }
 }
 
-/// The tables of the recurrence by hand: each mode turns and decays, with what a held force adds.
+/// The tables of the hand-written recurrence: the rotation and decay of each mode, and the effect of a held force.
 fn recurrence(undamped: &Modes, n: usize) -> String {
     let h: f64 = STEP.parse().expect("a number");
     let mut rows = [const { Vec::new() }; 5];
@@ -167,7 +169,8 @@ fn recurrence(undamped: &Modes, n: usize) -> String {
     ["A", "B", "G1", "G2", "C1"].into_iter().zip(&rows).map(table).collect()
 }
 
-/// Each is run in turn, the fastest run counts; the integrators' steps are halved until they are as good as 1e-6.
+/// The programs run in turn, and the fastest run counts; the integrators' steps are halved until their error is at most
+/// 1e-6.
 const PROGRAM: &str = r#"
 #include "chain.h"
 #include <math.h>

@@ -1,7 +1,7 @@
-//! How fast text becomes a tree, and in how much memory. `cargo bench --bench parse [-- cart params ...]`
+//! Speed and memory of parsing. `cargo bench --bench parse [-- cart params ...]`
 //!
-//! 50 MB of simple declarations (asked for: at least 15 MB/s on one core, at most five times the text in memory), and the
-//! cart of the examples (a part of the 50 microseconds from text to modes).
+//! 50 MB of simple declarations (required: at least 15 MB/s on one core, at most five times the text in memory), and
+//! the cart of the examples (a part of the 50 microseconds from text to modes).
 
 #![allow(clippy::print_stdout)] // a benchmark prints its figures
 
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use vibc::base::{FileId, SourceFile, Sources};
 use vibc::syntax;
 
-/// The system's allocator with a count of the bytes that are held, and of the most that ever were.
+/// The system's allocator, counting the bytes that are held and their maximum.
 struct Counting;
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
@@ -26,7 +26,7 @@ fn grow(bytes: usize) {
     PEAK.fetch_max(held, Ordering::Relaxed);
 }
 
-// SAFETY: every call goes to the system's allocator as it came.
+// SAFETY: every call is passed unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         grow(layout.size());
@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // The old and the new block exist side by side while one is copied to the other.
+        // The old and the new block exist at the same time while one is copied to the other.
         grow(size);
         let moved = unsafe { System.realloc(pointer, layout, size) };
         HELD.fetch_sub(layout.size(), Ordering::Relaxed);
@@ -80,7 +80,7 @@ fn write(text: &mut String, line: std::fmt::Arguments<'_>) {
 /// Writes the i-th line of a file.
 type Line = fn(&mut String, usize);
 
-/// The declarations named in the requirement, alone and mixed, and short ones, which have the most nodes a byte.
+/// The declarations named in the requirement, alone and mixed, and short ones, which have the most nodes for each byte.
 const FILES: [(&str, Line); 5] = [
     ("params", param),
     ("bodies", body),

@@ -1,6 +1,7 @@
-//! The complete certified modal report: all modes and all poles of chains and networks of 12, 30 and 100 masses, without
-//! damping, with classical damping and with dampers of all sizes; then the 20 lowest modes and poles of large ones. For each the mean processor time of the modes and of the
-//! poles, how many poles are not certified alone, and the largest bound.
+//! The complete certified modal report: all modes and all poles of chains and networks of 12, 30 and 100 masses,
+//! without damping, with classical damping and with dampers of all sizes; then the 20 lowest modes and poles of large
+//! systems. For each, the mean processor time of the modes and of the poles, the number of poles that are not certified
+//! alone, and the largest bound.
 //!
 //! `cargo bench --bench report -- WORD...` runs the scenes whose names contain one of the words.
 
@@ -16,22 +17,22 @@ use vibc::base::source::{SourceFile, Sources};
 use vibc::model::Overrides;
 use vibc::system::LinearSystem;
 
-/// How the masses are joined.
+/// How the masses are connected.
 #[derive(Clone, Copy)]
 enum Shape {
     /// Each to the one before.
     Chain,
-    /// Each to the two before, and to one at random among all before.
+    /// Each to the two before, and to a random one among all before.
     Network,
 }
 
-/// What damps.
+/// The kind of damping.
 #[derive(Clone, Copy)]
 enum Damping {
     None,
     /// C = alpha M + beta K.
     Classical,
-    /// A damper beside each spring, its constant over so many decades around this.
+    /// A damper parallel to each spring, with constants spread over this many decades around a value.
     Dampers {
         around: f64,
         decades: u64,
@@ -73,7 +74,7 @@ fn main() {
     }
 }
 
-/// Milliseconds.
+/// Milliseconds and bounds of a system, as a row of the table.
 fn measured(system: &LinearSystem) -> String {
     let found = modes(system).expect("modes");
     let list = poles(system, &found).expect("poles").list;
@@ -84,7 +85,7 @@ fn measured(system: &LinearSystem) -> String {
     format!("{modes:.2} | {poles:.2} | {:.2} | {together} | {bound:.0e}", modes + poles)
 }
 
-/// Scenes of which the 20 lowest modes are asked for.
+/// Scenes whose 20 lowest modes are requested.
 type Large = (&'static str, fn() -> String);
 
 const LARGE: [Large; 5] = [
@@ -95,7 +96,7 @@ const LARGE: [Large; 5] = [
     ("net 150 x 150, 12 decades", || net(150, 12)),
 ];
 
-/// Modes alone, and modes with poles: milliseconds.
+/// Times of the modes alone, and of modes with poles, in milliseconds.
 fn lowest(system: &LinearSystem) -> String {
     let request = Request { which: Which::Lowest(20), ..Request::default() };
     let clock = Clock::start();
@@ -110,7 +111,7 @@ fn lowest(system: &LinearSystem) -> String {
     format!("{modes:.0} | {:.0} | {both:.0} | {unproved} of {} | {bound:.0e}", both - modes, list.len())
 }
 
-/// The mean of as many runs as take half a second: the kernel's clock moves by milliseconds.
+/// The mean of as many runs as take half a second, because the kernel's clock ticks in milliseconds.
 fn mean(run: impl Fn() -> usize) -> f64 {
     let (clock, mut count, mut found) = (Clock::start(), 0, 0);
     while clock.seconds() < 0.5 {
@@ -127,7 +128,7 @@ fn lowered(text: String) -> LinearSystem {
     vibc::linear(&sources, file, &Overrides::default()).answer.expect("a good model").1
 }
 
-/// Decimal digits from a linear congruence (Knuth's MMIX).
+/// Decimal digits from a linear congruential generator (Knuth's MMIX).
 struct Digits(u64);
 
 impl Digits {
@@ -136,7 +137,7 @@ impl Digits {
         (self.0 >> 33) % n
     }
 
-    /// Three or four digits, over so many decades about this.
+    /// Three or four digits, spread over this many decades around a value.
     fn decimal(&mut self, around: f64, decades: u64) -> String {
         let exponent = if decades == 0 { 0 } else { self.below(decades + 1) as i32 - decades as i32 / 2 };
         let digits = 1.0 + self.below(9) as f64 + self.below(1000) as f64 / 1000.0;
@@ -169,7 +170,8 @@ fn scene(n: usize, shape: Shape, damping: Damping) -> String {
     text
 }
 
-/// A square of springs over so many decades, held at a corner, with dampers of 1e-4 to 1e-2 s of them.
+/// A square grid of springs spread over this many decades, held at a corner, with dampers of 1e-4 to 1e-2 s times their
+/// stiffness.
 fn net(side: usize, decades: u64) -> String {
     let mut digits = Digits(11);
     let at = |i: usize, j: usize| i * side + j + 1;

@@ -1,6 +1,6 @@
-//! How long large scenes written with `repeat` take to become a linear system, and how much memory at the most.
-//! Targets: 2 s and 1.5 GB for a chain of 1,000,000 masses and for a net of 300 x 300; 2 s for 2,000 links drawn out of
-//! their rest. Every scene runs in a process of its own, so that peaks do not mix.
+//! Time and peak memory for turning large scenes written with `repeat` into a linear system. Targets: 2 s and 1.5 GB
+//! for a chain of 1,000,000 masses and for a net of 300 x 300; 2 s for 2,000 links drawn away from their rest. Every
+//! scene runs in a process of its own, so that peaks do not mix.
 
 mod clock;
 
@@ -11,7 +11,7 @@ use std::process::Command;
 use vibc::base::source::{SourceFile, Sources};
 use vibc::model::Overrides;
 
-/// What it is, how large, and its text.
+/// The name of a scene, its size, and its text.
 type Scene = (&'static str, usize, fn(usize) -> String);
 
 const SCENES: [Scene; 9] = [
@@ -59,12 +59,12 @@ repeat i in 2..n {{
     )
 }
 
-/// The chain hung up, its tensions to be found.
+/// The chain hung up, with unknown tensions at rest.
 fn held(n: usize) -> String {
     format!("gravity 9.81 m/s^2\nrest as drawn\n{}", chain(n).replace("moves x", "moves y"))
 }
 
-/// n x n masses, each on the ground by a spring and joined to its neighbours.
+/// n x n masses, each on the ground by a spring and connected to its neighbours.
 fn net(n: usize) -> String {
     format!(
         "param n = {n}
@@ -80,7 +80,7 @@ repeat i in 1..n {{ repeat j in 2..n {{
     )
 }
 
-/// Links of 1 m one after another along (x, -y): what is first, and what is between neighbours.
+/// Links of 1 m one after another along (x, -y), with these declarations at the first and between neighbours.
 fn links(n: usize, [x, y]: [&str; 2], first: &str, between: &str) -> String {
     format!(
         "gravity 9.81 m/s^2
@@ -128,7 +128,7 @@ fn measured((name, size, text): &Scene) -> String {
     format!("{name:22}{size:>9}{n:>10}{parse:>9.3}{check:>9.3}{found:>9.3}{lower:>9.3}{peak:>9}{proven}")
 }
 
-/// Most memory that this process has held (proc(5), `VmHWM`).
+/// Peak memory of this process (proc(5), `VmHWM`).
 fn peak_megabytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -1,6 +1,7 @@
-//! Large scenes: the lowest modes of chains, trees and meshes, and all modes of small ones. For each the processor time from
-//! text to system and of the modes, the largest certified bound of an omega, and its largest true error where a reference is
-//! known: a closed form of tests/hardcases, or the same modes to more digits. Everything in one process, one thread.
+//! Large scenes: the lowest modes of chains, trees and meshes, and all modes of small ones. For each, the processor
+//! time from text to system and of the modes, the largest certified bound of an omega, and its largest true error if a
+//! reference is known: a closed form from tests/hardcases, or the same modes to more digits. Everything runs in one
+//! process on one thread.
 //!
 //! `cargo bench --bench sizes -- NAME...` runs the scenes whose names contain one of the words.
 
@@ -13,7 +14,7 @@ use vibc::base::{Number, Rational};
 use vibc::model::Overrides;
 use vibc::system::LinearSystem;
 
-/// A scene, how many modes, and to which tolerance.
+/// A scene, the requested modes, and the tolerance.
 struct Case {
     name: &'static str,
     text: fn() -> String,
@@ -24,9 +25,9 @@ struct Case {
 
 enum Reference {
     None,
-    /// A case of tests/hardcases and the field that holds its values.
+    /// A case of tests/hardcases and the field that contains its values.
     Hard(&'static str, &'static str),
-    /// The same at this tolerance.
+    /// The same computation at this tolerance.
     Tighter(f64),
 }
 
@@ -90,7 +91,7 @@ fn measured(case: &Case) -> [String; 7] {
     };
     let lower = clock.seconds();
     let request = |tolerance| Request { which: case.which, tolerance, ..Request::default() };
-    // The mean of a few runs where one is short: the kernel counts in ticks of some milliseconds.
+    // The mean of a few runs if one is short: the kernel's clock ticks in milliseconds.
     let (mut time, mut found) = (0.0, Err(String::new()));
     let clock = Clock::start();
     for runs in 1..=100 {
@@ -169,7 +170,7 @@ fn chain(n: usize) -> String {
     )
 }
 
-/// Every mass and every spring is another.
+/// A chain in which all masses and springs differ.
 fn uneven_chain(n: usize) -> String {
     format!(
         "body m[1] {{ mass = 1.3 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = 977 N/m }}\n\
@@ -178,7 +179,7 @@ fn uneven_chain(n: usize) -> String {
     )
 }
 
-/// Decimal digits from a linear congruence (Knuth's MMIX).
+/// Decimal digits from a linear congruential generator (Knuth's MMIX).
 struct Digits(u64);
 
 impl Digits {
@@ -187,14 +188,14 @@ impl Digits {
         (self.0 >> 33) % n
     }
 
-    /// d.ddd with an exponent out of so many decades about zero.
+    /// d.ddd with a random exponent from this many decades about zero.
     fn decimal(&mut self, decades: u64) -> String {
         let exponent = if decades == 0 { 0 } else { self.below(decades + 1) as i64 - decades as i64 / 2 };
         format!("{}.{:03}e{exponent}", 1 + self.below(9), self.below(1000))
     }
 }
 
-/// Each body hangs on one of the hundred before it.
+/// A tree in which each body hangs on one of the hundred before it.
 fn tree(n: usize) -> String {
     let mut digits = Digits(7);
     let mut text = String::from("body m[1] { mass = 2 kg, moves x }\nspring g: ground -- m[1] { k = 5e3 N/m }\n");
@@ -208,7 +209,7 @@ fn tree(n: usize) -> String {
     text
 }
 
-/// A square of springs, stiffnesses over twelve decades, held at a corner.
+/// A square grid of springs, stiffnesses over twelve decades, held at a corner.
 fn net(side: usize) -> String {
     let mut digits = Digits(11);
     let at = |i: usize, j: usize| i * side + j + 1;
@@ -285,7 +286,7 @@ fn spread(n: usize, decades: u64) -> String {
     text
 }
 
-/// Equal masses, each on an equal spring to every other: all frequencies but the first are one.
+/// Equal masses, each on an equal spring to every other: all frequencies but the first are equal.
 fn complete(n: usize) -> String {
     format!(
         "body m[1] {{ mass = 2 kg, moves x }}\nspring g: ground -- m[1] {{ k = 3 N/m }}\n\
@@ -294,7 +295,7 @@ fn complete(n: usize) -> String {
     )
 }
 
-/// The eigenvectors of a scrambled symmetric matrix alone, which is what LAPACK does: mean seconds of a few.
+/// Only the eigenvectors of a pseudo-random symmetric matrix, for comparison with LAPACK: mean seconds of a few runs.
 fn reductions(out: &mut impl Write) {
     for n in [12, 30, 100, 200, 400, 1000, 2000] {
         let mut digits = Digits(17);
@@ -305,7 +306,7 @@ fn reductions(out: &mut impl Write) {
                 (matrix[(i, j)], matrix[(j, i)]) = (entry, entry);
             }
         }
-        // The kernel counts in ticks of some milliseconds.
+        // The kernel's clock ticks in milliseconds.
         let runs = (100_000_000 / (n * n * n)).max(2);
         let clock = Clock::start();
         for _ in 0..runs {
@@ -318,7 +319,7 @@ fn reductions(out: &mut impl Write) {
 
 // ---- time
 
-/// Processor time where the kernel tells it, so that a busy machine does not matter; time on the wall elsewhere.
+/// Processor time if the kernel reports it, so that a busy machine does not matter; otherwise wall-clock time.
 struct Clock {
     wall: Instant,
     processor: Option<f64>,

@@ -1,8 +1,10 @@
-//! The cost of transfer functions and of motions, beside what an ordinary program does: one complex LU in binary64 for a
-//! frequency, Runge and Kutta's steps for a motion. `cargo bench --bench transfer`; the last numbers are in benches/README.md.
+//! The cost of transfer functions and of motions, compared with an ordinary program: one complex LU in binary64 for
+//! each frequency, Runge-Kutta steps for a motion. `cargo bench --bench transfer`; the last results are in
+//! benches/README.md.
 //!
-//! Times are those of the processor, not of the clock, where the system tells them: the least of several runs. What counts
-//! is the ratio to the alternative in the same run. Many frequencies at once take all cores: they are timed by the clock.
+//! Times are processor times, not wall-clock times, if the system reports them: the least of several runs. What counts
+//! is the ratio to the alternative in the same run. Computations at many frequencies use all cores, so they are timed
+//! by the wall clock.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use std::fs;
@@ -19,7 +21,7 @@ fn chain(n: usize) -> LinearSystem {
     chain_of(n, |_| Number::ONE)
 }
 
-/// The same with masses that are all different, by up to a tenth.
+/// A chain like `chain`, with masses that all differ, by up to a tenth.
 fn uneven(n: usize) -> LinearSystem {
     chain_of(n, |i| &Number::ONE + &(&Number::from((i * 7919 % 10_007) as i64) / &Number::from(100_070)))
 }
@@ -59,7 +61,7 @@ fn chain_of(n: usize, mass: impl Fn(usize) -> Number) -> LinearSystem {
     }
 }
 
-/// What an ordinary program does for a frequency: assemble, factor, solve.
+/// The work of an ordinary program for a frequency: assemble, factor, solve.
 fn bare_solve(n: usize, omega: f64) -> Complex<f64> {
     let (a, b) = (Complex::new(2000.0 - omega * omega, 0.6 * omega), Complex::new(-1000.0, -0.3 * omega));
     let mut q = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
@@ -76,19 +78,19 @@ fn frequency(i: usize) -> Frequency {
     Frequency::hertz(&(&Number::from(1 + i as i64) / &Number::from(1000)))
 }
 
-/// Seconds that this process has computed so far.
+/// Processor seconds that this process has used so far.
 fn now(start: &Instant) -> f64 {
     let told = fs::read_to_string("/proc/self/schedstat").ok();
     let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()));
     nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| ns * 1e-9)
 }
 
-/// The least time of a call in s, from runs of a twentieth of a second and more.
+/// The least processor time of a call in s, from runs of at least a twentieth of a second.
 fn time<T>(call: impl FnMut() -> T) -> f64 {
     least(now, call)
 }
 
-/// The same by the clock.
+/// The least wall-clock time of a call in s.
 fn clock<T>(call: impl FnMut() -> T) -> f64 {
     least(|start| start.elapsed().as_secs_f64(), call)
 }
@@ -97,7 +99,7 @@ fn least<T>(now: impl Fn(&Instant) -> f64, mut call: impl FnMut() -> T) -> f64 {
     let start = Instant::now();
     let mut best = f64::INFINITY;
     for _ in 0..5 {
-        // Looking at the time takes time: as many calls as a tenth of a second holds, and two looks.
+        // Reading the clock takes time: as many calls as fit into a tenth of a second, and two readings.
         let mut calls = 1;
         let each = loop {
             let from = now(&start);
@@ -146,7 +148,7 @@ fn transfer() {
     }
 }
 
-/// A chain that does not repeat itself, and one read at its other end: nothing of one solution serves for another.
+/// A chain that does not repeat itself, also read at its other end: no solution can be reused for another.
 fn transfer_of_uneven() {
     let frequencies: Vec<Frequency> = (0..10_000).map(frequency).collect();
     say("the same for masses that are all different, at the force and at the other end");

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// Processor time where the kernel tells it, so that a busy machine does not matter; time on the wall elsewhere.
+/// Processor time if the kernel reports it, so that a busy machine does not matter; otherwise wall-clock time.
 pub struct Clock {
     wall: Instant,
     processor: Option<f64>,

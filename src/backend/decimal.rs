@@ -1,9 +1,8 @@
 //! Correctly rounded decimals of rational numbers, double-doubles and balls.
 //!
-//! A double-double is a fraction too, with a power of two below. The fraction is scaled by a power of ten and divided as
-//! integers, so the digits are those of the exact value, rounded half to even: the same on every machine. Rounding happens
-//! nowhere else.
-//! See docs/method/report.md#numbers.
+//! A double-double is a fraction too, with a power of two as its denominator. The fraction is scaled by a power of ten
+//! and divided as integers, so the digits are those of the exact value, rounded half to even: the same on every
+//! machine. Nothing else rounds numbers to decimals. See docs/method/report.md#numbers.
 
 use crate::base::{Ball, Dd, Number, Rational};
 use num_bigint::{BigInt, BigUint, Sign};
@@ -11,7 +10,7 @@ use num_integer::Integer;
 use num_traits::{One, Zero};
 use std::cmp::Ordering;
 
-/// `0.d1 d2 d3 ... * 10^(exponent + 1)`: a number with as many significant digits as it holds.
+/// `0.d1 d2 d3 ... * 10^(exponent + 1)`: a number with its significant digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decimal {
     negative: bool,
@@ -19,7 +18,7 @@ pub struct Decimal {
     digits: Vec<u8>,
     /// Power of ten of the first digit.
     exponent: i32,
-    /// Nothing was rounded away.
+    /// Whether nothing was rounded away.
     exact: bool,
 }
 
@@ -55,7 +54,7 @@ impl Decimal {
         Decimal { negative, digits: rounded.to_radix_be(10), exponent, exact }
     }
 
-    /// Without the zeros at the end, where they follow from an exact value: `1.5`, but `1.5000` for 1.50001.
+    /// Removes zeros at the end if they follow from an exact value: `1.5`, but `1.5000` for 1.50001.
     pub fn trimmed(mut self) -> Decimal {
         while self.exact && self.digits.len() > 1 && self.digits.last() == Some(&0) {
             self.digits.pop();
@@ -63,7 +62,7 @@ impl Decimal {
         self
     }
 
-    /// `0.343485`, `-12.5`, `1200`; with a power of ten (`3.1e-7`) where the plain form would hide the digits in zeros.
+    /// `0.343485`, `-12.5`, `1200`; with a power of ten (`3.1e-7`) if the plain form would hide the digits in zeros.
     pub fn text(&self) -> String {
         let sign = if self.negative { "-" } else { "" };
         let digits: String = self.digits.iter().map(|digit| char::from(b'0' + digit)).collect();
@@ -73,7 +72,7 @@ impl Decimal {
                 let (whole, fraction) = digits.split_at(exponent as usize + 1);
                 format!("{sign}{whole}{}{fraction}", if fraction.is_empty() { "" } else { "." })
             }
-            // An exact integer may end in zeros that are true digits.
+            // Zeros at the end of an exact integer are true digits.
             exponent @ 0..PLAIN if self.exact => {
                 format!("{sign}{digits}{}", "0".repeat((exponent + 1 - count) as usize))
             }
@@ -94,8 +93,8 @@ impl Decimal {
 /// Integers from 10^PLAIN on are shown with a power of ten.
 const PLAIN: i32 = 9;
 
-/// At most `most` significant digits of a ball: those that its radius settles. `≤ 3e-9` where it settles none,
-/// and `?` where nothing is known.
+/// At most `most` significant digits of a ball: those that its radius settles. `≤ 3e-9` if it settles none, and `?` if
+/// nothing is known.
 pub fn certain(value: &Ball, most: usize) -> String {
     if !value.is_finite() {
         return "?".into();
@@ -127,7 +126,7 @@ pub fn certain_whole(value: &Number, most: usize) -> String {
     certain_number(value, whole)
 }
 
-/// The same as [`certain_number`], always with a power of ten: `-5e8`; zero stays `0`.
+/// Like [`certain_number`], but always with a power of ten: `-5e8`; zero stays `0`.
 pub fn certain_scientific(value: &Number, most: usize) -> String {
     let digits = if value.exact().is_some() { most } else { certain_digits(&value.to_ball()).min(most) };
     match value {
@@ -140,7 +139,7 @@ pub fn certain_scientific(value: &Number, most: usize) -> String {
 /// Digits before the decimal point that are shown without a power of ten.
 const WHOLE: usize = 8;
 
-/// How many significant digits a radius settles: |x - mid| is at most half a unit of the last one.
+/// The number of significant digits that a radius settles: |x - mid| is at most half a unit of the last one.
 pub fn certain_digits(value: &Ball) -> usize {
     let error = value.relative_error();
     let mut bound = 0.05;
@@ -152,7 +151,7 @@ pub fn certain_digits(value: &Ball) -> usize {
     digits
 }
 
-/// A double-double has no more.
+/// The most digits of a double-double.
 const MOST_DIGITS: usize = 32;
 
 /// An upper bound in one digit: `3e-16`. Exact zero is `0`.
@@ -175,7 +174,7 @@ pub fn upper(bound: f64) -> String {
 }
 
 impl Decimal {
-    /// The decimal against a number, exactly.
+    /// Compares the decimal with a number, exactly.
     fn compare(&self, value: f64) -> Ordering {
         let number = self.digits.iter().fold(BigInt::zero(), |n, digit| n * 10 + i32::from(*digit));
         let number = if self.negative { -number } else { number };
@@ -204,8 +203,8 @@ impl Fraction {
 
     /// The power of ten of the first digit; the value is not zero.
     fn exponent(&self) -> i64 {
-        // 2^bits is the value up to a factor of two, and 0.30103 is log10(2) to 5e-9, so the floor is off by one at most
-        // over far more than the range of binary64: two less is a start.
+        // 2^bits is the value up to a factor of two, and 0.30103 is log10(2) to 5e-9, so the floor is off by at most
+        // one, even far beyond the range of binary64: two less is a safe start.
         let bits = self.numerator.bits() as i64 - self.denominator.bits() as i64;
         let mut exponent = (bits * 30103).div_euclid(100_000) - 2;
         while self.reaches(exponent + 1) {
@@ -241,7 +240,7 @@ fn parts(x: f64) -> (i64, i64) {
     (if x < 0.0 { -mantissa } else { mantissa }, power)
 }
 
-/// 10^power; 1 for a negative power, whose factor stands on the other side.
+/// 10^power; 1 for a negative power, whose factor belongs to the other side.
 fn ten_to(power: i64) -> BigUint {
     BigUint::from(10u32).pow(power.max(0) as u32)
 }
@@ -312,7 +311,7 @@ mod tests {
     }
 
     proptest! {
-        /// The standard library's formatting of binary64 is exact too: a second way to the same digits.
+        /// The standard library's formatting of binary64 is exact too: an independent source of the same digits.
         #[test]
         fn it_agrees_with_the_standard_library(bits in any::<u64>(), digits in 1usize..25) {
             let value = f64::from_bits(bits);

@@ -1,5 +1,5 @@
 //! The modal report for programs: one JSON object. SI units, angles in radians, numbers in full double precision in the
-//! shortest form that reads back the same; `null` for what is infinite or unknown. Fields may be added, never renamed.
+//! shortest form that reads back the same; `null` for infinite or unknown values. Fields may be added, never renamed.
 //! See docs/method/report.md.
 
 use super::decimal::{certain, certain_digits};
@@ -16,7 +16,7 @@ use crate::system::{CoordinateKind, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
 
-/// Matrices of more coordinates are shown on demand only.
+/// Matrices of more coordinates are shown only on request.
 const MATRICES_UP_TO: usize = 200;
 
 /// One object and a line feed.
@@ -34,7 +34,7 @@ struct Report<'a> {
     schema: u32,
     model: &'a str,
     coordinates: &'a [String],
-    /// What closed loops and couplings make follow from the coordinates.
+    /// Coordinates that follow from the others through closed loops and couplings.
     dependent_coordinates: &'a [String],
     rest: Rest<'a>,
     matrices: Option<Matrices>,
@@ -63,11 +63,11 @@ struct Rest<'a> {
     proven: bool,
     steps: u32,
     tensions: Named,
-    /// Absolute, as those of the displacements.
+    /// Absolute bounds, like those of the displacements.
     tensions_error_bound: Named,
 }
 
-/// Coordinates that act on each other and on nothing else.
+/// Coordinates that are coupled with each other and with nothing else.
 #[derive(serde::Serialize)]
 struct JsonPart {
     form: &'static str,
@@ -82,7 +82,7 @@ impl JsonPart {
     }
 }
 
-/// What was kept of the model, and what was left out.
+/// The parts of the model that were kept, and those that were left out.
 #[derive(serde::Serialize)]
 struct Explained<'a> {
     kept: Vec<JsonRemark<'a>>,
@@ -101,7 +101,7 @@ impl JsonRemark<'_> {
     }
 }
 
-/// How far the rest is from the drawing: the largest displacements of coordinates.
+/// The distance of the rest from the drawing: the largest displacements of coordinates.
 #[derive(serde::Serialize)]
 struct Distance {
     translation_m: JsonNumber,
@@ -110,7 +110,7 @@ struct Distance {
     rotation_error_bound: JsonNumber,
 }
 
-/// An object with a number for each name, where the names are their own.
+/// An object with a number for each name.
 struct Named(Vec<(String, JsonNumber)>);
 
 impl Serialize for Named {
@@ -119,16 +119,16 @@ impl Serialize for Named {
     }
 }
 
-/// What a request or the size of the model left out.
+/// The results that a request or the size of the model left out.
 #[derive(serde::Serialize)]
 struct NotComputed {
     modes_below: usize,
     modes_above: usize,
     poles: usize,
-    /// Between the poles listed others may lie.
+    /// Whether other poles may lie between the listed ones.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     poles_between: bool,
-    /// What would have to be proved for the list of poles, or the verdict on the rest, to be certain.
+    /// Facts that are not proved, without which the list of poles or the verdict on the rest is not certain.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     not_proved: Vec<&'static str>,
     matrices: bool,
@@ -142,7 +142,7 @@ struct Matrices {
     error_bound: MatrixBounds,
 }
 
-/// Absolute, of the entry that is known worst.
+/// Absolute bounds, of the least accurate entry.
 #[derive(serde::Serialize)]
 struct MatrixBounds {
     m: JsonNumber,
@@ -164,7 +164,7 @@ struct JsonMode<'a> {
     cluster: Option<u32>,
     input_condition: JsonNumber,
     route: &'static str,
-    /// Decimals of as many digits as were asked for, as far as they are certain.
+    /// Decimals with as many digits as requested, as far as they are certain.
     #[serde(skip_serializing_if = "Option::is_none")]
     omega_digits: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -188,7 +188,7 @@ struct JsonSplit {
 struct JsonBuckling<'a> {
     load_factor: JsonNumber,
     error_bound: JsonNumber,
-    /// The factor less one, which has digits of its own.
+    /// The factor minus one, which has digits of its own.
     margin: JsonNumber,
     margin_error_bound: JsonNumber,
     shape: ByName<'a>,
@@ -226,7 +226,7 @@ struct JsonPole {
     damping_ratio_digits: Option<String>,
 }
 
-/// Value and bound in the parameter's own unit; the measure in SI, frequencies in Hz.
+/// Value and bound in the parameter's own unit; the measure in SI units, frequencies in Hz.
 #[derive(serde::Serialize)]
 struct JsonSolved<'a> {
     parameter: &'a str,
@@ -247,7 +247,7 @@ struct JsonSolved<'a> {
     until_s: JsonNumber,
 }
 
-/// In SI, frequencies in Hz.
+/// In SI units, frequencies in Hz.
 #[derive(serde::Serialize)]
 struct JsonRequirement<'a> {
     text: &'a str,
@@ -255,7 +255,7 @@ struct JsonRequirement<'a> {
     value: JsonNumber,
     limit: JsonNumber,
     margin: JsonNumber,
-    /// Absolute: a margin may be 0.
+    /// Absolute bound, because a margin may be 0.
     margin_error_bound: JsonNumber,
     error_bound: JsonNumber,
     told: Cow<'a, str>,
@@ -324,7 +324,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
     }
 }
 
-/// Derivatives in SI: Hz and ratios by SI units of the parameter.
+/// Derivatives in SI units: Hz and ratios per SI unit of the parameter.
 #[derive(serde::Serialize)]
 struct JsonSensitivity<'a> {
     parameter: &'a str,
@@ -335,7 +335,7 @@ struct JsonSensitivity<'a> {
     damping: Vec<JsonSlope>,
 }
 
-/// `derivative` and `relative` are `null` where there is none: `kind` is then `splits`, `undefined` or `none`.
+/// `derivative` and `relative` are `null` if there is no derivative: `kind` is then `splits`, `undefined` or `none`.
 #[derive(serde::Serialize)]
 struct JsonSlope {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -346,7 +346,7 @@ struct JsonSlope {
     derivative: JsonNumber,
     error_bound: JsonNumber,
     relative: JsonNumber,
-    /// Of the parts into which equal frequencies part, without a bound.
+    /// Slopes of the branches into which equal frequencies split, without a bound.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     slopes: Vec<JsonNumber>,
 }
@@ -429,7 +429,7 @@ fn derivative(derivative: &Derivative) -> JsonNumber {
     }
 }
 
-/// `null` where the derivative has no proven bound.
+/// `null` if the derivative has no proven bound.
 fn derivative_bound(derivative: &Derivative) -> JsonNumber {
     match derivative {
         Derivative::Enclosed(ball) => JsonNumber::relative_bound(*ball),
@@ -465,7 +465,7 @@ fn parts(answer: &ModalAnswer, names: &[String]) -> Vec<JsonPart> {
     parts
 }
 
-/// As on the command line.
+/// The name on the command line.
 fn normalisation(normalise: Normalise) -> &'static str {
     match normalise {
         Normalise::Translation => "translation",
@@ -476,7 +476,7 @@ fn normalisation(normalise: Normalise) -> &'static str {
 }
 
 fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
-    // Where nothing proves the rest, its balls are about a place that may be none.
+    // If the rest is not proven, its balls refer to a point that may not be a rest.
     let proven = answer.rest.is_proven();
     let tensions = answer.rest.tensions.iter();
     let tensions = tensions.map(|found| (answer.system.display(found.spring), JsonNumber::number(&found.tension)));
@@ -502,7 +502,7 @@ fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
 }
 
 fn distance(answer: &ModalAnswer) -> Distance {
-    // The largest of the sizes is off by the largest radius at most.
+    // The error of the largest magnitude is at most the largest radius.
     let largest = |kind: CoordinateKind| {
         let of_kind = answer.displacements().filter(|(coordinate, _)| coordinate.kind == kind);
         of_kind.map(|(_, value)| value.to_ball().abs()).fold(Ball::ZERO, |largest, size| {
@@ -536,7 +536,7 @@ fn matrices(system: &LinearSystem, proven: bool) -> Matrices {
     }
 }
 
-/// Displacements of a shape: they have no bound.
+/// Displacements of a shape, which have no bound.
 fn unproven(shape: &[Unproven]) -> Vec<JsonNumber> {
     shape.iter().copied().map(JsonNumber::unproven).collect()
 }
@@ -550,7 +550,7 @@ fn json_mode<'a>(
 ) -> JsonMode<'a> {
     let system = &answer.system;
     let (omega, frequency, growth) = (mode.angular_frequency(), mode.frequency(), mode.growth_rate());
-    // At a rest that is not proven, a bound of the linearisation there would be taken for one of the scene.
+    // At a rest that is not proven, a bound of the linearisation there would be mistaken for one of the scene.
     let proven = answer.rest.is_proven();
     let digits = |value: Option<Ball>| value.filter(|_| proven).and_then(|value| digits(&value, options));
     JsonMode {
@@ -572,13 +572,13 @@ fn json_mode<'a>(
     }
 }
 
-/// The digits asked for that are certain; nothing where none was asked for or none is.
+/// The requested digits that are certain; `None` if none were requested or none are certain.
 fn digits(value: &Ball, options: &ReportOptions) -> Option<String> {
     let most = options.digits? as usize;
     (value.is_zero() || certain_digits(value) > 0).then(|| certain(value, most))
 }
 
-/// At a rest that is not proven: without bounds, and without the digits that they would make certain.
+/// A split at a rest that is not proven: without bounds, and without the digits that they would make certain.
 impl JsonSplit {
     fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonSplit {
         match answer.rest.is_proven() {

@@ -1,11 +1,11 @@
-//! Numbers as fields of JSON. A field holds what was made from an enclosure, a bound, or what is marked as unproven: a bare
-//! binary64 number has no way in, so that no result can be written without the question whether it has a bound
+//! Numbers as fields of JSON. A field is made from an enclosure, a bound, or a number marked as unproven; a bare
+//! binary64 number is not accepted, so that no result can be written without deciding whether it has a bound
 //! (`tests/suite/house.rs` looks for such fields). See docs/method/report.md.
 
 use crate::base::{Ball, Number, Rounded, Unproven};
 use serde::Serialize;
 
-/// A number, or `null` where nothing is known or it is infinite.
+/// A number, or `null` if it is unknown or infinite.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(super) struct JsonNumber(Option<f64>);
@@ -13,12 +13,12 @@ pub(super) struct JsonNumber(Option<f64>);
 impl JsonNumber {
     pub const NULL: JsonNumber = JsonNumber(None);
 
-    /// What stands for an enclosed number; its bound is a field beside it.
+    /// The value of an enclosed number; its bound is a separate field.
     pub fn enclosed(value: Ball) -> JsonNumber {
         JsonNumber(Rounded::of(value).map(Rounded::value))
     }
 
-    /// `null` where there is no such number.
+    /// `null` if there is no such number.
     pub fn of(value: Option<Ball>) -> JsonNumber {
         value.map_or(JsonNumber::NULL, JsonNumber::enclosed)
     }
@@ -38,7 +38,7 @@ impl JsonNumber {
         JsonNumber(Rounded::of(value).map(Rounded::bound))
     }
 
-    /// An upper bound, rounded upwards by whoever computed it.
+    /// An upper bound, already rounded upwards.
     pub fn bound(bound: f64) -> JsonNumber {
         JsonNumber(Some(bound).filter(|bound| bound.is_finite()))
     }
@@ -48,17 +48,17 @@ impl JsonNumber {
         JsonNumber(Some(value + 0.0).filter(|value| value.is_finite()))
     }
 
-    /// `null` where the condition does not hold.
+    /// The number, or `null` if the condition does not hold.
     pub fn only_if(self, condition: bool) -> JsonNumber {
         if condition { self } else { JsonNumber::NULL }
     }
 
-    /// Nothing is known, or it is infinite.
+    /// Whether the number is unknown or infinite.
     pub fn is_null(&self) -> bool {
         self.0.is_none()
     }
 
-    /// As a field of CSV: empty for `null`.
+    /// The number as a field of CSV: empty for `null`.
     pub fn field(self) -> String {
         self.0.map_or(String::new(), |number| serde_json::to_string(&number).expect("a finite number has a JSON form"))
     }

@@ -1,5 +1,5 @@
-//! Reports as Markdown: headings, sentences, lists and tables as GitHub's dialect has them, matrices as blocks of text. Names of
-//! the model are escaped, so that they stand there as they are and start nothing. See docs/method/report.md.
+//! Reports as Markdown: headings, sentences, lists and tables in GitHub's dialect, matrices as blocks of text. Names of
+//! the model are escaped, so that they appear literally. See docs/method/report.md.
 
 use super::plain::{self, NO_BREAK};
 use super::report::block_of_matrices;
@@ -67,10 +67,10 @@ fn line(line: &Line) -> String {
     line.parts.iter().map(part).collect()
 }
 
-/// Text of the model: every character that could begin something is escaped.
+/// Text of the model, with every character escaped that could begin markup.
 fn name(text: &str) -> String {
     let text = escaped(&readable(text), "\\`*_<>|~[]&#$!^@:/{}");
-    // Addresses are made links without any bracket.
+    // Addresses become links without any bracket.
     if text.to_ascii_lowercase().contains("www.") { text.replace('.', "\\.") } else { text }
 }
 
@@ -85,7 +85,7 @@ fn escaped(text: &str, special: &str) -> String {
     escaped
 }
 
-/// A paragraph that begins like an item of a list, or like the line below a heading, does not become one.
+/// Escapes the start of a paragraph that would otherwise be an item of a list or the underline of a heading.
 fn at_start(text: String) -> String {
     let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     match text[digits..].chars().next() {

@@ -1,5 +1,6 @@
-//! Reports and systems to text, Markdown and JSON; diagnostics to what people and programs read. Nothing is computed here that
-//! an analysis could have computed, and rounding happens nowhere else. See docs/method/report.md and docs/diagnostics.
+//! Reports and systems as text, Markdown and JSON, and diagnostics for people and programs. Nothing is computed here
+//! that an analysis could have computed, and numbers are rounded only here. See docs/method/report.md and
+//! docs/diagnostics.
 
 pub mod bench;
 pub mod decimal;
@@ -20,10 +21,10 @@ pub mod transfer;
 pub use crate::answers::report::Options as ReportOptions;
 use crate::base::readable::escaped;
 
-/// Version of the JSON forms, described in docs/json.md: fields may be added within one, nothing else.
+/// Version of the JSON formats, described in docs/json.md: within a version, fields may only be added.
 const SCHEMA: u32 = 1;
 
-/// A value as JSON that steers no terminal.
+/// A value as JSON without characters that control a terminal.
 fn json_text(value: &impl serde::Serialize) -> String {
     escaped(serde_json::to_string(value).expect("strings and numbers always have a JSON form"))
 }

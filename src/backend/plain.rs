@@ -1,15 +1,15 @@
-//! Lines and numbers of a report as plain text. Text between a number and its unit does not break across lines: there stands
-//! [`NO_BREAK`], which a layout replaces when it is done.
+//! Lines and numbers of a report as plain text. The space between a number and its unit must not break: it is
+//! [`NO_BREAK`], which the layout replaces at the end.
 
 use super::decimal::{Decimal, certain_number, upper};
 use crate::answers::report::{Figure, Line, Part, Value};
 use crate::base::readable::readable;
 use crate::base::{Ball, Dd, Unproven};
 
-/// A space that lines are not broken at.
+/// A space at which lines are not broken.
 pub const NO_BREAK: char = '\u{a0}';
 
-/// The words, names and numbers of a line; names with everything visible that would steer a terminal.
+/// The words, names and numbers of a line; in names, characters that control a terminal are made visible.
 pub fn line(line: &Line) -> String {
     line.parts.iter().map(part).collect()
 }
@@ -22,7 +22,7 @@ fn part(part: &Part) -> String {
     }
 }
 
-/// A number as it is read: the digits that are certain, and its unit.
+/// A number for reading: its certain digits and its unit.
 pub fn figure(figure: &Figure) -> String {
     let number = match &figure.value {
         Value::Enclosed { number, digits } => certain_number(number, *digits),
@@ -46,7 +46,7 @@ fn rounded(Unproven(number): Unproven, digits: usize) -> String {
     }
 }
 
-/// In whole per cent; a smaller share in its first digit.
+/// A share in whole per cent; a smaller one with its first digit.
 fn percent(Unproven(part): Unproven) -> String {
     let percent = 100.0 * part;
     let number = match percent.abs() {
@@ -58,7 +58,7 @@ fn percent(Unproven(part): Unproven) -> String {
     format!("{number}{NO_BREAK}%")
 }
 
-/// Two digits after the point, as levels and angles are read.
+/// Two digits after the point, as is usual for levels and angles.
 fn hundredths(value: &Ball) -> String {
     if !value.is_finite() || value.rad > 0.005 {
         return "?".into();

@@ -9,9 +9,9 @@ use crate::system::{LinearSystem, Output};
 
 const DIGITS_OF_BINARY64: usize = 17;
 
-/// `time_s` and a column for each output, named as in the model; a row a sample. With `bounds` a column `NAME_bound` follows
-/// each, the bound of what stands before it; without them only digits that are settled stand there. What is unknown is an empty
-/// field.
+/// `time_s` and a column for each output, named as in the model; one row for each sample. With `bounds`, each is
+/// followed by a column `NAME_bound` with the bound of the value before it; without them, only settled digits are
+/// printed. Unknown values are empty fields.
 pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
     let mut text = b"time_s".to_vec();
     for output in &system.outputs {
@@ -42,9 +42,9 @@ pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
     String::from_utf8(text).expect("names and numbers are text")
 }
 
-/// A sample as it is printed without its bound: to the last digit of binary64 where the bound settles that, else to the digits
-/// that it settles, and as zero where it settles none. `None` where nothing is known. Beside its bound a sample is printed
-/// whole, since what this rounding takes away would widen that.
+/// A sample as printed without its bound: to the last digit of binary64 if the bound settles that, otherwise to the
+/// digits that it settles, and as zero if it settles none. `None` if nothing is known. Next to its bound a sample is
+/// printed in full, because this rounding would widen the bound.
 fn settled(sample: &Ball) -> Option<Rounded> {
     let whole = Rounded::of(*sample)?;
     if whole.bound() <= whole.value().abs() * f64::EPSILON {
@@ -58,9 +58,10 @@ fn settled(sample: &Ball) -> Option<Rounded> {
     Rounded::of(Ball::from(settled).widen((sample.rad + away).next_up()))
 }
 
-/// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...], "error_bounds": [...]}]}`: each value with its
-/// own bound, absolute, and the largest of these. Under harmonic signals also `"steady_state": [{"output", "frequency_hz",
-/// "amplitude", "phase_deg", "error_bound"}]`, the bound relative, in the complex plane.
+/// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...], "error_bounds": [...]}]}`: each
+/// value with its own absolute bound, and the largest of these. Under harmonic signals also `"steady_state":
+/// [{"output", "frequency_hz", "amplitude", "phase_deg", "error_bound"}]`, where the bound is relative, in the complex
+/// plane.
 pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| {
@@ -96,7 +97,7 @@ struct JsonHistory<'a> {
     steady_state: Vec<JsonSteady>,
 }
 
-/// What is infinite or unknown is `null`; then `infinite` tells which.
+/// Infinite or unknown values are `null`; then `infinite` says which.
 #[derive(serde::Serialize)]
 struct JsonSteady {
     output: String,
@@ -127,7 +128,7 @@ fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
 struct JsonOutput {
     name: String,
     unit: String,
-    /// `null` where nothing is known of some sample.
+    /// `null` if some sample is unknown.
     error_bound: JsonNumber,
     values: Vec<JsonNumber>,
     error_bounds: Vec<JsonNumber>,
@@ -138,7 +139,7 @@ fn shortest(text: &mut Vec<u8>, x: f64) {
     serde_json::to_writer(text, &x).expect("a finite number has a JSON form");
 }
 
-/// The range of each output and where it ends, in the columns of a page.
+/// The range of each output and its final value, as a table.
 pub fn text(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     report::laid_out(&crate::answers::report::motion(model, system, history, steady), report::WIDTH)
 }

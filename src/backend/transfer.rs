@@ -1,4 +1,4 @@
-//! Transfer tables as CSV and JSON, which hold every row. See docs/method/transfer.md.
+//! Transfer tables as CSV and JSON, which contain every row. See docs/method/transfer.md.
 
 use super::SCHEMA;
 use super::json_number::JsonNumber;
@@ -7,7 +7,7 @@ use crate::analysis::{Disc, Extremum, Gain, Row, Table};
 use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;
 
-/// A row: one frequency, one pair. What is infinite or unknown is `null`.
+/// A row: one frequency of one pair. Infinite or unknown values are `null`.
 #[derive(serde::Serialize)]
 struct Line {
     frequency_hz: JsonNumber,
@@ -44,8 +44,8 @@ pub fn csv(system: &LinearSystem, table: &Table) -> String {
     text
 }
 
-/// `{"vibc", "schema", "model", "range_hz", "pairs"}`, for each pair its extrema and the rows of the CSV. Every bound is
-/// relative (of a phase: in degrees) and holds for the number that stands there; what is infinite or unknown is `null`.
+/// `{"vibc", "schema", "model", "range_hz", "pairs"}`: for each pair its extrema and the rows of the CSV. Every bound
+/// is relative (of a phase: in degrees) and holds for the printed number; infinite or unknown values are `null`.
 pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
     let ends = table.rows.first().zip(table.rows.last());
     let mut text = format!(
@@ -68,7 +68,7 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
                 not_proved_hz: found.map_or(Vec::new(), |found| found.open.iter().map(interval).collect()),
             };
             text += if i + o == 0 { "\n" } else { ",\n" };
-            // One extremum or row a line.
+            // One extremum or row for each line.
             text += written(&pair).trim_end_matches('}');
             text += &list("extrema", extrema.iter().map(|extremum| written(&json_extremum(extremum))));
             text += &list("values", table.rows.iter().map(|row| written(&line(row, row.gains[i][o]))));
@@ -93,14 +93,14 @@ struct JsonPair<'a> {
     input_unit: &'a str,
     output: String,
     output_unit: &'a str,
-    /// No extremum in the range is missing.
+    /// Whether no extremum in the range is missing.
     complete: bool,
-    /// Where it is not proved that there is no other one.
+    /// Ranges in which it is not proved that there is no other extremum.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     not_proved_hz: Vec<[JsonNumber; 2]>,
 }
 
-/// The ends are places on a grid, binary64 numbers themselves.
+/// The ends are points of a grid, exact binary64 numbers.
 fn interval((from, to): &(f64, f64)) -> [JsonNumber; 2] {
     [from, to].map(|end| JsonNumber::enclosed(Ball::from(*end)))
 }
@@ -167,7 +167,7 @@ fn line(row: &Row, gain: Gain) -> Line {
     }
 }
 
-/// The interesting points of each pair, or the rows that were asked for, in the columns of a page.
+/// The extrema of each pair, or the requested rows, as tables.
 pub fn text(model: &str, system: &LinearSystem, table: &Table) -> String {
     report::all_laid_out(&crate::answers::report::transfer(model, system, table), report::WIDTH)
 }

@@ -1,10 +1,10 @@
-//! Speed against error: for one system every method to its frequencies, poles, transfer function and motion, ours and those of
-//! an ordinary program, each with its time, its true error and its bound. In: a system, its signals, a clock. Out: a table of
-//! entries. See docs/method/bench.md.
+//! Speed against error: for one system, every method for its frequencies, poles, transfer function and motion, ours and
+//! those of an ordinary program, each with its time, its true error and its bound. In: a system, its signals, a clock.
+//! Out: a table of entries. See docs/method/bench.md.
 //!
-//! The true error is that of the binary64 number that would be printed, the worst of the answer, against our result in
-//! double-double (which carries its own bound). Times come from a clock that the caller hands in; everything else is the
-//! same on each run.
+//! The true error is that of the binary64 number that would be printed, the worst of the answer, compared with our
+//! result in double-double (which has its own bound). Times come from a clock that the caller passes in; everything
+//! else is the same in each run.
 
 mod motion;
 mod ordinary;
@@ -16,7 +16,7 @@ pub use motion::Problem;
 use crate::analysis::{self, AnalysisError, ModeKind, Modes, Poles, Request, Signal};
 use crate::system::LinearSystem;
 
-/// What is asked.
+/// The question that is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
     Frequencies,
@@ -28,7 +28,7 @@ pub enum Question {
 impl Question {
     pub const ALL: [Question; 4] = [Question::Frequencies, Question::Poles, Question::Transfer, Question::Motion];
 
-    /// As in the CSV.
+    /// The name in the CSV.
     pub fn name(self) -> &'static str {
         match self {
             Question::Frequencies => "frequencies",
@@ -39,42 +39,42 @@ impl Question {
     }
 }
 
-/// A method for an answer.
+/// The result of one method for a question.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub question: Question,
     pub road: String,
-    /// What an ordinary program does.
+    /// Whether an ordinary program uses this method.
     pub ordinary: bool,
-    /// For the whole answer.
+    /// Time for the whole answer.
     pub seconds: f64,
-    /// The worst relative error; `None` where the method fails.
+    /// The worst relative error; `None` if the method fails.
     pub error: Option<f64>,
-    /// The worst relative bound that the method itself gives.
+    /// The worst relative bound that the method itself provides.
     pub bound: Option<f64>,
-    /// No other method for this answer is both faster and more accurate.
+    /// Whether no other method for this question is both faster and more accurate.
     pub pareto: bool,
-    /// The method that the program takes by itself.
+    /// Whether this is the method that the program chooses.
     pub chosen: bool,
-    /// Why it fails, or what is left out of its time.
+    /// Why it fails, or what its time does not include.
     pub note: &'static str,
 }
 
-/// All that was found.
+/// All results.
 #[derive(Clone, Debug)]
 pub struct Bench {
     pub coordinates: usize,
     pub entries: Vec<Entry>,
-    /// What motion was followed.
+    /// The motion that was computed.
     pub problem: Problem,
-    /// Bound over true error of our frequencies where both are known: the median and the largest.
+    /// Ratio of bound to true error of our frequencies, if both are known: the median and the largest.
     pub bound_quality: Option<(f64, f64)>,
-    /// How far the frequencies move when the model's literals are read as binary64: the largest relative change.
+    /// The largest relative change of a frequency if the model's literals are read as binary64.
     pub reading: Option<f64>,
     pub growth: Vec<Growth>,
 }
 
-/// A chain of so many masses: seconds and error of all frequencies, ours and those of the assembled matrices.
+/// A chain of this many masses: seconds and error for all frequencies, ours and those of the assembled matrices.
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
     pub coordinates: usize,
@@ -88,12 +88,12 @@ pub type Clock<'a> = dyn FnMut() -> f64 + 'a;
 /// A method that may fail.
 type Call<'a, T> = &'a dyn Fn() -> Option<T>;
 
-/// Dense matrices of more coordinates take an ordinary program too long here.
+/// For more coordinates, dense matrices take an ordinary program too long here.
 const MOST_DENSE: usize = 300;
 const GROWTH: [usize; 5] = [4, 8, 16, 32, 64];
 
-/// Everything about one system; `binary64` is the same model with its literals read as binary64, `chain` makes the chains
-/// of the growth.
+/// All results for one system; `binary64` is the same model with its literals read as binary64, `chain` makes the
+/// chains for the growth.
 pub fn bench(
     system: &LinearSystem,
     binary64: Option<&LinearSystem>,
@@ -119,7 +119,7 @@ pub fn bench(
     })
 }
 
-/// What the errors are measured against.
+/// The reference that errors are measured against.
 struct Reference {
     modes: Modes,
     poles: Poles,
@@ -139,7 +139,7 @@ impl Reference {
     }
 }
 
-/// The result of a call and the least time of some.
+/// The result of a call, and the least time of several runs.
 fn timed<T>(clock: &mut Clock, mut call: impl FnMut() -> T) -> (T, f64) {
     const ENOUGH: f64 = 0.01;
     let from = clock();
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::analysis::test_systems::oscillator;
 
-    /// A clock that ticks at each look: methods take the same time, so what counts is the error.
+    /// A clock that ticks once at each reading: all methods take the same time, so only the error matters.
     #[test]
     fn an_oscillator_has_all_its_roads() {
         let mut ticks = 0.0;
@@ -231,7 +231,8 @@ mod tests {
         assert!(!found.problem.own && found.growth.is_empty() && found.reading.is_none());
     }
 
-    /// Errors fall with the order of each method: four times more steps, 256 or 16 times less error, until rounding is seen.
+    /// Errors fall with the order of each method: with four times as many steps, the error is 256 or 16 times smaller,
+    /// until rounding shows.
     #[test]
     fn each_method_has_its_order() {
         let mut ticks = 0.0;

@@ -1,5 +1,5 @@
-//! Methods to the motion in time: the exact one, and step by step: a matrix exponential, Runge and Kutta's fourth order,
-//! Newmark's constant acceleration, the generalised alpha method (Chung and Hulbert 1993, rho = 0.8).
+//! Methods for the motion in time: the exact one, and methods step by step: a matrix exponential, Runge-Kutta of order
+//! four, Newmark with constant acceleration, the generalised alpha method (Chung and Hulbert 1993, rho = 0.8).
 
 use super::ordinary::Matrices;
 use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, timed};
@@ -8,18 +8,18 @@ use crate::base::{Dd, Number, Rational};
 use crate::system::{CoordinateId, LinearSystem, Output};
 use nalgebra::{DMatrix, DVector};
 
-/// What is followed.
+/// The motion that is computed.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The model's own signals and initial state; else the first coordinate is let go at 1.
+    /// Whether it uses the model's own signals and initial state; otherwise the first coordinate is released at 1.
     pub own: bool,
-    /// s
+    /// End time, s.
     pub until: f64,
 }
 
-/// Samples that are compared, besides the start.
+/// Number of samples that are compared, besides the start.
 const SAMPLES: usize = 10;
-/// Steps of the coarsest run over the period of the highest frequency, and how often it is refined.
+/// Steps of the coarsest run in a period of the highest frequency, and the number of refinements.
 const PER_PERIOD: f64 = 20.0;
 const REFINEMENTS: [usize; 4] = [1, 4, 16, 64];
 const MOST_STEPS: usize = 100_000;
@@ -34,8 +34,8 @@ pub fn motion(
     let omegas = reference.oscillations();
     let (slow, fast) = (omegas.first().copied().unwrap_or(1.0), omegas.last().copied().unwrap_or(1.0));
     let turn = 2.0 * std::f64::consts::PI;
-    // Ten samples over nine periods of the slowest motion, each a whole number of the others' steps. Not whole periods: there
-    // an error of the phase is hardly seen.
+    // Ten samples over nine periods of the slowest motion, with a whole number of steps between them. They are not at
+    // whole periods, where a phase error would hardly show.
     let between = 0.93 * turn / slow;
     let steps = (between * fast / turn * PER_PERIOD).ceil().max(PER_PERIOD);
     let spacing = Rational::from_f64(between).map_or(Number::ONE, Number::from);
@@ -80,7 +80,7 @@ pub fn motion(
     Ok((problem, entries))
 }
 
-/// One output, the first coordinate that the model looks at; its own signals where an ordinary program can follow them.
+/// One output, the first coordinate that the model observes; its own signals if an ordinary program can follow them.
 fn problem(system: &LinearSystem, drives: &[Vec<Signal>]) -> (LinearSystem, Vec<Vec<Signal>>, bool) {
     let mut system = system.clone();
     let seen = system.outputs.iter().flat_map(|output| &output.p[0]).map(|(i, _)| *i).next();
@@ -130,7 +130,7 @@ impl Stepper {
         Some(Stepper { matrices: Matrices::of(system), x, v, output, between, free: list.is_empty(), drives: list })
     }
 
-    /// f at every half step: known beforehand, so that no method pays for it.
+    /// f at every half step, computed in advance so that it does not count for any method.
     fn forces(&self, count: usize) -> Vec<DVector<f64>> {
         let n = self.x.len();
         if self.free {
@@ -189,7 +189,7 @@ impl Stepper {
         self.implicit(count, force, [am, af, 0.5 - am + af, 0.25 * (1.0 - am + af) * (1.0 - am + af)])
     }
 
-    /// (1 - am) M a1 + am M a0 + C v + K x = f, v and x at the fraction 1 - af of the step.
+    /// (1 - am) M a1 + am M a0 + C v + K x = f, with v and x at the fraction 1 - af of the step.
     fn implicit(&self, count: usize, force: &[DVector<f64>], [am, af, gamma, beta]: [f64; 4]) -> Option<Vec<f64>> {
         let h = self.between / count as f64;
         let Matrices { m, c, k } = &self.matrices;
@@ -228,7 +228,7 @@ impl Stepper {
     }
 }
 
-/// A signal at multiples of a time, in binary64; a sine by rotation, set anew from its formula now and then.
+/// A signal at multiples of a time, in binary64; a sine by rotation, recomputed from its formula now and then.
 struct Wave<'a> {
     signal: &'a Signal,
     step: f64,
@@ -236,7 +236,7 @@ struct Wave<'a> {
     state: (f64, f64),
 }
 
-/// Rotations between two formulas.
+/// Number of rotations between two evaluations of the formula.
 const ROTATIONS: usize = 64;
 
 impl Wave<'_> {
@@ -248,7 +248,7 @@ impl Wave<'_> {
         Wave { signal, step, turn, state: (0.0, 1.0) }
     }
 
-    /// To be asked in order.
+    /// The value at an index; indices must ascend.
     fn at(&mut self, index: usize) -> f64 {
         match self.signal {
             Signal::Harmonic { value, frequency, phase } => {
@@ -271,7 +271,7 @@ fn exact(x: f64) -> Number {
     Rational::from_f64(x).map_or(Number::ZERO, Number::from)
 }
 
-/// Sine and cosine of so many turns and a phase.
+/// Sine and cosine of a number of turns and a phase.
 fn angle(turns: &Number, phase: &Number) -> (f64, f64) {
     let angle = &(&(&Number::pi() * &Number::from(2)) * turns) + phase;
     angle.sin_cos().map_or((0.0, 1.0), |(s, c)| (s.to_f64(), c.to_f64()))

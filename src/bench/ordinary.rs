@@ -1,4 +1,4 @@
-//! What an ordinary program does: matrices assembled in binary64, then a general library.
+//! The methods of an ordinary program: matrices assembled in binary64, then a general library.
 
 use crate::system::{Form, LinearSystem};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -30,7 +30,7 @@ impl Matrices {
         self.m.nrows()
     }
 
-    /// omega^2 of L^-1 K L^-T, M = L L^T, ascending: what `eigh` does.
+    /// omega^2 of L^-1 K L^-T, M = L L^T, ascending, as computed by `eigh`.
     pub fn symmetric(&self) -> Option<Vec<f64>> {
         Some(sorted(self.standard()?.symmetric_eigen().eigenvalues.iter().copied().collect()))
     }
@@ -89,7 +89,8 @@ impl Matrices {
     }
 }
 
-/// omega^2 as squares of singular values of G = sqrt(w) A L^-T: the terms kept apart, in a general library.
+/// omega^2 as squares of singular values of G = sqrt(w) A L^-T: the terms are kept separate, and a general library does
+/// the rest.
 pub fn singular_values(system: &LinearSystem, matrices: &Matrices) -> Option<Vec<f64>> {
     let n = system.n();
     let terms = system.k.terms();

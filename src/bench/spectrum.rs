@@ -1,4 +1,4 @@
-//! Methods to the frequencies and the poles.
+//! Methods for the frequencies and the poles.
 
 use super::ordinary::{Matrices, singular_values};
 use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, timed};
@@ -6,9 +6,9 @@ use crate::analysis::{self, Mode, ModeKind, Modes, Request, Which};
 use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;
 
-/// Modes that are asked for alone.
+/// Number of modes that are requested alone.
 const FEW: usize = 4;
-/// Fewer coordinates than this gain nothing from asking for less.
+/// For fewer coordinates, requesting only some modes saves nothing.
 const LARGE: usize = 16;
 
 /// omega, negative for a divergence.
@@ -16,7 +16,7 @@ fn signed(mode: &Mode) -> Ball {
     if mode.kind == ModeKind::Divergence { -mode.omega } else { mode.omega }
 }
 
-/// The least frequency that is not zero: what a spurious one is measured against.
+/// The least nonzero frequency, relative to which a spurious one is measured.
 fn least(reference: &Modes) -> f64 {
     let sizes = reference.list.iter().map(|mode| mode.omega.to_f64()).filter(|omega| *omega > 0.0);
     let least = sizes.fold(f64::INFINITY, f64::min);
@@ -48,7 +48,7 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
     let matrices = Matrices::of(system);
     let worst = |squares: Option<Vec<f64>>| {
         let squares = squares.filter(|list| list.len() >= truth.len())?;
-        // What has no inertia has the largest values.
+        // Motions without inertia have the largest values.
         let signed = squares.iter().map(|square| square.abs().sqrt().copysign(*square));
         Some(signed.zip(&truth).map(|(omega, &truth)| off(omega, truth, floor)).fold(0.0, f64::max))
     };
@@ -64,7 +64,7 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
     entries
 }
 
-/// |value - truth| over |truth|, or over the least frequency where that is zero.
+/// |value - truth| over |truth|, or over the least frequency if that is zero.
 fn off(value: f64, truth: Ball, floor: f64) -> f64 {
     let difference = (Dd::from(value) - truth.mid).abs().to_f64();
     difference / if truth.is_zero() { floor } else { truth.to_f64().abs() }
@@ -79,7 +79,7 @@ fn printed_bound(value: Ball) -> f64 {
     (value.rad + lost) / (value.to_f64().abs() - value.rad).max(0.0)
 }
 
-/// Bound over true error of our usual frequencies, where the reference is good enough to tell.
+/// Ratio of bound to true error of our default frequencies, if the reference is accurate enough.
 pub fn bound_quality(system: &LinearSystem, reference: &Reference) -> Option<(f64, f64)> {
     let modes = analysis::modes(system).ok()?;
     let ratio = |(mode, truth): (&Mode, &Mode)| {

@@ -1,4 +1,4 @@
-//! Methods to the transfer function: at resonances, between them and below and above them all.
+//! Methods for the transfer function: at resonances, between them, and below and above them all.
 
 use super::ordinary::Matrices;
 use super::{Clock, Entry, MOST_DENSE, Question, Reference, timed};
@@ -7,7 +7,7 @@ use crate::base::{Dd, Number, Rational};
 use crate::system::{CoordinateId, Input, LinearSystem, Output};
 use nalgebra::Complex;
 
-/// Resonances that are looked at.
+/// The most resonances that are used.
 const MOST: usize = 12;
 
 /// The force and the displacement of the first coordinate, and the frequencies: each resonance, the geometric means of

@@ -1,4 +1,4 @@
-//! What may be typed at a place: keywords, fields not yet given, names, motions, units of the right dimension.
+//! Completion at a place: keywords, fields that are not given yet, names, motions, units of the right dimension.
 
 use super::document::Document;
 use super::names;
@@ -11,14 +11,14 @@ use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
 use crate::kinds::{self, Argument, Content, DECLARATIONS, Declaration, Naming, Piece};
 use crate::syntax::words;
 
-/// Something to type.
+/// A proposal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item {
     pub label: String,
     pub kind: ItemKind,
-    /// What stands beside it.
+    /// The text beside it.
     pub detail: String,
-    /// What is typed; the label where nothing else.
+    /// The text that is inserted; the label if `None`.
     pub insert: Option<String>,
 }
 
@@ -37,7 +37,7 @@ fn item(label: &str, kind: ItemKind, detail: impl Into<String>) -> Item {
     Item { label: label.into(), kind, detail: detail.into(), insert: None }
 }
 
-/// What is typed already of an item at a place.
+/// The part of a proposal that is already typed at a place.
 pub fn typed(document: &Document, offset: usize) -> std::ops::Range<usize> {
     let text = document.text();
     let number = Place::new(document, offset).and_then(|place| Some((place.number?, place.statement)));
@@ -49,7 +49,7 @@ pub fn typed(document: &Document, offset: usize) -> std::ops::Range<usize> {
     text[..offset].trim_end_matches(|c: char| words::is_letter(c) || c.is_ascii_digit()).len()..offset
 }
 
-/// The items at a place.
+/// The proposals at a place.
 pub fn items(document: &Document, offset: usize) -> Vec<Item> {
     let text = document.text();
     let line_start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
@@ -69,20 +69,20 @@ fn keywords() -> Vec<Item> {
     DECLARATIONS.iter().map(keyword).collect()
 }
 
-/// A place in a statement: the tokens before it, the word at hand left out.
+/// A place in a statement: the tokens before it, without the current word.
 struct Place<'a> {
     document: &'a Document,
     statement: usize,
     /// Tokens of the statement before the place.
     before: Vec<Token>,
-    /// The number, with what there is of a unit, that ends at the place.
+    /// The number that ends at the place, with the typed part of its unit.
     number: Option<Token>,
-    /// Brackets that are open, each with the token before it.
+    /// Open brackets, each with the token before it.
     open: Vec<(&'a str, Option<usize>)>,
 }
 
 impl<'a> Place<'a> {
-    /// `None` where a statement starts.
+    /// `None` at the start of a statement.
     fn new(document: &'a Document, offset: usize) -> Option<Place<'a>> {
         let text = document.text();
         let typed = text[..offset].trim_end_matches(|c: char| words::is_letter(c) || c.is_ascii_digit()).len();
@@ -168,7 +168,7 @@ impl<'a> Place<'a> {
         (0..self.before.len()).any(|token| self.text(token) == sign)
     }
 
-    /// What follows the first word.
+    /// Proposals after the first word.
     fn after_keyword(&self) -> Vec<Item> {
         let word = |word: &&str| item(word, ItemKind::Keyword, "");
         let pieces = self.declared().map_or(&[][..], |declaration| declaration.pieces);
@@ -189,7 +189,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// `along`, `=` behind the ends of a force.
+    /// `along` and `=` after the ends of a force.
     fn clauses(&self) -> Vec<Item> {
         match self.declared().is_some_and(Declaration::has_along) {
             true => vec![item("along", ItemKind::Keyword, "a fixed direction")],
@@ -197,7 +197,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Fields that are not given yet, or the value of one.
+    /// Fields that are not given yet, or the value of the current field.
     fn in_braces(&self) -> Vec<Item> {
         let last = self.last(1);
         let line_ended = self.before.last().is_some_and(|token| token.kind == TokenKind::LineEnd);
@@ -228,7 +228,7 @@ impl<'a> Place<'a> {
             .collect()
     }
 
-    /// The field whose value is at hand.
+    /// The field whose value is being typed.
     fn field(&self) -> &'a str {
         let word = |token: &usize| self.before[*token].kind == TokenKind::Word;
         let starts = |token: &usize| {
@@ -238,7 +238,8 @@ impl<'a> Place<'a> {
         (0..self.before.len()).rev().filter(word).find(starts).map_or("", |token| self.text(token))
     }
 
-    /// The dimensions that the number at hand may have, as far as its place says; empty where it may have any.
+    /// The dimensions that the current number may have, as far as its position determines them; empty if any is
+    /// possible.
     fn dimensions(&self) -> Vec<Dimension> {
         let Some(declaration) = self.declared() else { return Vec::new() };
         if let Some((function, argument)) = self.argument() {
@@ -259,7 +260,7 @@ impl<'a> Place<'a> {
             .collect()
     }
 
-    /// The function whose argument is at hand, and which argument.
+    /// The function whose argument is being typed, and the index of the argument.
     fn argument(&self) -> Option<(&'a str, usize)> {
         let (index, function) = self.open.iter().enumerate().rev().find_map(|(index, (bracket, before))| {
             let before = before.filter(|token| self.before[*token].kind == TokenKind::Word && *token > 0);
@@ -277,7 +278,7 @@ impl<'a> Place<'a> {
         let Some((first, others)) = wanted.split_first() else { return pages::units(None).iter().map(item).collect() };
         let mut units = pages::units(Some(*first));
         for other in others {
-            // What acts on the rotation is written per angle, where its dimension is that of something else too.
+            // Quantities of rotations are written per angle, even if another quantity has the same dimension.
             let all = pages::units(Some(*other));
             let per_angle = |unit: &&&str| unit.contains("/rad") || unit.contains("/deg");
             let any = all.iter().any(|unit| per_angle(&unit));
@@ -316,14 +317,14 @@ impl<'a> Place<'a> {
         list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
     }
 
-    /// Keyword and statement of what declares a part.
+    /// Keyword and statement of the declaration of a part.
     fn declaration(&self, part: usize) -> Option<(&'a str, usize)> {
         let range = names::declarations(self.document, part).into_iter().next()?;
         let statement = self.document.token_at(range.start).and_then(|token| self.document.statement_of(token))?;
         Some((self.document.keyword(statement), statement))
     }
 
-    /// A body whose freedom clause has one motion has no others; one without a clause may have any.
+    /// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
     fn can_move(&self, statement: usize, motion: &str) -> bool {
         let tokens = self.document.outline.statements[statement].tokens.clone();
         let words: Vec<&str> = tokens
@@ -351,7 +352,7 @@ impl<'a> Place<'a> {
         self.names(Space::Parts, ItemKind::Part, wanted)
     }
 
-    /// Parameters, points and derived values, by their keyword; and the indices of the `repeat`s around.
+    /// Parameters, points and derived values, by their keyword; and the indices of the enclosing `repeat`s.
     fn values(&self, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
         self.names(Space::Values, ItemKind::Value, wanted)
     }
@@ -378,7 +379,7 @@ impl<'a> Place<'a> {
         self.document.outline.around(self.statement).map(index).collect()
     }
 
-    /// What stands before the place is a whole operand: an operator may follow, or the line's end, and no name.
+    /// Whether a whole operand precedes the place: an operator or the end of the line may follow, but no name.
     fn is_after_operand(&self) -> bool {
         let Some(last) = (0..self.before.len()).rev().find(|at| self.before[*at].kind != TokenKind::LineEnd) else {
             return false;
@@ -390,7 +391,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Names, functions and what else may stand in an expression of this declaration.
+    /// Names, functions and other elements of an expression in this declaration.
     fn expression(&self) -> Vec<Item> {
         if self.is_after_operand() {
             return Vec::new();
@@ -424,7 +425,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Words behind which an expression starts.
+/// Words after which an expression starts.
 const LEADS_ON: [&str; 4] = ["in", "along", "about", "modal"];
 
 fn directions() -> Vec<Item> {

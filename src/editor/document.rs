@@ -1,4 +1,4 @@
-//! A text with all that the stages know of it: what every request of an editor is answered from.
+//! A text with everything that the stages know about it, from which every request of an editor is answered.
 
 use super::outline::Outline;
 use super::roles::{self, Role};
@@ -13,7 +13,7 @@ use crate::system::LinearSystem;
 use crate::{Effort, Inspection};
 use std::sync::Arc;
 
-/// A text, its tokens, and what the pipeline made of it.
+/// A text, its tokens, and the results of the pipeline.
 #[derive(Clone, Debug)]
 pub struct Document {
     pub sources: Sources,
@@ -21,58 +21,58 @@ pub struct Document {
     pub lines: LineIndex,
     pub tokens: Vec<Token>,
     pub outline: Outline,
-    /// Of each token.
+    /// The role of each token.
     pub roles: Vec<Role>,
     pub tree: Tree,
     pub findings: Vec<Diagnostic>,
-    /// The values of parameters, points and derived quantities, whatever else is wrong.
+    /// The values of parameters, points and derived quantities, available even if the rest has errors.
     pub values: Vec<Defined>,
-    /// What `solve` lines found, and how requirements stand.
+    /// The results of `solve` lines and of requirements.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
-    /// The last version of the text that had a scene; its places are those of that version.
+    /// Results of the last version of the text that had a scene; their places are those of that version.
     pub known: Option<Arc<Known>>,
-    /// `known` is of this text.
+    /// Whether `known` belongs to this text.
     pub is_current: bool,
-    /// Nothing is left to be found by going further.
+    /// Whether every stage has run, so that nothing more can be found.
     pub is_whole: bool,
 }
 
-/// What is known of a text without errors.
+/// Results for a text without errors.
 #[derive(Clone, Debug)]
 pub struct Known {
     pub scene: CheckedScene,
     pub motions: Option<Motions>,
 }
 
-/// The linear system of a scene and how it moves.
+/// The linear system of a scene, and its modes.
 #[derive(Clone, Debug)]
 pub struct Motions {
     pub system: LinearSystem,
     pub rest: Rest,
     pub mechanism: Mechanism,
-    /// The lowest ones.
+    /// The lowest modes.
     pub modes: Modes,
-    /// Modes with their damping; `None` without dampers, or where it is still to come.
+    /// Modes with their damping; `None` without dampers, or if it has not been computed yet.
     pub modal: Option<Modal>,
 }
 
-/// Modes that are looked at: more than anybody reads in a line.
+/// Number of modes that are computed: more than anybody reads in a line.
 const MODES: usize = 12;
 
-/// Coordinates of a scene that goes through everything between two key strokes.
+/// Up to this many coordinates, every stage runs between two keystrokes.
 const FEW: usize = 20;
-/// Coordinates of a scene whose lowest modes do not take longer.
+/// Up to this many coordinates, the lowest modes are computed between two keystrokes.
 const MANY: usize = 2000;
 
-/// What an editor asks of the analyses.
+/// The request to the analyses.
 fn request() -> Request {
     Request { which: Which::Lowest(MODES), ..Request::default() }
 }
 
 impl Document {
-    /// A model among its texts, taken as far as there is time for between two key strokes. What was known of the version
-    /// before stays known while this one has errors.
+    /// A model with its texts, analysed as far as time between two keystrokes allows. Results of the previous version
+    /// are kept while this one has errors.
     pub fn new(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
         let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::UpTo(FEW));
         if inspection.is_whole {
@@ -87,7 +87,7 @@ impl Document {
         document
     }
 
-    /// A model through every stage, however long it takes.
+    /// A model analysed through every stage, however long it takes.
     pub fn whole(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
         let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Whole);
         Document::of_whole(sources, file, inspection, before)
@@ -103,7 +103,7 @@ impl Document {
         })
     }
 
-    /// The scene has dampers, or lines that are answered by many runs.
+    /// Whether the scene has dampers, or lines whose answer takes many runs.
     fn asks_more(&self) -> bool {
         let Some(known) = self.known.as_ref().filter(|_| self.is_current) else { return false };
         let scene = known.scene.scene();
@@ -167,7 +167,7 @@ impl Document {
         self.tokens[token].text(self.text())
     }
 
-    /// The token that holds a byte, or a word that ends there.
+    /// The token that contains a byte, or a word that ends there.
     pub fn token_at(&self, offset: usize) -> Option<usize> {
         let index = self.tokens.partition_point(|token| token.range.end < offset);
         let holds = |index: usize| {
@@ -175,7 +175,7 @@ impl Document {
             (token.range.start <= offset && offset <= token.range.end).then_some(token.kind)
         };
         match (holds(index), holds(index + 1)) {
-            // Between two tokens that touch, the word counts.
+            // Between two adjacent tokens, the word is taken.
             (_, Some(TokenKind::Word)) => Some(index + 1),
             (Some(_), None) => Some(index),
             (Some(TokenKind::Word), Some(_)) => Some(index),
@@ -195,13 +195,13 @@ impl Document {
         roles::keyword(self.text(), &self.tokens, &self.outline.statements[statement])
     }
 
-    /// The bytes of a statement; of a `repeat` its head.
+    /// The bytes of a statement; for a `repeat`, those of its head.
     pub fn range_of(&self, statement: usize) -> std::ops::Range<usize> {
         let tokens = &self.outline.statements[statement].tokens;
         self.tokens[tokens.start].range.start..self.tokens[tokens.end - 1].range.end
     }
 
-    /// The `///` lines before a statement, without their slashes.
+    /// The `///` lines before a statement, without the slashes.
     pub fn doc(&self, statement: usize) -> String {
         let mut at = self.outline.statements[statement].tokens.start;
         let mut lines = Vec::new();

@@ -1,11 +1,11 @@
-//! The kind of each token, for colours.
+//! The kind of each token, for syntax colouring.
 
 use super::document::Document;
 use super::roles::{Role, Space};
 use super::tokens::TokenKind;
 use std::ops::Range;
 
-/// Kinds of tokens by their names in the protocol, in the order of their numbers.
+/// Names of token kinds in the protocol, in the order of their numbers.
 pub const KINDS: [&str; 11] = [
     "keyword",
     "variable",
@@ -19,7 +19,7 @@ pub const KINDS: [&str; 11] = [
     "type",
     "parameter",
 ];
-/// Marks that a token may have beside its kind.
+/// Modifiers that a token may have besides its kind.
 pub const MARKS: [&str; 3] = ["declaration", "readonly", "documentation"];
 
 /// A coloured piece of text.

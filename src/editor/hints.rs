@@ -1,5 +1,4 @@
-//! What stands behind the lines of a model without being typed: natural frequencies and damping, values of derived
-//! parameters.
+//! Hints at the ends of a model's lines: natural frequencies and damping, values of derived parameters.
 
 use super::document::{Document, Known, Motions};
 use super::shown;
@@ -14,7 +13,7 @@ use crate::syntax::tree::{Decl, DeclKind, ExprId, ExprKind};
 pub struct Hint {
     pub at: usize,
     pub text: String,
-    /// What more there is to say.
+    /// Further details.
     pub tooltip: Option<String>,
 }
 
@@ -30,7 +29,7 @@ pub fn hints(document: &Document) -> Vec<Hint> {
     hints
 }
 
-/// Behind the `model` line, or the first declaration.
+/// After the `model` line, or the first declaration.
 fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
     let motions = known.motions.as_ref()?;
     if !document.is_whole && !known.scene.scene().solves.is_empty() {
@@ -42,7 +41,7 @@ fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
     Some(Hint { at, text: line_of(motions), tooltip: Some(table(motions)) })
 }
 
-/// Motions that are shown in a line.
+/// The most motions that are shown in a line.
 const SHOWN: usize = 4;
 
 /// `2 freedoms: 0.4225 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %`
@@ -67,13 +66,13 @@ fn line_of(motions: &Motions) -> String {
     if list.is_empty() { format!("{freedoms}{verdict}") } else { format!("{freedoms}{verdict}: {}", list.join(", ")) }
 }
 
-/// The poles of a damped scene, where they are known.
+/// The poles of a damped scene, if they are known.
 fn poles(motions: &Motions) -> Option<&[Pole]> {
     let modal = motions.modal.as_ref().filter(|_| !motions.system.c.is_empty())?;
     Some(modal.poles.list.as_slice()).filter(|list| !list.is_empty())
 }
 
-/// Each motion in a few words: with damping the poles, without it the modes.
+/// A few words for each motion: its poles if there is damping, otherwise its modes.
 fn each(motions: &Motions) -> Vec<String> {
     let Some(poles) = poles(motions) else {
         let mode = |mode: &Mode| match mode.kind {
@@ -90,17 +89,17 @@ fn each(motions: &Motions) -> Vec<String> {
         }
         (kind, _) => kind.name().into(),
     };
-    // Of a complex pair one.
+    // One of each complex pair.
     poles.iter().filter(|pole| pole.im.mid.hi >= 0.0).map(pole).collect()
 }
 
-/// All that are known, a line each.
+/// All known motions, one on each line.
 fn table(motions: &Motions) -> String {
     let lines = (1..).zip(each(motions)).map(|(number, motion)| format!("{number}. {motion}"));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Behind `solve`: the value that was found.
+/// After `solve`: the value that was found.
 fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     document.solved.iter().filter_map(|solved| {
         let at = end_of_statement(document, solved.span.start())?;
@@ -109,7 +108,7 @@ fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     })
 }
 
-/// Behind `require`: what the measure came to, and how far from its limit.
+/// After `require`: the value of the measure, and its margin.
 fn margins(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     document.requirements.iter().filter_map(|requirement| {
         let at = end_of_statement(document, requirement.span.start())?;
@@ -133,7 +132,7 @@ fn end_of_statement(document: &Document, offset: usize) -> Option<usize> {
     Some(document.range_of(statement).end)
 }
 
-/// Behind `let`, and behind a `param` that is calculated.
+/// After `let`, and after a `param` that is calculated.
 fn values(document: &Document) -> Vec<Hint> {
     let mut hints: Vec<Hint> = Vec::new();
     let mut spans: Vec<usize> = Vec::new();
@@ -157,7 +156,7 @@ fn values(document: &Document) -> Vec<Hint> {
     hints
 }
 
-/// Declarations with those of every `repeat`.
+/// All declarations, including those in every `repeat`.
 pub fn all_decls(document: &Document) -> impl Iterator<Item = &Decl> {
     document.tree.decls.iter().chain(document.tree.repeats.iter().flat_map(|repeat| &repeat.body))
 }
@@ -170,7 +169,7 @@ fn is_calculated(document: &Document, value: ExprId) -> bool {
     }
 }
 
-/// The values of a name in all repetitions; `None` where one is wrong.
+/// The values of a name in all repetitions; `None` if one of them has an error.
 fn listed(list: &[&Defined]) -> Option<String> {
     let mut texts = Vec::new();
     for defined in list.iter().take(SHOWN) {

@@ -1,4 +1,4 @@
-//! What an editor shows of the thing under the pointer: values, parts and what they do in each mode, keywords.
+//! Information about the word under the pointer: values, parts and their share in each mode, keywords.
 
 use super::document::{Document, Known, Motions};
 use super::names;
@@ -37,7 +37,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<Hover> {
     Some(Hover { range: document.tokens[token].range.clone(), markdown })
 }
 
-/// A fenced model text.
+/// A fenced block of model text.
 fn model(text: &str) -> String {
     format!("```vib\n{text}\n```")
 }
@@ -77,7 +77,7 @@ fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<Stri
     (!markdown.is_empty()).then_some(markdown)
 }
 
-/// Repetitions, modes and parts that are shown.
+/// The most repetitions, modes and parts that are shown.
 const MANY: usize = 6;
 
 fn paragraph(text: &str) -> String {
@@ -122,7 +122,7 @@ fn part(document: &Document, token: usize) -> Option<String> {
     (!markdown.is_empty()).then_some(markdown)
 }
 
-/// Mass, inertia, centre, freedoms, and the share in each mode.
+/// Mass, moment of inertia, centre, degrees of freedom, and the share in each mode.
 fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     let name = scene.words.display(body.name);
     let mut facts = Vec::new();
@@ -163,7 +163,7 @@ fn declared_freedoms(body: &Body) -> Vec<String> {
     }
 }
 
-/// Its part in each of the first modes: a table.
+/// The share of a part in each of the first modes, as a table.
 fn shares(motions: &Motions, of: &str, part: impl Fn(&crate::analysis::Mode) -> f64) -> String {
     let modes: Vec<_> = motions.modes.numbered().take(MANY).collect();
     if modes.is_empty() {

@@ -1,4 +1,4 @@
-//! Edits that fix a finding: what a stage says is to be done (`base::Change`), at its place in the text.
+//! Edits that fix a finding: the changes that a stage proposes (`base::Change`), at their places in the text.
 
 use super::document::Document;
 use super::names::is_word;
@@ -8,15 +8,15 @@ use crate::base::{Change, Diagnostic, Mend};
 use crate::syntax::tree::FieldValue;
 use std::ops::Range;
 
-/// A change of the text with its name.
+/// A named change of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Action {
     pub title: String,
-    /// What is replaced, and by what.
+    /// The replaced ranges and their new text.
     pub edits: Vec<(Range<usize>, String)>,
 }
 
-/// Every edit that would fix a finding, the likeliest first.
+/// All edits that may fix a finding, the likeliest first.
 pub fn actions(document: &Document, finding: &Diagnostic) -> Vec<Action> {
     let own = finding.mends.iter().filter(|mend| mend.at.file() == document.file);
     own.filter_map(|mend| action(document, mend)).collect()
@@ -68,7 +68,7 @@ fn statement(document: &Document, offset: usize) -> Option<usize> {
     document.outline.at(document.text(), &document.tokens, offset)
 }
 
-/// A piece with the blanks before it.
+/// A range extended by the blanks before it.
 fn without_blanks(text: &str, at: Range<usize>) -> Range<usize> {
     let before = text[..at.start].trim_end_matches([' ', '\t']).len();
     let line_starts = text[..before].is_empty() || text[..before].ends_with('\n');
@@ -92,13 +92,13 @@ fn times(document: &Document, at: Range<usize>, factor: &str) -> (String, Range<
     (format!("multiply by `{factor}`"), at, text)
 }
 
-/// Where the bracket or quote that opens at a place is to be closed: behind the last visible token of its statement, but
-/// before what closes another bracket, and before the next field.
+/// The place at which an open bracket or quote should be closed: after the last visible token of its statement, but
+/// before the end of an outer bracket, and before the next field.
 fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
     let text = document.text();
     let Some(first) = document.tokens.iter().position(|token| token.range.start == open) else { return open };
     if bracket == '"' {
-        // What was to follow the string stands in it.
+        // The rest of the line became part of the string.
         return open + document.token_text(first).trim_end_matches([')', '}', ' ', ',']).len();
     }
     let mut depth = 0_usize;
@@ -122,20 +122,20 @@ fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
     end
 }
 
-/// Behind the last token of the statement of a token; a `repeat` that is opened there goes on to the end of the text.
+/// The end of the statement of a token; a `repeat` that is opened there extends to the end of the text.
 fn statement_end(document: &Document, token: usize) -> usize {
     let Some(index) = document.statement_of(token) else { return document.tokens.len() };
     let end = document.outline.statements[index].tokens.end;
     if document.keyword(index) == "repeat" && end == token + 1 { document.tokens.len() } else { end }
 }
 
-/// A word and `=`, or a freedom, stand behind a comma.
+/// Whether a word and `=`, or a freedom, follow a comma.
 fn field_follows(document: &Document, comma: usize) -> bool {
     let word = |at: usize| document.tokens.get(at).map_or("", |token| token.text(document.text()));
     word(comma + 2) == "=" || matches!(word(comma + 1), "moves" | "turns" | "free")
 }
 
-/// Before the `}` of the declaration around a place; with braces of its own where it has none.
+/// Adds a field before the `}` of the enclosing declaration, with new braces if it has none.
 fn add_field(document: &Document, offset: usize, field: &str) -> Option<(String, Range<usize>, String)> {
     let text = document.text();
     let title = format!("add `{field}`");
@@ -160,18 +160,18 @@ fn is_gap(document: &Document, token: usize) -> bool {
     matches!(document.tokens[token].kind, TokenKind::LineEnd | TokenKind::Comment)
 }
 
-/// The blanks at the start of the line of a place.
+/// The blanks at the start of a line.
 fn indent(text: &str, offset: usize) -> &str {
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let line = &text[start..offset];
     &line[..line.len() - line.trim_start().len()]
 }
 
-/// The field that starts at a place, with the comma that separates it.
+/// Removes the field that starts at a place, with its comma.
 fn drop_field(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
     let statement = statement(document, offset)?;
     let tokens = document.outline.statements[statement].tokens.clone();
-    // A place in a value stands for its field.
+    // A place in a value refers to its field.
     let first = tokens
         .clone()
         .rev()
@@ -189,7 +189,7 @@ fn drop_field(document: &Document, offset: usize) -> Option<(String, Range<usize
     Some((title, start..end, String::new()))
 }
 
-/// A word in braces that a field starts with.
+/// Whether a word in braces starts a field.
 fn starts_field(document: &Document, token: usize) -> bool {
     let is_word = matches!(document.roles[token], Role::Field | Role::Word);
     let before = (0..token).rev().find(|token| document.tokens[*token].kind != TokenKind::Comment);
@@ -199,7 +199,7 @@ fn starts_field(document: &Document, token: usize) -> bool {
         })
 }
 
-/// `turns = 1` to `turns`.
+/// Changes `turns = 1` to `turns`.
 fn drop_value(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
     let field = document.tree.fields.iter().find(|field| field.key.start() == offset)?;
     let end = match field.value {
@@ -210,7 +210,7 @@ fn drop_value(document: &Document, offset: usize) -> Option<(String, Range<usize
     Some((format!("write `{word}` alone"), field.key.end()..end, String::new()))
 }
 
-/// The declaration with its line.
+/// Removes a declaration with its line.
 fn drop_declaration(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
     let text = document.text();
     let range = document.range_of(statement(document, offset)?);
@@ -222,7 +222,7 @@ fn drop_declaration(document: &Document, offset: usize) -> Option<(String, Range
     Some((format!("leave out `{line}`"), range, String::new()))
 }
 
-/// Another name: with the index of the `repeat` around, or the next free number.
+/// Changes a name: adds the index of the enclosing `repeat`, or the next free number.
 fn rename(document: &Document, at: Range<usize>) -> Option<(String, Range<usize>, String)> {
     let name = &document.text()[at.clone()];
     let token = document.token_at(at.start)?;

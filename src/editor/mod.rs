@@ -1,7 +1,8 @@
-//! What an editor asks for: the one layout of a model file, and what is known of the text at a place, while it is typed.
+//! Support for editors: the standard layout of a model file, and information about the text at a place while it is
+//! typed.
 //!
-//! [`document`] is a text with all that the stages made of it; each of the others answers one kind of question from it, in
-//! bytes and plain words. [`server`] alone knows the protocol. See spec.md#layout and docs/editors.md.
+//! [`document`] is a text with the results of all stages; each other module answers one kind of question from it, in
+//! bytes and plain words. Only [`server`] knows the protocol. See spec.md#layout and docs/editors.md.
 
 pub mod completion;
 pub mod document;

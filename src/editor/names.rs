@@ -1,4 +1,4 @@
-//! Names: where one is declared, where it is used, and what it may be renamed to. See spec.md#names.
+//! Names: where they are declared and used, and what they may be renamed to. See spec.md#names.
 
 use super::document::Document;
 use super::roles::{Role, Space};
@@ -6,12 +6,12 @@ use crate::model::is_reserved;
 use crate::syntax::words;
 use std::ops::Range;
 
-/// The name that a byte lies in.
+/// The name that contains a byte.
 pub fn name_at(document: &Document, offset: usize) -> Option<usize> {
     document.token_at(offset).filter(|token| document.roles[*token].name().is_some())
 }
 
-/// The tokens of one name: of declarations, or of all places. Names with indices are one: `m[1]` and `m[i]`.
+/// The tokens of one name: only declarations, or all places. Names with indices are one name: `m[1]` and `m[i]`.
 fn places(document: &Document, name: usize, declarations_only: bool) -> Vec<usize> {
     let (word, key) = (document.token_text(name), document.roles[name].name());
     let same = |token: &usize| {
@@ -26,19 +26,19 @@ fn ranges(document: &Document, tokens: Vec<usize>) -> Vec<Range<usize>> {
     tokens.into_iter().map(|token| document.tokens[token].range.clone()).collect()
 }
 
-/// Where the name at a token is declared.
+/// The declarations of the name at a token.
 pub fn declarations(document: &Document, name: usize) -> Vec<Range<usize>> {
     ranges(document, places(document, name, true))
 }
 
-/// Where it stands, with its declarations or without.
+/// The places of a name, with or without its declarations.
 pub fn references(document: &Document, name: usize, with_declarations: bool) -> Vec<Range<usize>> {
     let declares = |token: &usize| matches!(document.roles[*token], Role::Declaration { .. });
     let all = places(document, name, false);
     ranges(document, all.into_iter().filter(|token| with_declarations || !declares(token)).collect())
 }
 
-/// What to change for another name; why it cannot be.
+/// The ranges to change for a new name; an error says why it cannot be used.
 pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<usize>>, String> {
     let Some((space, scope)) = document.roles[name].name() else { return Err("there is no name here".into()) };
     if places(document, name, true).is_empty() {
@@ -56,7 +56,7 @@ pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<u
     }
     let taken = |token: usize| {
         let role = document.roles[token];
-        // An index is known in its `repeat` alone, but no other value may have its name there.
+        // An index is known only in its `repeat`, but no other value may have its name there.
         let same_space = role.name().is_some_and(|(other, _)| other == space);
         matches!(role, Role::Declaration { .. }) && same_space && document.token_text(token) == new
     };
@@ -73,7 +73,7 @@ pub fn is_word(text: &str) -> bool {
     letters.next().is_some_and(words::is_letter) && letters.all(|c| words::is_letter(c) || c.is_ascii_digit())
 }
 
-/// The declared names of a space, each once, in order of declaration; with the token that declares it first.
+/// The declared names of a space, each once, in order of declaration, by the token of the first declaration.
 pub fn declared(document: &Document, space: Space) -> Vec<usize> {
     let mut seen: Vec<&str> = Vec::new();
     let mut list = Vec::new();

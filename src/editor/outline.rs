@@ -1,21 +1,21 @@
-//! Tokens to statements: where each declaration of a text starts and ends, and which `repeat` it stands in, whether it is
-//! in the grammar or not. See spec.md#declarations.
+//! Groups tokens into statements: where each declaration of a text starts and ends, and which `repeat` contains it,
+//! whether it conforms to the grammar or not. See spec.md#declarations.
 //!
-//! As the parser's own cutting (`syntax::split`), but never refusing: where a bracket stays open, the next line that
-//! starts like a declaration starts one.
+//! It works like the parser's own splitting (`syntax::split`), but never fails: if a bracket stays open, the next line
+//! that looks like the start of a declaration starts one.
 
 use super::tokens::{Token, TokenKind};
 use crate::syntax::words;
 use std::ops::Range;
 
-/// A declaration, or what stands in the place of one.
+/// A declaration, or text in the place of one.
 #[derive(Clone, Debug)]
 pub struct Statement {
-    /// Its tokens, from the keyword on; of a `repeat` the head with its `{`.
+    /// Its tokens, from the keyword on; for a `repeat`, those of the head with its `{`.
     pub tokens: Range<usize>,
-    /// The `repeat` around it.
+    /// The enclosing `repeat`.
     pub inside: Option<usize>,
-    /// Of a `repeat`: the token of its `}`.
+    /// For a `repeat`, the token of its `}`.
     pub close: Option<usize>,
 }
 
@@ -54,7 +54,7 @@ impl Outline {
         outline
     }
 
-    /// The statement that holds a byte, or that ends right before it on the same line.
+    /// The statement that contains a byte, or that ends immediately before it on the same line.
     pub fn at(&self, text: &str, tokens: &[Token], offset: usize) -> Option<usize> {
         let index = self.statements.partition_point(|s| tokens[s.tokens.start].range.start <= offset).checked_sub(1)?;
         let end = tokens[self.statements[index].tokens.end - 1].range.end;
@@ -65,13 +65,13 @@ impl Outline {
         (!between.contains('\n') && (!is_head || offset < end)).then_some(index)
     }
 
-    /// The `repeat`s around a statement, from the innermost outwards.
+    /// The enclosing `repeat`s of a statement, from the innermost outwards.
     pub fn around(&self, statement: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(self.statements[statement].inside, |repeat| self.statements[*repeat].inside)
     }
 }
 
-/// Behind the last token of the statement that starts at a token.
+/// The position after the last token of the statement that starts at a token.
 fn end(text: &str, tokens: &[Token], start: usize, outermost: bool) -> usize {
     let repeats = tokens[start].text(text) == "repeat";
     let mut open: Vec<&str> = Vec::new();

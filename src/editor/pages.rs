@@ -1,4 +1,4 @@
-//! What an editor says about the words of the language: keywords, fields, functions, motions, units.
+//! Documentation of the words of the language: keywords, fields, functions, motions, units.
 
 use super::shown;
 use crate::base::unit::{self, Scale};
@@ -6,7 +6,7 @@ use crate::base::{Number, Quantity};
 use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
 use crate::kinds::{self, Declaration, functions};
 
-/// A keyword's page.
+/// The page of a keyword.
 pub fn keyword(word: &str) -> Option<String> {
     kinds::declaration(word).map(Declaration::page)
 }
@@ -27,7 +27,7 @@ pub fn motion(word: &str) -> Option<&'static str> {
     bodies.chain(elements).find(|(name, _)| *name == word).map(|(_, meaning)| meaning)
 }
 
-/// Words between: what they say where they stand.
+/// The meaning of the words within declarations.
 pub fn word(word: &str) -> Option<&'static str> {
     Some(match word {
         "ground" => "What never moves.",
@@ -42,7 +42,7 @@ pub fn word(word: &str) -> Option<&'static str> {
     })
 }
 
-/// What a unit measures, and how large it is.
+/// The quantity that a unit measures, and its size.
 pub fn unit(text: &str) -> Option<String> {
     let unit = unit::parse(text).ok()?;
     let what = unit.dimension.noun().map_or_else(|| unit.dimension.to_string(), str::to_string);
@@ -59,7 +59,7 @@ pub fn unit(text: &str) -> Option<String> {
     })
 }
 
-/// Units that are offered.
+/// Units that are proposed.
 const UNITS: [&str; 72] = [
     "kg",
     "g",
@@ -135,7 +135,7 @@ const UNITS: [&str; 72] = [
     "K",
 ];
 
-/// The units of a dimension, the usual one first; all of them where none is wanted.
+/// The units of a dimension, the usual one first; all units if no dimension is given.
 pub fn units(wanted: Option<crate::base::Dimension>) -> Vec<&'static str> {
     let fits = |text: &&str| match (wanted, unit::parse(text)) {
         (None, _) => true,
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use crate::base::Dimension;
 
-    /// Words of the models that spec.md shows.
+    /// Words of the models in spec.md.
     fn shown() -> Vec<&'static str> {
         let blocks = include_str!("../../spec.md").split("```vib\n").skip(1);
         let models = blocks.filter_map(|rest| rest.split("```").next());
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn the_language_page_shows_every_word() {
         let shown = shown();
-        // All but the kind that exists in unit tests alone.
+        // All kinds except the one that exists only in unit tests.
         let declarations = || kinds::DECLARATIONS.iter().filter(|declaration| declaration.keyword != "gadget");
         let keywords = declarations().map(|declaration| declaration.keyword);
         let fields = declarations().flat_map(|declaration| declaration.fields).map(|field| field.name);

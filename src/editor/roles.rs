@@ -1,7 +1,7 @@
-//! What each word of a text is: a keyword, a name that is declared or referred to, a field, a motion, a function.
-//! See spec.md#keywords, spec.md#declarations and spec.md#names.
+//! The role of each word of a text: a keyword, a name that is declared or used, a field, a motion, a function. See
+//! spec.md#keywords, spec.md#declarations and spec.md#names.
 //!
-//! Told from the tokens around it, so that names keep their meaning in text that does not parse.
+//! The role follows from the neighbouring tokens, so that names keep their meaning in text that does not parse.
 
 use super::outline::{Outline, Statement};
 use super::tokens::{Token, TokenKind};
@@ -10,10 +10,10 @@ pub use crate::kinds::Space;
 use crate::kinds::{self, Argument, Declaration, Naming, Piece, functions};
 use crate::syntax::words;
 
-/// What a word is.
+/// The role of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Not a word, or nothing is known of it.
+    /// Not a word, or a word of unknown role.
     None,
     /// The first word of a declaration.
     Keyword,
@@ -28,14 +28,14 @@ pub enum Role {
     Function,
     /// `pi`, `ground`, `stable`.
     Constant,
-    /// The model's own name.
+    /// The name of the model.
     Title,
-    /// A name where it is declared; `scope` is the `repeat` whose index it is.
+    /// A name at its declaration; `scope` is the `repeat` whose index it is.
     Declaration {
         space: Space,
         scope: Option<usize>,
     },
-    /// A name where it is used.
+    /// A name at its use.
     Reference {
         space: Space,
         scope: Option<usize>,
@@ -62,7 +62,7 @@ pub fn roles(text: &str, tokens: &[Token], outline: &Outline) -> Vec<Role> {
     roles
 }
 
-/// The keyword of a statement; empty where it starts with something else.
+/// The keyword of a statement; empty if it starts with something else.
 pub fn keyword<'t>(text: &'t str, tokens: &[Token], statement: &Statement) -> &'t str {
     let first = tokens[statement.tokens.start].text(text);
     if words::is_keyword(first) { first } else { "" }
@@ -76,16 +76,16 @@ struct Reader<'a> {
     keyword: &'a str,
 }
 
-/// Where the words of a statement stand.
+/// The state while the words of a statement are classified.
 struct State {
     open: Vec<Opened>,
-    /// Behind the `=` of an assignment, a clause `along`, ...: an expression.
+    /// Whether an expression follows: after the `=` of an assignment, after `along`, ...
     in_ends: bool,
-    /// `along` or `moves` came last: directions follow.
+    /// Whether `along` or `moves` came last, so that directions follow.
     directions: bool,
 }
 
-/// An open bracket, and the function that it belongs to.
+/// An open bracket, and the function to which it belongs.
 struct Opened {
     bracket: char,
     function: Option<usize>,
@@ -144,7 +144,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A value, or the index of a `repeat` around.
+    /// A value, or the index of an enclosing `repeat`.
     fn value(&self, at: usize) -> Role {
         let word = self.word(at);
         let indexed = |repeat: &usize| {
@@ -209,7 +209,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What stands behind a name and its indices.
+    /// The token after a name and its indices.
     fn after_indices(&self, at: usize) -> Option<usize> {
         let mut next = self.next(at)?;
         while self.word(next) == "[" {
@@ -253,7 +253,7 @@ fn part(word: &str) -> Role {
     if word == "ground" { Role::Constant } else { Role::Reference { space: Space::Parts, scope: None } }
 }
 
-/// Declarations that lie between two ends.
+/// Whether declarations with this keyword connect two ends.
 pub fn has_ends(keyword: &str) -> bool {
     kinds::declaration(keyword).is_some_and(Declaration::has_ends)
 }

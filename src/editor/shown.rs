@@ -1,4 +1,4 @@
-//! Quantities as an editor shows them: few digits, the usual unit. Rounding is the backend's.
+//! Quantities as shown in an editor: few digits, the usual unit. The back end does the rounding.
 
 use crate::analysis::derived;
 use crate::backend::decimal::{certain, certain_number};
@@ -6,12 +6,13 @@ use crate::base::unit::{self, Scale};
 use crate::base::{Angle, Ball, Dimension, Number, Quantity};
 use crate::model::{Scalar, Value};
 
-/// Digits that are shown.
+/// Number of digits that are shown.
 const DIGITS: usize = 6;
-/// In a line of several numbers.
+/// Number of digits in a line of several numbers.
 const FEW: usize = 4;
 
-/// The unit that a value of a dimension is shown in: what it was written as decides between cycles and radians.
+/// The unit in which a value of a dimension is shown; the unit in which it was written decides between cycles and
+/// radians.
 pub fn usual_unit(dimension: Dimension, angle: Angle) -> String {
     match (dimension, angle) {
         (Dimension::FREQUENCY, Angle::Plain) => "1/s".into(),
@@ -37,7 +38,7 @@ pub fn in_base_units(quantity: &Quantity) -> String {
     with_unit(&quantity.si, &quantity.dimension.to_string())
 }
 
-/// In a unit as it was written; `None` where it is not of that dimension.
+/// A quantity in the unit of its source text; `None` if that has another dimension.
 pub fn in_unit(quantity: &Quantity, written: &str) -> Option<String> {
     let unit = unit::parse(written).ok().filter(|unit| unit.dimension == quantity.dimension)?;
     match unit.scale {
@@ -57,12 +58,12 @@ pub fn value(value: &Value) -> String {
     }
 }
 
-/// A frequency in Hz from an angular one, few digits.
+/// A frequency in Hz, with few digits, from an angular one.
 pub fn hertz(omega: &Ball) -> String {
     format!("{} Hz", certain(&derived::hertz(*omega), FEW))
 }
 
-/// A ratio in per cent, few digits.
+/// A ratio in per cent, with few digits.
 pub fn per_cent(ratio: &Ball) -> String {
     format!("{} %", certain(&(*ratio * Ball::from(100.0)), FEW))
 }

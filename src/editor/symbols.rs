@@ -1,4 +1,4 @@
-//! The outline of a text: a symbol for each declaration, and what can be folded.
+//! The outline of a text: a symbol for each declaration, and the ranges that can be folded.
 
 use super::document::Document;
 use super::roles::{Role, keyword};
@@ -14,7 +14,7 @@ pub struct Symbol {
     pub range: Range<usize>,
     /// The name, or the keyword of a declaration without one.
     pub selection: Range<usize>,
-    /// What a `repeat` declares.
+    /// The declarations in a `repeat`.
     pub children: Vec<Symbol>,
 }
 
@@ -22,8 +22,8 @@ pub fn symbols(document: &Document) -> Vec<Symbol> {
     inside(document, None)
 }
 
-/// The symbols of a `repeat`, or of the top. `repeat`s are nested eight deep at most where they parse; text that does not
-/// is cut there too.
+/// The symbols in a `repeat`, or at the top level. The grammar allows at most eight nested `repeat`s; text that does
+/// not parse is cut at the same depth.
 fn inside(document: &Document, repeat: Option<usize>) -> Vec<Symbol> {
     let statements = document.outline.statements.iter().enumerate();
     let own = statements.filter(|(index, s)| s.inside == repeat && document.outline.around(*index).count() <= DEPTH);
@@ -57,7 +57,7 @@ fn full_name(document: &Document, token: usize) -> String {
     document.text()[start.start..start.end + indices].to_string()
 }
 
-/// Lines that can be folded: from the line of the first byte to that of the last.
+/// A range of lines that can be folded: from the line of the first byte to that of the last.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fold {
     pub range: Range<usize>,
@@ -77,7 +77,7 @@ pub fn folds(document: &Document) -> Vec<Fold> {
     folds
 }
 
-/// Comments on lines below each other.
+/// Comments on consecutive lines.
 fn comments(document: &Document) -> Vec<Fold> {
     let mut folds: Vec<Fold> = Vec::new();
     let mut at = 0;

@@ -1,7 +1,8 @@
-//! A text to its words, numbers, signs and comments, whatever the text is: broken text has tokens too. See spec.md#text.
+//! Splits any text into words, numbers, signs and comments; text with errors has tokens too. See spec.md#text.
 //!
-//! The parser keeps no comments and no signs, and says nothing of a declaration that it refuses; a layout and an editor
-//! need both. Tokens follow the grammar's rules of words, numbers and units to the letter; what they mean is the tree's.
+//! The parser keeps no comments and no signs, and no content of a declaration that it rejects; the formatter and an
+//! editor need all of these. Tokens follow the grammar's rules of words, numbers and units exactly; their meaning is
+//! left to the tree.
 
 use crate::syntax::words;
 use std::ops::Range;
@@ -9,20 +10,20 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TokenKind {
     Word,
-    /// A number with its unit; the number has so many bytes, the unit is the rest but one blank perhaps.
+    /// A number with its unit: the number takes this many bytes, and the unit is the rest, possibly after one blank.
     Number {
         number_len: usize,
     },
-    /// A string with its quotes; to the end of the line where it is not closed.
+    /// A string with its quotes; to the end of the line if it is not closed.
     Text,
-    /// From its slashes to the last character of the line that is no blank.
+    /// From its slashes to the last character of the line that is not a blank.
     Comment,
     LineEnd,
     /// `(`, `[` or `{`
     Open,
     /// `)`, `]` or `}`
     Close,
-    /// Everything else: operators, `:`, `,`, `@`, `.`, and what belongs to no model.
+    /// Everything else: operators, `:`, `,`, `@`, `.`, and characters that are not part of the language.
     Sign,
 }
 
@@ -47,10 +48,10 @@ impl Token {
     }
 }
 
-/// What the language takes for blanks in a line; those of other scripts and printers are characters like any other.
+/// The characters that the language treats as blanks in a line; blanks of other scripts are ordinary characters.
 const BLANKS: [char; 3] = [' ', '\t', '\r'];
 
-/// Every token of a text, in order; blanks lie between them.
+/// Every token of a text, in order, separated by blanks.
 pub fn tokens(text: &str) -> Vec<Token> {
     let mut tokens = Vec::with_capacity(text.len() / 4);
     let mut at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
@@ -61,7 +62,7 @@ pub fn tokens(text: &str) -> Vec<Token> {
         }
         let (kind, end) = token(text, at, first);
         tokens.push(Token { kind, range: at..end });
-        // A comment leaves out the blanks at its end.
+        // A comment does not include the blanks at its end.
         at = end;
     }
     tokens
@@ -101,7 +102,7 @@ fn string_len(rest: &str) -> usize {
     }
 }
 
-/// The end of the word that goes on at a place.
+/// The end of the word that continues at a place.
 fn word_end(text: &str, at: usize) -> usize {
     let rest = &text[at..];
     at + rest.find(|c: char| !words::is_letter(c) && !c.is_ascii_digit()).unwrap_or(rest.len())
@@ -133,7 +134,7 @@ fn number_end(text: &str, at: usize) -> Option<usize> {
     Some(end)
 }
 
-/// The end of the unit of a number that ends at a place: glued to it, after one blank, or after ` /`.
+/// The end of the unit of a number that ends at a place: directly after it, after one blank, or after ` /`.
 fn unit_after(text: &str, end: usize) -> Option<usize> {
     let rest = &text[end..];
     let start = match rest.strip_prefix(' ') {

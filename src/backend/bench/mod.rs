@@ -1,4 +1,4 @@
-//! Speed against error as text and CSV; the picture is in `svg`. See docs/method/bench.md.
+//! Speed against error as text and CSV; `svg` draws the picture. See docs/method/bench.md.
 
 pub mod svg;
 
@@ -10,7 +10,7 @@ use crate::bench::{Bench, Entry, Question};
 
 const INDENT: usize = 2;
 
-/// `question,road,ordinary,time_s,error,bound,pareto,chosen,note`; what is unknown is an empty field.
+/// `question,road,ordinary,time_s,error,bound,pareto,chosen,note`; unknown values are empty fields.
 pub fn csv(bench: &Bench) -> String {
     let mut text = String::from("question,road,ordinary,time_s,error,bound,pareto,chosen,note\n");
     let field = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
@@ -37,7 +37,7 @@ fn quoted(text: &str) -> String {
     if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
 
-/// A table for each question, what the bounds are worth, the two readings of literals, and growth.
+/// A table for each question, the sharpness of the bounds, the two readings of literals, and growth.
 pub fn text(model: &str, bench: &Bench) -> String {
     let freedoms = if bench.coordinates == 1 { "1 freedom".into() } else { format!("{} freedoms", bench.coordinates) };
     let mut text = format!("{model} · {freedoms}: speed against error\n");
@@ -82,7 +82,7 @@ fn heading(question: Question, bench: &Bench) -> String {
     }
 }
 
-/// Why the program takes its method.
+/// Why the program chooses its method.
 fn why(question: Question) -> &'static str {
     match question {
         Question::Frequencies => {

@@ -1,13 +1,14 @@
-//! The work-precision picture: a panel for each question, time to the right and error upwards, both in decades; full dots for
-//! vibc, rings for what an ordinary program does, a line along what nothing beats. See docs/method/bench.md.
+//! The work-precision diagram: a panel for each question, with time to the right and error upwards, both in decades;
+//! full dots for vibc, rings for an ordinary program, a line along the methods that no other one beats. See
+//! docs/method/bench.md.
 
 use crate::backend::plot::{self, Axis, Curve, Entry as Line, Mark, Panel, Plot, Sample, Scale, Shape, Style};
 use crate::bench::{Bench, Entry, Question};
 
 const HEIGHT: f64 = 300.0;
-/// An error of zero is drawn here.
+/// Position of an error of zero.
 const EXACT: f64 = 1e-17;
-/// A time below the clock's reach is drawn here, s.
+/// Position of a time below the resolution of the clock, s.
 const INSTANT: f64 = 1e-10;
 
 /// The whole picture.

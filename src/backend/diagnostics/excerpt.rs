@@ -1,7 +1,8 @@
-//! The few lines that a diagnostic points at, cut out of their files and made readable: all that is drawn around a place.
+//! The few lines that a diagnostic points at, cut out of their files and made readable: everything that is drawn around
+//! a place.
 //!
-//! Lines are clipped to what fits a screen and control characters made visible, so offsets in the excerpt are its own:
-//! a label knows both its place in the excerpt and its line and column in the file.
+//! Lines are clipped to the width of a screen and control characters are made visible, so the excerpt has offsets of
+//! its own: a label knows its place in the excerpt as well as its line and column in the file.
 
 use super::places::Places;
 use crate::base::readable::{readable, visible};
@@ -11,7 +12,7 @@ use std::ops::Range;
 
 /// Lines shown above and below a place.
 pub const CONTEXT: usize = 1;
-/// A place that covers more lines is shown by its first line.
+/// A place that covers more lines is represented by its first line.
 const MAX_LINES: usize = 6;
 /// Longer lines are clipped around the place, in characters.
 const MAX_COLUMNS: usize = 90;
@@ -26,7 +27,7 @@ pub struct Excerpt {
     labels: Vec<(LabeledSpan, Position)>,
 }
 
-/// Successive lines of one file.
+/// Consecutive lines of one file.
 #[derive(Debug)]
 struct Window {
     name: String,
@@ -45,7 +46,7 @@ struct Mark<'a> {
     label: &'a Label,
     primary: bool,
     lines: Range<usize>,
-    /// Bytes of the file, cut to what is shown.
+    /// Bytes of the file, clipped to the shown part.
     bytes: Range<usize>,
 }
 
@@ -72,7 +73,7 @@ impl Excerpt {
         let name = readable(&places.sources.file(file).name).into_owned();
         let mut window = Window { name, first_line: lines.start, start, text: String::new(), lines: Vec::new() };
         let inside: Vec<&&Mark> = marks.iter().filter(|mark| lines.contains(&mark.lines.start)).collect();
-        // Offsets in the excerpt of both ends of each mark, found when their lines are written.
+        // Offsets in the excerpt of both ends of each mark, known once their lines are written.
         let mut ends = vec![(0, 0); inside.len()];
         for line in lines {
             let bytes = places.lines(file).line_range(places.sources.text(file), line);
@@ -136,10 +137,10 @@ fn files(marks: &[Mark]) -> Vec<FileId> {
     files
 }
 
-/// The lines to show of a file: those of the marks with their context, those that touch put together.
+/// The lines of a file to show: those of the marks with their context, merged if they touch.
 fn windows(places: &Places, file: FileId, marks: &[&Mark]) -> Vec<Range<usize>> {
     let text = places.sources.text(file);
-    // Behind the last line feed stands no line that is worth showing, unless it is the place itself.
+    // The empty line after the last line feed is not shown, unless it is the place itself.
     let count = places.lines(file).line_count() - usize::from(text.ends_with('\n'));
     let end = |mark: &&Mark| (mark.lines.end + CONTEXT).min(count).max(mark.lines.end);
     let around = |mark: &&Mark| mark.lines.start.saturating_sub(CONTEXT)..end(mark);
@@ -157,7 +158,7 @@ fn windows(places: &Places, file: FileId, marks: &[&Mark]) -> Vec<Range<usize>> 
 
 /// A line as it was written into a window.
 struct Shown<'a> {
-    /// The bytes of the file that are shown.
+    /// The shown bytes of the file.
     bytes: Range<usize>,
     content: &'a str,
     /// Offset in the window's text of the first shown byte.
@@ -196,13 +197,13 @@ impl Window {
         self.start <= span.offset() && span.offset() + span.len() <= self.start + self.text.len()
     }
 
-    /// The line that holds an offset of the window's text.
+    /// The line that contains an offset of the window's text.
     fn line(&self, offset: usize) -> usize {
         self.lines.partition_point(|start| *start <= offset).saturating_sub(1)
     }
 }
 
-/// Tabs stay: the drawing aligns what stands below them.
+/// Tabs are kept: the drawing aligns the marks below them.
 fn shown_char(c: char) -> char {
     if c == '\t' { c } else { visible(c) }
 }
@@ -212,7 +213,7 @@ fn clip(content: &str, at: usize) -> Range<usize> {
     let boundary = |characters: usize, from: usize| {
         content[from..].char_indices().nth(characters).map_or(content.len(), |(offset, _)| from + offset)
     };
-    // So many bytes hold at most so many characters: short lines need no counting.
+    // This many bytes contain at most as many characters, so short lines need no counting.
     if content.len() <= MAX_COLUMNS || boundary(MAX_COLUMNS, 0) == content.len() {
         return 0..content.len();
     }
@@ -235,7 +236,7 @@ impl SourceCode for Excerpt {
         let last = (window.line(to.saturating_sub(1).max(from)) + after).min(window.lines.len() - 1);
         let data = if before == 0 { from } else { window.lines[first] }
             ..window.lines.get(last + 1).copied().unwrap_or(window.text.len());
-        // Without context it is asked where the span starts, in the file.
+        // A call without context asks for the position of the span's start in the file.
         let place = if before == 0 { self.position_of(span) } else { None };
         let (line, column) = place.map_or((window.first_line + first, 0), |place| (place.line - 1, place.column - 1));
         Ok(Box::new(MietteSpanContents::new_named(

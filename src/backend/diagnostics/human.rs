@@ -7,27 +7,28 @@ use crate::base::{Diagnostic, Severity, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use std::fmt;
 
-/// Findings that are drawn; the rest are counted. Nobody reads a hundred, and the other forms have them all.
+/// The most findings that are drawn; the rest are only counted. Nobody reads a hundred, and the other forms contain
+/// all.
 pub const MAX_SHOWN: usize = 20;
-/// Width at which messages wrap, whatever the terminal: the same bytes everywhere.
+/// Width at which messages wrap, whatever the terminal: the output is the same everywhere.
 const WIDTH: usize = 100;
 
-/// How to draw.
+/// Options of the drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HumanStyle {
     pub colour: bool,
-    /// Only ASCII characters for the drawing.
+    /// Whether to draw with ASCII characters only.
     pub ascii: bool,
 }
 
-/// Draws the first findings, errors before warnings where they are too many, and counts those of each severity.
+/// Draws the first findings (errors before warnings if there are too many), and counts those of each severity.
 pub fn human(sources: &Sources, diagnostics: &[Diagnostic], style: HumanStyle) -> String {
     let places = Places::new(sources);
     let handler = handler(style);
     let mut text = String::new();
     for diagnostic in shown(diagnostics) {
         let drawing = Drawing::new(&places, diagnostic);
-        // Writing to a string fails only if the drawing itself does; the short form then still tells the finding.
+        // Writing to a string fails only if the drawing itself does; the short form then still reports the finding.
         if handler.render_report(&mut text, &drawing).is_err() {
             text += &super::short(sources, std::slice::from_ref(diagnostic));
         }
@@ -36,7 +37,7 @@ pub fn human(sources: &Sources, diagnostics: &[Diagnostic], style: HumanStyle) -
     text + &summary(diagnostics)
 }
 
-/// In their order; when there are too many, errors are kept before warnings.
+/// The findings in their order; if there are too many, errors are kept before warnings.
 fn shown(diagnostics: &[Diagnostic]) -> Vec<&Diagnostic> {
     let errors = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
     let others = MAX_SHOWN.saturating_sub(errors);
@@ -50,7 +51,7 @@ fn shown(diagnostics: &[Diagnostic]) -> Vec<&Diagnostic> {
     diagnostics.iter().filter(|diagnostic| take(diagnostic)).collect()
 }
 
-/// `2 errors, 1 warning`, with what was left out.
+/// `2 errors, 1 warning`, and how many were omitted.
 fn summary(diagnostics: &[Diagnostic]) -> String {
     if diagnostics.is_empty() {
         return String::new();
@@ -81,7 +82,7 @@ fn handler(style: HumanStyle) -> GraphicalReportHandler {
         .without_cause_chain()
 }
 
-/// A diagnostic as miette takes it.
+/// A diagnostic in the form that miette draws.
 #[derive(Debug)]
 struct Drawing {
     severity: Severity,
@@ -103,7 +104,7 @@ impl Drawing {
     }
 }
 
-/// Line by line: a help text may hold several.
+/// Makes a text readable line by line: a help text may have several lines.
 fn readable_lines(text: &str) -> String {
     text.split('\n').map(readable).collect::<Vec<_>>().join("\n")
 }
@@ -249,12 +250,12 @@ mod tests {
         assert!(!drawn("x", diagnostic).contains('\u{1b}'));
     }
 
-    /// Characters that have made drawings go wrong: line ends of every kind, tabs, wide, combining and steering ones.
+    /// Characters that have broken drawings: line ends of every kind, tabs, wide, combining and control characters.
     const PIECES: [&str; 12] =
         ["a", "k = ", "\n", "\r\n", "\r", "\t", "ω", "質量", "e\u{301}", "\u{1b}[2J", "\u{202e}", "\u{1f9ea}"];
 
     proptest! {
-        /// Wherever the places are, even inside a character or behind the end.
+        /// Places may be anywhere, even inside a character or beyond the end.
         #[test]
         fn any_place_in_any_text_can_be_drawn(
             pieces in prop::collection::vec(0..PIECES.len(), 0..60),

@@ -16,7 +16,7 @@ struct Line<'a> {
     column: usize,
     end_line: usize,
     end_column: usize,
-    /// What is to be seen at the place; empty where the message says it all.
+    /// What the label says about the place; empty if the message says it all.
     label: &'a str,
     help: Option<&'a str>,
     related: Vec<Related<'a>>,
@@ -32,7 +32,7 @@ struct Related<'a> {
     end_column: usize,
 }
 
-/// One object a line, all of them.
+/// All diagnostics, one object a line.
 pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
     let places = Places::new(sources);
     let mut text = String::new();
@@ -44,7 +44,7 @@ pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
     text
 }
 
-/// A file that could not be read, in the same form: code `io`, line 1, column 1.
+/// A file that could not be read, in the same form as a diagnostic: code `io`, line 1, column 1.
 pub fn unreadable_json(file: &str, reason: &str) -> String {
     let message = format!("cannot read the file: {reason}");
     let (line, column) = (1, 1);

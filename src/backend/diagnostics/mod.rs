@@ -14,7 +14,7 @@ pub use crate::base::readable::readable;
 use crate::base::{Diagnostic, Severity, Sources};
 use places::Places;
 
-/// One line each: `file:line:column: severity[code]: message`.
+/// One line for each diagnostic: `file:line:column: severity[code]: message`.
 pub fn short(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
     let places = Places::new(sources);
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Lines and columns of many places: each file that is asked for is indexed once.
+//! Lines and columns of many places: each file is indexed once, when it is first needed.
 
 use crate::base::{FileId, LineIndex, Position, Sources, Span};
 use std::cell::OnceCell;
@@ -21,7 +21,7 @@ impl<'a> Places<'a> {
         self.lines(file).position(self.sources.text(file), offset)
     }
 
-    /// Where a span starts and ends.
+    /// The start and the end of a span.
     pub fn positions(&self, span: Span) -> (Position, Position) {
         (self.position(span.file(), span.start()), self.position(span.file(), span.end()))
     }

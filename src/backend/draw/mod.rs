@@ -1,4 +1,4 @@
-//! A figure as SVG: one group a glyph, with the line of the model that made it. See docs/draw.md.
+//! A figure as SVG: one group for each glyph, with the line of the model that made it. See docs/draw.md.
 
 pub(super) mod path;
 
@@ -12,7 +12,7 @@ use crate::system::Source;
 use path::{Tenths, path};
 use std::fmt::Write;
 
-/// Colours follow the page (`currentColor`) and, where the figure stands alone, what its viewer prefers.
+/// Colours follow the page (`currentColor`) or, in a standalone figure, the preference of the viewer.
 const STYLE: &str = "\
 .vibc-figure{color:#1c2128;font:12px Verdana,'DejaVu Sans',sans-serif}
 .vibc-figure path,.vibc-figure circle{fill:none;stroke:currentColor;stroke-width:1.4;stroke-linejoin:round;stroke-linecap:round}
@@ -29,7 +29,7 @@ const STYLE: &str = "\
 @media (prefers-color-scheme:dark){.vibc-figure{color:#e3e7ed}.vibc-figure .b{fill:#2b323c}.vibc-figure .p{fill:#14171b}}
 ";
 
-/// The whole file. `model`: the file that spans are lines of.
+/// The whole file. `model`: the file to whose lines the spans refer.
 pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     let lines = Lines { model, index: LineIndex::new(sources.text(model)) };
     let mut text = String::new();
@@ -80,7 +80,7 @@ pub fn mode_caption(number: u32, mode: &Mode) -> String {
     }
 }
 
-/// What a part has of a mode's energy, of its kind.
+/// The share of a part in a mode's energy, of the kind that the part has.
 pub fn energy_of(mode: &Mode, name: Name) -> Option<String> {
     let share = |shares: &[Share<Source>]| {
         let found = shares.iter().find(|share| share.of.name.name == name);
@@ -91,7 +91,7 @@ pub fn energy_of(mode: &Mode, name: Name) -> Option<String> {
     kinetic.or_else(|| share(&mode.strain).map(|part| format!("{} of the strain energy", percent(part))))
 }
 
-/// From the middle of a line of text down to its baseline, px.
+/// Distance from the middle of a line of text down to its baseline, px.
 const BASELINE: f64 = 4.4;
 
 struct Lines {
@@ -100,7 +100,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// ` data-line="17"`, counted from 1; nothing for what another file made.
+    /// ` data-line="17"`, counted from 1; empty for an object from another file.
     fn attribute(&self, span: Option<Span>) -> String {
         match span.filter(|span| span.file() == self.model) {
             Some(span) => format!(" data-line=\"{}\"", self.index.line(span.start()) + 1),
@@ -116,13 +116,13 @@ fn glyph(text: &mut String, glyph: &Glyph, lines: &Lines) {
     text.push_str("</g>\n");
 }
 
-/// Lines of one pen that follow each other are one path.
+/// Consecutive lines of one pen become one path.
 fn strokes(text: &mut String, strokes: &[Stroke]) {
     let mut open = None;
     for stroke in strokes {
         match stroke {
             Stroke::Line { points, closed, pen } => {
-                // What covers what is behind it is a path of its own.
+                // A line that covers the objects behind it is a path of its own.
                 let covers = pen.fills() && *pen != Pen::Solid;
                 if open != Some(*pen) || covers {
                     close(text, &mut open);
@@ -160,7 +160,7 @@ fn label(text: &mut String, label: &Label, lines: &Lines) {
     );
 }
 
-/// Text of a user's file in XML: nothing of it is markup, and nothing steers how it is read.
+/// Escapes text of a user's file for XML: it cannot act as markup or change the direction of text.
 pub fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
@@ -170,7 +170,7 @@ pub fn escaped(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // XML has no such characters.
+            // These characters are not allowed in XML.
             '\u{fffe}' | '\u{ffff}' => safe.push('\u{fffd}'),
             c => safe.push(visible(c)),
         }

@@ -1,4 +1,4 @@
-//! Coordinates of a figure in tenths of a pixel: whole numbers, so that the same figure has the same bytes.
+//! Coordinates of a figure in tenths of a pixel: integers, so that the same figure has the same bytes.
 
 use crate::picture::geometry::Point;
 use std::fmt;
@@ -28,7 +28,7 @@ impl fmt::Display for Tenths {
     }
 }
 
-/// A line in the words of `<path d="...">`: its start, then steps.
+/// A line in the syntax of `<path d="...">`: its start, then relative steps.
 pub fn path(text: &mut String, points: &[Point], closed: bool) {
     use std::fmt::Write;
     let mut rounded = points.iter().map(|point| (Tenths::of(point.x), Tenths::of(point.y)));

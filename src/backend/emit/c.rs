@@ -14,12 +14,12 @@ pub fn files(plan: &Plan) -> Vec<File> {
     ]
 }
 
-/// Both in one, for a single stream.
+/// Both files as one, for a single stream.
 pub fn whole(plan: &Plan) -> String {
     header(plan) + "\n" + &body(plan)
 }
 
-/// How C writes the words of a plan.
+/// The syntax of C for the elements of a plan.
 struct C<'a> {
     plan: &'a Plan,
 }
@@ -108,7 +108,7 @@ fn real(plan: &Plan) -> &'static str {
     }
 }
 
-/// A model's names may hold what ends a comment, or what trigraphs are made of.
+/// Escapes a model's names, which may contain the end of a comment or parts of trigraphs.
 fn comment(text: &str) -> String {
     format!("/* {} */", safe(text))
 }
@@ -184,7 +184,7 @@ fn state(plan: &Plan) -> String {
     text
 }
 
-/// A function: what it does, how it is declared, what it consists of.
+/// A function: its comment, declaration and body.
 struct Function {
     note: &'static str,
     head: String,
@@ -264,7 +264,7 @@ fn body(plan: &Plan) -> String {
     text
 }
 
-/// A product and a sum stay two operations, so that every machine computes the same bits.
+/// A product and a sum must stay two operations, so that every machine computes the same bits.
 const CONTRACTION: &str = "
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -273,7 +273,7 @@ const CONTRACTION: &str = "
 #endif
 ";
 
-/// A function, with what it does not use told to the compiler.
+/// A function that marks its unused parameters.
 fn function(head: &str, body: &str) -> String {
     let unused: String = (["state", "inputs", "outputs", "motion"].iter())
         .filter(|name| {

@@ -1,5 +1,5 @@
-//! Equations of motion as statements: the right-hand side of a first-order system, and the outputs. Stretches and tensions that
-//! several forces share are computed once. See docs/method/emit.md.
+//! Equations of motion as statements: the right-hand side of a first-order system, and the outputs. Stretches and
+//! tensions that several forces share are computed only once. See docs/method/emit.md.
 
 use super::header::of_equations;
 use super::names::{identifiers, model_identifier};
@@ -54,7 +54,7 @@ pub fn plan(model: &str, equations: &Equations) -> Plan {
     }
 }
 
-/// The highest derivative of each input that is felt.
+/// The highest derivative of each input that has an effect.
 fn used_powers(equations: &Equations) -> Vec<usize> {
     let mut most = vec![0; equations.inputs.len()];
     for rows in equations.forces.iter().chain(&equations.direct) {
@@ -81,12 +81,12 @@ fn per_second(unit: &str, power: usize) -> String {
     }
 }
 
-/// Terms of a force in one expression.
+/// The most terms of a force in one expression.
 const LONGEST: usize = 64;
 
 struct Written<'a> {
     equations: &'a Equations,
-    /// Where each input's fields begin.
+    /// The index of each input's first field.
     first: Vec<usize>,
 }
 
@@ -98,7 +98,7 @@ impl Written<'_> {
         (0..3).flat_map(of)
     }
 
-    /// Locals a0, a1, ...: the accelerations.
+    /// Statements for the accelerations a0, a1, ...
     fn accelerations(&self) -> Vec<Statement> {
         let e = self.equations;
         let n = e.coordinates.len();
@@ -138,7 +138,7 @@ impl Written<'_> {
                     add(&mut forces[*i], -a, Expression::local(format!("tension{t}")));
                     terms[*i] += 1;
                     if terms[*i].is_multiple_of(LONGEST) {
-                        // The sum so far has a name, so that no expression is without end.
+                        // The partial sum gets a name, so that expressions have a limited length.
                         let name = format!("force{i}_{}", terms[*i] / LONGEST);
                         let so_far = forces[*i].replace(Expression::local(name.clone()));
                         list.extend(so_far.map(|so_far| Statement::Let(name, so_far)));

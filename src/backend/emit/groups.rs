@@ -1,12 +1,13 @@
-//! Pairs of states that are alike become loops over tables: in blocks of eight lanes, then a loop or two for what is left. In: the
-//! cells of a discrete system. Out: the groups, and the cells that stand alone. See docs/method/emit.md.
+//! Similar pairs of states become loops over tables: in blocks of eight lanes, then one or two loops for the remaining
+//! ones. In: the cells of a discrete system. Out: the groups, and the single cells. See docs/method/emit.md.
 
 use crate::analysis::discrete::{Cell, Decay, Form, Operand};
 
-/// Lanes of a block: as many as the widest vectors have doubles.
+/// Number of lanes of a block: as many as the widest vectors have doubles.
 pub const LANES: usize = 8;
-/// The lanes of the loops for pairs that are left beyond whole blocks; what they leave stands alone. Five or seven are no loop
-/// of their own: without wide vectors, compilers leave odd loops of that length one by one (measured in benches/README.md).
+/// The widths of the loops for the pairs that are left after whole blocks; any others are single. There are no loops of
+/// five or seven lanes: without wide vectors, compilers do not vectorise loops of such odd lengths (measured in
+/// benches/README.md).
 fn lanes_of_rest(rest: usize) -> &'static [usize] {
     match rest {
         2 => &[2],
@@ -18,7 +19,7 @@ fn lanes_of_rest(rest: usize) -> &'static [usize] {
     }
 }
 
-/// Cells that are alike, in groups that become loops, and the others.
+/// Groups of similar cells, which become loops, and the single cells.
 pub fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
     let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
     let mut single = Vec::new();
@@ -48,7 +49,7 @@ pub fn groups(cells: &[Cell], signals: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
     (loops, single)
 }
 
-/// What a pair of states needs: pairs of one kind share a loop.
+/// The features of a pair's step: pairs of one kind share a loop.
 #[derive(Clone, Debug, PartialEq)]
 struct Kind {
     turned: bool,
@@ -88,8 +89,8 @@ mod tests {
         Cell { name: String::new(), form: Form::Pair(lift), input, output, to, back, start: vec![0.0; 2] }
     }
 
-    /// Whole blocks first, then what is left in the widths that were measured; what is seen by another output or does not restore
-    /// is no part of them, and the order of cells is kept.
+    /// Whole blocks come first, then the rest in the measured widths; pairs with another output or without a restoring
+    /// term are in other groups, and the order of cells is kept.
     #[test]
     fn cells_that_are_alike_are_grouped() {
         let widths = |count: usize| -> (Vec<usize>, usize) {
@@ -113,7 +114,7 @@ mod tests {
         }
         let cells = [pair(0.3, 0), pair(0.3, 1), pair(0.0, 0), pair(0.2, 0), pair(0.1, 1)];
         assert_eq!(groups(&cells, 0), (vec![vec![0, 3], vec![1, 4]], vec![2]));
-        // A factor that is one costs nothing only where it is one for all.
+        // A factor of one is free only if it is one for all pairs.
         let mut other = pair(0.3, 0);
         other.input[1][0].1 = 0.5;
         assert_eq!(groups(&[pair(0.3, 0), other], 0), (vec![], vec![0, 1]));

@@ -1,5 +1,5 @@
-//! The comment on top of emitted code: which model, what goes in and out, how it is computed and how well.
-//! See docs/method/emit.md.
+//! The comment at the top of emitted code: its model, inputs and outputs, the method, and the accuracy. See
+//! docs/method/emit.md.
 
 use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
@@ -8,7 +8,7 @@ use crate::analysis::discrete::{DiscreteSystem, Hold, Left, Port, Precision, Why
 use crate::backend::decimal::upper;
 use crate::backend::diagnostics::readable;
 
-/// Parts that are not emitted are listed up to this number.
+/// The most omitted parts that are listed.
 const LISTED: usize = 12;
 
 /// The lines of the header.
@@ -50,7 +50,7 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     lines
 }
 
-/// What rounding does: as it is where the run is known, at most where inputs come from outside.
+/// The effect of rounding: measured if the run is known, a bound if inputs come from outside.
 fn error(system: &DiscreteSystem) -> Vec<String> {
     let told: Vec<String> = (system.measured.iter())
         .map(|measured| format!("{} in {} steps", upper(measured.error), measured.steps))
@@ -93,7 +93,7 @@ pub fn of_equations(model: &str, equations: &Equations, operations: Operations) 
     lines
 }
 
-/// The lines of the header of code with a parameter that may be set.
+/// The lines of the header of code with an adjustable parameter.
 pub fn of_parameter(model: &str, system: &Parameterised, step: f64, operations: Operations) -> Vec<String> {
     let title = format!("{} · simulation code by vibc {}", readable(model), env!("CARGO_PKG_VERSION"));
     let mut lines = vec![title, String::new()];

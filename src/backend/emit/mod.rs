@@ -1,5 +1,5 @@
-//! Simulation code: a discrete system as a source of its own, in C99 or Rust. The plan is the same for every language; a
-//! language is one file that prints it, and one line of [`Language`]. See docs/method/emit.md.
+//! Simulation code: a discrete system as standalone source code in C99 or Rust. The plan is the same for every
+//! language; a language is one file that prints it, and one line of [`Language`]. See docs/method/emit.md.
 
 mod c;
 mod equations;
@@ -45,14 +45,14 @@ const GET_STATE: &str = "The motion at the coming sample, as it is while the inp
 const SET_PARAMETER: &str = "The parameter from the next step on, SI; the motion goes on from where it is.";
 const DERIVATIVE: &str = "The derivative of the motion: velocities and accelerations.";
 const OBSERVE: &str = "The outputs.";
-/// A state without states.
+/// The text for an empty state.
 const NO_STATE: &str = "none";
 
-/// The files of a model, in its directory, with a program where one is asked for.
+/// The files of a model, in its directory, with a program if one is requested.
 pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: Option<&Program>) -> Vec<File> {
     let mut plan = planner::plan(model, system);
     if program.is_some() && plan.name == "main" {
-        // The program's own file has that name.
+        // The program's own file has this name.
         plan.name = "main_".into();
     }
     let mut files = printed(&plan, language);
@@ -76,7 +76,7 @@ pub fn equation_text(model: &str, system: &Equations, language: Language) -> Str
     text(&equations::plan(model, system), language)
 }
 
-/// The files of a model with a parameter that may be set; none where a number leaves the range of the precision.
+/// The files of a model with an adjustable parameter; `None` if a number leaves the range of the precision.
 pub fn parameter_files(
     model: &str,
     system: &Parameterised,

@@ -1,11 +1,11 @@
-//! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out where they are few, by tables
-//! where they are many. See docs/method/emit.md.
+//! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out if they are few,
+//! otherwise with tables. See docs/method/emit.md.
 
 use super::plan::{Array, Expression, Factor, Index, Statement, Table, Target, plus, product, sum, total};
 use super::planner::Slot;
 use crate::analysis::discrete::{DiscreteSystem, Operand};
 
-/// Numbers that are written out; more are tables.
+/// The most numbers that are written out; larger sets become tables.
 const WRITTEN_OUT: usize = 1024;
 
 /// `set_state` and `get_state`.
@@ -15,7 +15,7 @@ pub fn functions(
     arrays: &[Array],
     tables: &mut Vec<Table>,
 ) -> (Vec<Statement>, Vec<Statement>) {
-    // Signals are not set: they go on as they are.
+    // Signals are not set: they continue unchanged.
     let places = slots.iter().enumerate().skip(system.signals);
     let states = places
         .flat_map(|(cell, slots)| slots.iter().enumerate().map(move |(i, slot)| State { system, cell, row: i, slot }));
@@ -77,7 +77,7 @@ impl Motion<'_> {
         (set.collect(), get.collect())
     }
 
-    /// A state less what the last inputs and the signals have in it.
+    /// A state minus the contributions of the last inputs and of the signals.
     fn without_inputs(&self, state: usize, value: Option<Expression>) -> Option<Expression> {
         self.system.taken[state].iter().fold(value, |so_far, (operand, taken)| match self.now(*operand) {
             Some(of) => Some(plus(so_far, Factor::Number(-taken), of)),
@@ -85,7 +85,7 @@ impl Motion<'_> {
         })
     }
 
-    /// A displacement or velocity with what the last inputs and the signals add to it.
+    /// A displacement or velocity plus the contributions of the last inputs and of the signals.
     fn with_inputs(&self, j: usize, value: Option<Expression>) -> Option<Expression> {
         self.system.offset[j].iter().fold(value, |so_far, (operand, e)| match self.now(*operand) {
             Some(of) => Some(plus(so_far, Factor::Number(*e), of)),
@@ -93,7 +93,7 @@ impl Motion<'_> {
         })
     }
 
-    /// An operand between two steps; inputs that keep their last values have no slope.
+    /// An operand between two steps; inputs that keep their last values have zero slope.
     fn now(&self, operand: Operand) -> Option<Expression> {
         let last = |input: usize| Expression::state("last", Index::At(input));
         match operand {
@@ -114,7 +114,7 @@ impl Motion<'_> {
                 continue;
             }
             states.sort_by_key(|state| state.slot.at);
-            // Those of signals, which are not set, come before them.
+            // The states of signals, which are not set, come before them.
             let (count, first) = (states.len(), states[0].slot.at);
             let at = |index: &'static str| match first {
                 0 => Index::Of(index),

@@ -1,10 +1,11 @@
-//! Names of a model as identifiers that C, C++ and Rust all take: ASCII letters, digits and `_`, no word of these languages,
-//! none twice. In: names as displayed (`m[3].x`, `α`). Out: identifiers in the same order (`m_3_x`, `u03b1`).
+//! Converts names of a model to identifiers that C, C++ and Rust all accept: ASCII letters, digits and `_`, no reserved
+//! word of these languages, and no duplicates. In: names as displayed (`m[3].x`, `α`). Out: identifiers in the same
+//! order (`m_3_x`, `u03b1`).
 
 use super::reserved::{HEADERS, KEYWORDS, MACROS, MODULES};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Identifiers for names, each different from the others.
+/// Identifiers for names, all different.
 pub fn identifiers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
@@ -22,7 +23,8 @@ pub fn identifiers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> 
     names.into_iter().map(unique).collect()
 }
 
-/// The model's name: the prefix of everything in C, a module of Rust, and the name of the files, which must take no header's place.
+/// The model's name as the prefix of everything in C, a module of Rust, and the name of the files, which must not hide
+/// a standard header.
 pub fn model_identifier(name: &str) -> String {
     let text = identifier(name);
     if is_among(HEADERS, &text.to_lowercase()) || is_among(MODULES, &text) { text + "_" } else { text }
@@ -49,7 +51,7 @@ pub fn identifier(name: &str) -> String {
             gap = true;
         }
     }
-    // A leading underscore belongs to compilers.
+    // Identifiers with a leading underscore are reserved for compilers.
     let text = text.trim_start_matches('_');
     let text = if text.is_empty() || text.starts_with(|c: char| c.is_ascii_digit()) {
         format!("n{text}")

@@ -1,6 +1,6 @@
-//! Code that keeps a parameter changeable: a dense step, and `set_parameter`, which assembles M, C and K anew, solves for the
-//! accelerations and takes the exponential by scaling and squaring E = exp - 1, in a number of operations that does not depend on
-//! the value. In: the system over the parameter. Out: a plan. See docs/method/emit.md.
+//! Code with an adjustable parameter: a dense step, and `set_parameter`, which assembles M, C and K, solves for the
+//! accelerations and computes the exponential by scaling and squaring E = exp - 1, in a number of operations that does
+//! not depend on the value. In: the system as a function of the parameter. Out: a plan. See docs/method/emit.md.
 
 use super::header::of_parameter;
 use super::names::{identifiers, model_identifier};
@@ -11,10 +11,10 @@ use super::plan::{product, sum, tidy, total};
 use crate::analysis::discrete::parameter::{Parameterised, Polynomial};
 use crate::analysis::discrete::{Port, Precision};
 
-/// Terms of the exponential's series: with a norm of a half at most, what is left out is below 1e-19.
+/// Terms of the exponential's series: for a norm of at most a half, the remainder is below 1e-19.
 const TERMS: usize = 15;
 
-/// The plan of a model with a changeable parameter; none where a number leaves the range of the precision.
+/// The plan of a model with an adjustable parameter; `None` if a number leaves the range of the precision.
 pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision) -> Option<Plan> {
     let written = Written::of(system, step);
     let (n, width) = (written.n, written.width());
@@ -65,7 +65,7 @@ struct Written<'a> {
     n: usize,
     inputs: usize,
     step: f64,
-    /// Velocities are kept in this unit, a power of two, so that the exponent is balanced.
+    /// Unit of velocities, a power of two that balances the exponent.
     scale: f64,
     squarings: i32,
 }
@@ -81,7 +81,8 @@ fn power_of_two(x: f64) -> f64 {
 impl<'a> Written<'a> {
     fn of(system: &'a Parameterised, step: f64) -> Written<'a> {
         let n = system.coordinates.len();
-        // Sizes over the range: K and C beside the smallest diagonal of M, which bounds the accelerations up to a factor n.
+        // Magnitudes over the range: K and C relative to the smallest diagonal entry of M, which bounds the
+        // accelerations up to a factor n.
         let (mut stiff, mut damped) = (0.0f64, 0.0f64);
         for value in [system.range.0, system.value, system.range.1] {
             let mass = (0..n).map(|i| at(&system.m[i * n + i], value).abs()).fold(f64::INFINITY, f64::min);
@@ -101,7 +102,7 @@ impl<'a> Written<'a> {
         2 * self.n + self.inputs
     }
 
-    /// A polynomial of the parameter; nothing where it is zero.
+    /// A polynomial of the parameter; `None` if it is zero.
     fn value(p: &Polynomial) -> Option<E> {
         let value = || E::local("value");
         let powers = [None, Some(value()), Some(product(value(), value()))];
@@ -115,7 +116,7 @@ impl<'a> Written<'a> {
     fn set_parameter(&self) -> Vec<Statement> {
         let (n, width, system) = (self.n, self.width(), self.system);
         let mut list = Vec::new();
-        // M = L D L^T with L and D as locals; what is zero for every value is none.
+        // M = L D L^T with L and D as locals; entries that are zero for every value are omitted.
         let mut l: Vec<Vec<bool>> = vec![vec![false; n]; n];
         for i in 0..n {
             for j in 0..=i {
@@ -136,7 +137,7 @@ impl<'a> Written<'a> {
                 }
             }
         }
-        // Accelerations over displacements, scaled velocities and inputs.
+        // Accelerations as rows over displacements, scaled velocities and inputs.
         let mut moves = vec![vec![false; width]; n];
         for column in 0..width {
             let entry = |i: usize| -> Option<E> {
@@ -178,7 +179,7 @@ impl<'a> Written<'a> {
         list
     }
 
-    /// e = exp(A h) - 1 and what inputs add.
+    /// e = exp(A h) - 1, and the contributions of inputs.
     #[allow(clippy::needless_range_loop)]
     fn exponential(&self, moves: &[Vec<bool>]) -> Vec<Statement> {
         let (n, width) = (self.n, self.width());
@@ -256,7 +257,7 @@ impl<'a> Written<'a> {
         let x = |index: Index| E::State("x".into(), index);
         let mut list = vec![Statement::Matrix("next".into(), 1, 2 * n)];
         let row = |array: &str, row: Index, so_far: &str| -> Vec<Statement> {
-            // An entry of the row, by a loop's index or a column's number.
+            // An entry of the row, by the index of a loop or by a column's number.
             let by = |column: &str| match &row {
                 Index::At(0) => Index::Text(column.into()),
                 Index::At(row) => Index::Text(format!("{} + {column}", row * width)),

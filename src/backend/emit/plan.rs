@@ -1,19 +1,19 @@
-//! What a target has to print: constants, the state's arrays and the statements of each function, in the order in which the
-//! operations happen, so that every target computes the same bits. In: a discrete system. Out: a plan that names no language.
-//! See docs/method/emit.md.
+//! The content that a target language prints: constants, the state's arrays and the statements of each function, in the
+//! order in which the operations happen, so that every target computes the same bits. In: a discrete system. Out: a
+//! plan that is independent of the language. See docs/method/emit.md.
 
 use crate::analysis::discrete::Precision;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// The whole code but its language.
+/// All code in a form independent of the language.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Prefix of everything: the model's name.
+    /// Prefix of all names: the model's name.
     pub name: String,
     pub precision: Precision,
     pub style: Style,
-    /// The comment on top, a line each.
+    /// The comment at the top, by lines.
     pub header: Vec<String>,
     pub inputs: Vec<Field>,
     pub outputs: Vec<Field>,
@@ -21,9 +21,9 @@ pub struct Plan {
     /// The state's arrays.
     pub state: Vec<Array>,
     pub tables: Vec<Table>,
-    /// Samples at which something happens; the state then counts its steps.
+    /// Samples with events; if there are any, the state counts its steps.
     pub events: Vec<u64>,
-    /// One step; for equations the derivative.
+    /// One step; for equations, the derivative.
     pub step: Vec<Statement>,
     pub set_state: Vec<Statement>,
     pub get_state: Vec<Statement>,
@@ -31,14 +31,14 @@ pub struct Plan {
     pub observe: Vec<Statement>,
 }
 
-/// What kind of code it is.
+/// The kind of code.
 #[derive(Clone, Debug)]
 pub enum Style {
     /// The exact discrete system.
     Steps,
-    /// The right-hand side of a first-order system; displacements and velocities at t = 0.
+    /// The right-hand side of a first-order system, with displacements and velocities at t = 0.
     Equations { start: Vec<(f64, f64)> },
-    /// Steps with a parameter that may be set; its value at the start.
+    /// Steps with an adjustable parameter, and its initial value.
     Parameter { value: f64, statements: Vec<Statement> },
 }
 
@@ -46,7 +46,7 @@ pub enum Style {
 #[derive(Clone, Debug)]
 pub struct Field {
     pub identifier: String,
-    /// As in the model, with its unit.
+    /// The name in the model, with its unit.
     pub note: String,
 }
 
@@ -58,18 +58,18 @@ pub struct Array {
     pub note: String,
 }
 
-/// What an array begins with.
+/// Initial values of an array.
 #[derive(Clone, Debug)]
 pub enum Start {
     Number(f64),
     Numbers(Vec<f64>),
 }
 
-/// Constants, row by row; one row has no index of its own.
+/// Constants, row by row; a table of one row has no row index.
 #[derive(Clone, Debug)]
 pub struct Table {
     pub name: String,
-    /// Zero where the table is one row.
+    /// Zero if the table has one row.
     pub columns: usize,
     pub values: Vec<f64>,
     pub note: String,
@@ -78,12 +78,12 @@ pub struct Table {
 #[derive(Clone, Debug)]
 pub enum Statement {
     Note(String),
-    /// A local that never changes.
+    /// A local that is never changed.
     Let(String, Expression),
-    /// A local that does.
+    /// A local that is changed.
     Variable(String, Expression),
     Assign(Target, Expression),
-    /// Sums in so many lanes, all zero.
+    /// Sums in this many lanes, all zero.
     Lanes(String, usize),
     /// A local matrix of zeros.
     Matrix(String, usize, usize),
@@ -93,11 +93,11 @@ pub enum Statement {
         width: usize,
         body: Vec<Statement>,
     },
-    /// Count the step; if the next of so many events is due then: the body.
+    /// Counts the step, and runs the body if the next of this many events is due.
     WhenDue(usize, Vec<Statement>),
-    /// So many times.
+    /// Runs the body this many times.
     Repeat(usize, Vec<Statement>),
-    /// For `i` (or another name) from 0 on, below the count.
+    /// Runs the body for `i` (or another name) from 0 up to the count (exclusive).
     Loop(&'static str, usize, Vec<Statement>),
 }
 
@@ -106,14 +106,14 @@ pub enum Target {
     Local(String),
     State(String, Index),
     Output(usize),
-    /// Sum of a lane.
+    /// The sum of a lane.
     Lane(String),
-    /// Of a local matrix.
+    /// An entry of a local matrix.
     Entry(String, Index, Index),
-    /// Of what `get_state` returns.
+    /// A displacement that `get_state` returns.
     Displacement(Index),
     Velocity(Index),
-    /// Of the derivative of these.
+    /// A derivative that the equations return.
     DisplacementRate(Index),
     VelocityRate(Index),
 }
@@ -121,15 +121,15 @@ pub enum Target {
 #[derive(Clone, Debug)]
 pub enum Index {
     At(usize),
-    /// Not an array: a single number.
+    /// The variable is a single number, not an array.
     Only,
     /// The index of a loop.
     Of(&'static str),
-    /// i + l in blocks of such a width.
+    /// i + l in blocks of this width.
     Lane(usize),
     /// The event that is due.
     Event,
-    /// As written: sums and products of indices are the same in all languages.
+    /// Text in a syntax that all languages share: sums and products of indices.
     Text(String),
 }
 
@@ -139,11 +139,11 @@ pub enum Expression {
     Local(String),
     State(String, Index),
     Table(String, Index),
-    /// A table of rows.
+    /// An entry of a table with rows.
     Entry(String, Index, Index),
     Input(usize),
     Lane(String),
-    /// Of what `set_state` is given.
+    /// A displacement that `set_state` is given.
     Displacement(Index),
     Velocity(Index),
     Sum(Box<Expression>, Box<Expression>),
@@ -151,22 +151,22 @@ pub enum Expression {
     Product(Box<Expression>, Box<Expression>),
     Negative(Box<Expression>),
     Quotient(Box<Expression>, Box<Expression>),
-    /// So many lanes, in pairs, pairs of pairs.
+    /// The sum of this many lanes, in pairs, and pairs of pairs.
     LaneSum(String, usize),
 }
 
-/// What a term is multiplied with.
+/// The factor of a term.
 #[derive(Clone, Debug)]
 pub enum Factor {
     Number(f64),
-    /// Less this number.
+    /// The negative of this number.
     Less(f64),
     Table(Expression),
     LessTable(Expression),
 }
 
 impl Factor {
-    /// What to multiply with, if anything, and whether the term is subtracted.
+    /// The factor to multiply with, if any, and whether the term is subtracted.
     fn parts(self) -> (Option<Expression>, bool) {
         let number = |x: f64| (x.abs() != 1.0).then(|| Expression::Number(x.abs()));
         match self {
@@ -178,7 +178,7 @@ impl Factor {
     }
 }
 
-/// A sum so far and one more term: factors of one and signs cost no operation.
+/// Adds a term to a sum: factors of one and signs cost no operation.
 pub fn plus(so_far: Option<Expression>, factor: Factor, of: Expression) -> Expression {
     match (so_far, factor.parts()) {
         (None, (None, false)) => of,
@@ -210,7 +210,7 @@ pub fn product(a: Expression, b: Expression) -> Expression {
     Expression::Product(Box::new(a), Box::new(b))
 }
 
-/// A sum of terms with numbers as factors.
+/// A sum of terms with numerical factors.
 pub fn total(terms: impl IntoIterator<Item = (f64, Expression)>) -> Option<Expression> {
     terms.into_iter().fold(None, |so_far, (factor, of)| Some(plus(so_far, Factor::Number(factor), of)))
 }
@@ -231,7 +231,7 @@ impl Target {
     }
 }
 
-/// Multiplications (divisions among them) and additions (subtractions among them).
+/// Number of multiplications (including divisions) and additions (including subtractions).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     pub multiplications: usize,
@@ -239,7 +239,7 @@ pub struct Operations {
 }
 
 impl Operations {
-    /// Of statements that are run once; what only happens when an event is due is not counted.
+    /// Operations of statements that are run once; those of events are not counted.
     pub fn of(list: &[Statement]) -> Operations {
         list.iter().fold(Operations::default(), |sum, statement| sum.and(1, statement.operations()))
     }
@@ -260,7 +260,7 @@ impl fmt::Display for Operations {
     }
 }
 
-/// Statements without the constants that nothing reads, and with constants where nothing changes.
+/// Removes constants that are never read, and turns locals that never change into constants.
 pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
     let mut changed: BTreeSet<String> = BTreeSet::new();
     list.iter().for_each(|statement| statement.changed(&mut changed));
@@ -271,11 +271,11 @@ pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
     without_unused(list.into_iter().map(constant).collect())
 }
 
-/// Statements without the constants that nothing reads.
+/// Removes constants that are never read.
 fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
     let mut read: BTreeSet<String> = BTreeSet::new();
     let mut kept: Vec<Statement> = Vec::new();
-    // From the end: what reads a local comes after it.
+    // From the end, because a local is read after its declaration.
     for statement in list.into_iter().rev() {
         if matches!(&statement, Statement::Let(name, _) if !read.contains(name)) {
             continue;
@@ -288,7 +288,7 @@ fn without_unused(list: Vec<Statement>) -> Vec<Statement> {
 }
 
 impl Plan {
-    /// Whether all numbers are numbers of the precision, and none that is a factor of something becomes zero.
+    /// Whether all numbers are within the precision, and no factor underflows to zero.
     pub fn fits(&self) -> bool {
         let mut numbers: Vec<f64> = self.tables.iter().flat_map(|table| table.values.clone()).collect();
         for array in &self.state {
@@ -322,7 +322,7 @@ impl Statement {
         }
     }
 
-    /// Locals that get another value.
+    /// Collects the locals that are assigned again.
     fn changed(&self, names: &mut BTreeSet<String>) {
         match self {
             Statement::Assign(Target::Local(name), _) => {

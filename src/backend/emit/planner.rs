@@ -1,6 +1,6 @@
-//! From a discrete system to the statements of one step. Pairs of states that are alike are loops over tables, in blocks of eight
-//! and a smaller one for what is left, which compilers turn into vector instructions without changing the order of any sum;
-//! all others are written out. See docs/method/emit.md.
+//! Turns a discrete system into the statements of one step. Similar pairs of states become loops over tables, in blocks
+//! of eight and a smaller one for the rest, which compilers vectorise without changing the order of any sum; all other
+//! states are written out. See docs/method/emit.md.
 
 use super::groups::{LANES, groups};
 use super::header::header;
@@ -10,7 +10,7 @@ use super::plan::{Array, Expression, Factor, Field, Index, Operations, Plan, Sta
 use super::plan::{plus, product, sum, tidy, total};
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
 
-/// Where a state is kept.
+/// The place of a state in the arrays.
 #[derive(Clone, Debug)]
 pub struct Slot {
     pub array: String,
@@ -58,7 +58,7 @@ fn fields(ports: &[Port]) -> Vec<Field> {
     identifiers.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
 }
 
-/// Longer arrays are changed by a loop.
+/// Longer arrays are changed in a loop.
 const LOOP: usize = 8;
 
 struct Planner<'a> {
@@ -67,14 +67,14 @@ struct Planner<'a> {
     outputs: Vec<String>,
     tables: Vec<Table>,
     step: Vec<Statement>,
-    /// Whether an output's sum has begun.
+    /// Whether the sum of an output has been started.
     begun: Vec<bool>,
-    /// Sums in lanes to be added at the end, with their outputs.
+    /// Sums in lanes that are added at the end, with their outputs.
     lanes: Vec<(usize, Expression)>,
-    /// For each cell and each of its states.
+    /// The slot of each state of each cell.
     slots: Vec<Vec<Slot>>,
     groups: Vec<Array>,
-    /// States that stand alone.
+    /// Initial values of single states.
     alone: Vec<f64>,
 }
 
@@ -92,7 +92,7 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// v - c v + g u - k x; with the other sign where the motion turns, but for the input.
+    /// v - c v + g u - k x; if the motion turns, with the opposite sign except for the input.
     fn next_v(&self) -> Expression {
         let turned = self.lift.turned;
         let base = match (self.lift.decay, turned) {
@@ -145,7 +145,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Inputs, and what is made of them once a step.
+    /// Locals for inputs, and for values computed from them once a step.
     fn locals(&mut self) {
         let system = self.system;
         for (j, input) in self.inputs.iter().enumerate() {
@@ -178,7 +178,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// An operand, for a comment.
+    /// The name of an operand in a comment.
     fn called(&self, operand: Operand) -> String {
         let input = |j: usize| &self.system.inputs[j].name;
         match operand {
@@ -189,7 +189,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// What outputs see of the inputs without states in between.
+    /// Adds the direct feed-through of inputs to the outputs.
     fn at_once(&mut self) {
         for i in 0..self.outputs.len() {
             let terms = self.system.direct[i].iter().map(|&(operand, d)| (Factor::Number(d), self.operand(operand)));
@@ -215,7 +215,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Pairs that are alike, by tables.
+    /// The step of a group of similar pairs, with tables.
     fn group(&mut self, members: &[usize]) {
         let system = self.system;
         let cells: Vec<&Cell> = members.iter().map(|&i| &system.cells[i]).collect();
@@ -307,7 +307,7 @@ impl<'a> Planner<'a> {
         });
     }
 
-    /// A cell that stands alone.
+    /// The step of a single cell.
     fn cell(&mut self, index: usize) {
         let cell = &self.system.cells[index];
         let first = self.alone.len();
@@ -375,7 +375,7 @@ impl<'a> Planner<'a> {
         self.step.extend(next);
     }
 
-    /// Sums of lanes, what is remembered, the outputs.
+    /// The end of a step: sums of lanes, stored inputs, outputs.
     fn end(&mut self) {
         for (output, lanes) in std::mem::take(&mut self.lanes) {
             self.see(output, vec![(Factor::Number(1.0), lanes)]);
@@ -396,7 +396,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// What happens at certain samples, by tables over the arrays.
+    /// Changes at certain samples, by tables over the arrays.
     fn events(&mut self, arrays: &[Array]) -> Vec<u64> {
         let events = &self.system.events;
         if events.is_empty() {
@@ -434,7 +434,7 @@ impl<'a> Planner<'a> {
             let note = "what each event sets or adds to the states".to_string();
             self.tables.push(Table { name, columns: numbers.len(), values: rows, note });
         }
-        // After the step that ends at the event's sample, so that the state that is read there has it.
+        // After the step that ends at the event's sample, so that the state that is read there includes it.
         let outputs =
             self.step.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
         self.step.insert(outputs.unwrap_or(self.step.len()), Statement::WhenDue(events.len(), body));
@@ -463,7 +463,7 @@ impl<'a> Planner<'a> {
 struct Tables<'a> {
     number: usize,
     cells: &'a [&'a Cell],
-    /// Where a loop reads them.
+    /// The index at which a loop reads them.
     at: Index,
     made: Vec<Table>,
 }

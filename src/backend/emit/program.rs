@@ -1,16 +1,16 @@
-//! A program around emitted code: `main.c` or `main.rs`, which prints the CSV of `vibc simulate`. In: the plan, the step and the
-//! number of samples. Numbers are printed with the fewest digits that read back the same, in the form of that CSV; both
-//! programs print the same bytes where they compute the same bits. See docs/method/emit.md.
+//! A program around emitted code: `main.c` or `main.rs`, which prints the CSV of `vibc simulate`. In: the plan, the
+//! step and the number of samples. Numbers are printed with the fewest digits that read back the same, in the format of
+//! that CSV; both programs print the same bytes if they compute the same bits. See docs/method/emit.md.
 
 use super::plan::Plan;
 use super::{File, Language};
 use crate::analysis::discrete::Precision;
 use crate::base::Number;
 
-/// What is run.
+/// The parameters of the run.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// s
+    /// Step size, s.
     pub step: Number,
     pub samples: u64,
 }
@@ -30,12 +30,12 @@ pub fn file(plan: &Plan, columns: &[String], program: &Program, language: Langua
     File { name: name.into(), text }
 }
 
-/// Names hold letters, digits, dots and brackets; anything else is no reason to break a string.
+/// Names contain letters, digits, dots and brackets; any other character must not break the string.
 fn escaped(name: &str) -> String {
     name.replace('\\', "\\\\").replace('"', "\\\"")
 }
 
-/// The time of sample k, `k` being a double: rounded once where the step is a fraction of small numbers.
+/// The time of sample k, where `k` is a double: rounded once if the step is a fraction of small numbers.
 fn time(step: &Number) -> String {
     const EXACT: f64 = 4e9;
     let small = |x: &Number| x.to_f64().abs() < EXACT && x.exact().is_some_and(|x| x.is_integer());
@@ -53,7 +53,7 @@ fn time(step: &Number) -> String {
     if small(&inverse) { format!("k / {:?}", inverse.to_f64()) } else { format!("k * {:?}", step.to_f64()) }
 }
 
-/// The functions that print numbers: times are double whatever the code is.
+/// The functions that print numbers; times are double in any precision of the code.
 fn printers(text: &str, words: impl Fn(Precision) -> Vec<(&'static str, &'static str)>, of: Precision) -> String {
     let one =
         |precision| words(precision).into_iter().fold(text.to_string(), |text, (word, by)| text.replace(word, by));
@@ -132,7 +132,7 @@ int main(void)
     )
 }
 
-/// The digits are those of `%e` with the fewest that read back the same.
+/// Digits as from `%e`, with the fewest that read back the same.
 const C_PRINT: &str = "
 /* The fewest digits that read back the same. */
 static void PRINT(REAL x)

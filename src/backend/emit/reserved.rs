@@ -1,8 +1,9 @@
-//! Words that mean something to C, C++ or Rust, or to their headers, so that no name of a model becomes one of them. Sources: ISO C99 to
-//! C23 and the macros without parameters of all their headers, as glibc 2.36 has them, with those that POSIX and GNU add to
-//! the headers that emitted code takes; ISO C++98 to C++26; the Rust reference, editions 2015 to 2024.
+//! Words with a meaning in C, C++ or Rust, or in their headers, so that no name of a model becomes one of them.
+//! Sources: ISO C99 to C23 and the macros without parameters of all their headers, as in glibc 2.36, with those that
+//! POSIX and GNU add to the headers that emitted code includes; ISO C++98 to C++26; the Rust reference, editions 2015
+//! to 2024.
 
-/// Keywords of the three languages, reserved ones too, and what compilers predefine.
+/// Keywords of the three languages, including reserved ones, and predefined names of compilers.
 pub const KEYWORDS: &str = "\
     Self abstract alignas alignof and and_eq as asm async auto await become bitand bitor bool box break case catch \
     char char16_t char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval \
@@ -79,7 +80,7 @@ pub const MACROS: &str = "\
     USHRT_WIDTH WCHAR_MAX WCHAR_MIN WCHAR_WIDTH WCONTINUED WEOF WEXITED WINT_MAX WINT_MIN WINT_WIDTH WNOHANG WNOWAIT \
     WSTOPPED WUNTRACED complex errno math_errhandling noreturn stderr stdin stdout";
 
-/// Headers of C and POSIX, whose place `NAME.h` would take under `-I.`, in lower case.
+/// Headers of C and POSIX in lower case, which `NAME.h` would hide under `-I.`.
 pub const HEADERS: &str = "\
     aio alloca asm assert bits byteswap complex cpio ctype dirent dlfcn endian errno fcntl features fenv float \
     fmtmsg fnmatch ftw glob gnu grp iconv inttypes iso646 langinfo libgen libintl limits linux locale malloc math \
@@ -88,6 +89,6 @@ pub const HEADERS: &str = "\
     sys syslog tar termios tgmath threads time trace uchar ulimit unistd utime utmpx values wchar wctype wordexp \
     xlocale";
 
-/// What a module of Rust would hide from the program around it.
+/// Names that a Rust module would hide from the program around it.
 pub const MODULES: &str = "\
     String Write alloc core f128 f16 i128 i16 i32 i64 i8 io isize proc_macro std str test u128 u16 u32 u64 u8 usize";

@@ -11,10 +11,10 @@ pub fn files(plan: &Plan) -> Vec<File> {
     vec![File { name: format!("{}.rs", plan.name), text: whole(plan) }]
 }
 
-/// How Rust writes the words of a plan.
+/// The syntax of Rust for the elements of a plan.
 struct Rust<'a> {
     plan: &'a Plan,
-    /// What the motion that is read or set is called.
+    /// The name of the motion that is read or set.
     motion: &'static str,
 }
 
@@ -105,8 +105,8 @@ fn real(plan: &Plan) -> &'static str {
     }
 }
 
-/// Some functions may have no caller; names are those of the model; loops are those of C, so that the bits are the same; a
-/// coefficient may come near a constant of mathematics.
+/// Some functions may have no caller; names are those of the model; loops are written as in C, so that the bits are the
+/// same; a coefficient may be close to a mathematical constant.
 const ALLOWED: &str =
     "\n#![allow(dead_code, non_snake_case)]\n#![allow(clippy::needless_range_loop, clippy::approx_constant)]\n";
 
@@ -168,7 +168,7 @@ fn state(plan: &Plan) -> String {
     text
 }
 
-/// The functions of the state.
+/// The methods of the state.
 fn steps(plan: &Plan) -> String {
     let words = Rust::of(plan);
     let n = plan.coordinates.len();
@@ -239,7 +239,7 @@ fn equations(plan: &Plan, start: &[(f64, f64)]) -> String {
     text
 }
 
-/// Statements whose outputs come last, as a body that returns them.
+/// Statements that end with the outputs, as a body that returns them.
 fn observing(words: &Rust, list: &[Statement]) -> String {
     let first = list.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
     let (before, outputs) = list.split_at(first.unwrap_or(list.len()));
@@ -253,7 +253,7 @@ fn observing(words: &Rust, list: &[Statement]) -> String {
     text + &line(2, "}")
 }
 
-/// The parameter for inputs, where there are any; an underscore tells that this function needs none of them.
+/// The parameter for inputs, if there are any; an underscore marks it as unused in this function.
 fn inputs(plan: &Plan, body: &str) -> &'static str {
     match (plan.inputs.is_empty(), body.contains("inputs.")) {
         (true, _) => "",

@@ -1,35 +1,35 @@
-//! Statements and expressions as text: what C, Rust and their like have in common. A language says how it writes its operands
-//! and declarations ([`Words`]); operators, their order and parentheses are the same in all of them.
-//! See docs/method/emit.md.
+//! Statements and expressions as text: the part that C, Rust and similar languages share. A language defines how its
+//! operands and declarations are written ([`Words`]); operators, their precedence and parentheses are the same in all
+//! of them. See docs/method/emit.md.
 
 use super::plan::{Expression, Index, Statement, Target};
 use crate::analysis::discrete::Precision;
 
-/// How a language writes what differs.
+/// The syntax that differs between languages.
 pub trait Words {
     fn number(&self, x: f64) -> String;
     fn state(&self, array: &str, index: Option<String>) -> String;
     fn input(&self, input: usize) -> String;
     fn output(&self, output: usize) -> String;
-    /// Of a motion given or returned: `displacement` or `velocity`.
+    /// An entry of a motion that is given or returned: `displacement` or `velocity`.
     fn motion(&self, what: &str, index: String) -> String;
-    /// Of the derivative of a motion.
+    /// An entry of the derivative of a motion.
     fn derivative(&self, what: &str, index: String) -> String;
     fn note(&self, note: &str) -> String;
     fn constant(&self, name: &str, value: &str) -> String;
     fn variable(&self, name: &str, value: &str) -> String;
-    /// So many sums, all zero.
+    /// Declares this many sums, all zero.
     fn lanes(&self, name: &str, width: usize) -> String;
-    /// A matrix of zeros.
+    /// Declares a matrix of zeros.
     fn matrix(&self, name: &str, rows: usize, columns: usize) -> String;
     fn loop_head(&self, index: &str, count: usize) -> String;
-    /// Of a loop whose body does not ask how often it was run.
+    /// The head of a loop whose body does not use the index.
     fn repeat_head(&self, count: usize) -> String;
     /// The heads of the loops over `count / width` blocks and over the lanes of one.
     fn block_heads(&self, count: usize, width: usize) -> [String; 2];
-    /// The lines before and after what happens when the next of so many events is due.
+    /// The lines before and after the body that runs when the next of `count` events is due.
     fn due(&self, count: usize) -> [Vec<String>; 2];
-    /// The index in blocks of a width.
+    /// The index in blocks of this width.
     fn lane(&self, width: usize) -> String;
 }
 
@@ -68,12 +68,12 @@ fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
     }
 }
 
-/// An expression that stands alone.
+/// An expression without outer parentheses.
 pub fn value(words: &impl Words, e: &Expression) -> String {
     expression(words, e, Level::Sum)
 }
 
-/// What is added to itself is written so.
+/// An assignment; an addition to the target itself is written with `+=`.
 fn assignment(words: &impl Words, target: &Target, e: &Expression) -> String {
     let place = place(words, target);
     match e {
@@ -85,10 +85,10 @@ fn assignment(words: &impl Words, target: &Target, e: &Expression) -> String {
     }
 }
 
-/// Columns of a line of code.
+/// Maximum width of a line of code.
 const WIDTH: usize = 120;
 
-/// A statement in lines that can be read: long sums go on in the next line, further in.
+/// Breaks a statement into readable lines: long sums continue in the next line, further indented.
 fn folded(depth: usize, statement: &str) -> String {
     let mut lines = String::new();
     let mut rest = statement;
@@ -137,7 +137,7 @@ fn index(words: &impl Words, index: &Index) -> Option<String> {
     }
 }
 
-/// What may stand in a place without parentheses.
+/// The precedence below which an operand needs parentheses.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Level {
     Sum,
@@ -172,7 +172,7 @@ fn expression(words: &impl Words, e: &Expression, allowed: Level) -> String {
     if level < allowed { format!("({text})") } else { text }
 }
 
-/// The sum of lanes in pairs, pairs of pairs: the left part is the largest power of two.
+/// The sum of lanes in pairs, and pairs of pairs: the left part has the largest power of two.
 fn lane_sum(name: &str, first: usize, width: usize) -> (String, Level) {
     if width <= 1 {
         return (format!("{name}[{first}]"), Level::Single);

@@ -1,5 +1,5 @@
-//! Sums to formulas, in the order and form in which a textbook writes them: common factors in front of brackets, squares as squares,
-//! coefficients before sines and cosines, coordinates last, positive terms first.
+//! Turns sums into formulas in the order and form in which a textbook writes them: common factors in front of brackets,
+//! squares as squares, coefficients before sines and cosines, coordinates last, positive terms first.
 
 use super::formula::{Formula, Shown, shown};
 use crate::base::Rational;
@@ -7,7 +7,7 @@ use crate::equations::energy::is_motion;
 use crate::equations::names::{Names, class};
 use crate::symbols::{Factor, Product, Sum, common_factors};
 
-/// Where a numerical fraction stands: `1/2 m x'^2` or `m x''/2`.
+/// The position of a numerical fraction: `1/2 m x'^2` or `m x''/2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fractions {
     InFront,
@@ -30,13 +30,13 @@ impl<'a> Builder<'a> {
         Builder { fractions: Fractions::InFront, ..self }
     }
 
-    /// A sum, with its sign where it is a single negative term.
+    /// A sum, including its sign if it is a single negative term.
     pub fn sum(&self, sum: &Sum) -> Formula {
         let (negative, formula) = self.signed(sum);
         if negative { formula.negated() } else { formula }
     }
 
-    /// A sum as a factor: its sign, and what is left.
+    /// A sum as a factor: its sign and the rest.
     pub fn signed(&self, sum: &Sum) -> (bool, Formula) {
         let sum = &sum.evaluated();
         match sum.terms() {
@@ -65,13 +65,13 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Term by term, positive ones first, nothing taken out but squares: `J + m (r + s)^2`.
+    /// A sum term by term, positive ones first, with nothing but squares factored out: `J + m (r + s)^2`.
     pub fn plain_sum(&self, sum: &Sum) -> Formula {
         let mut terms: Vec<(bool, Formula)> = Vec::new();
         let (squares, sum) = self.squares(sum);
         terms.extend(squares);
         let sum = &sum;
-        // What belongs to one product of motions is bracketed together.
+        // Terms with the same product of motions are bracketed together.
         for (moving, rest) in sum.collected(|factor| factor.mentions(&is_motion)) {
             if moving.is_one() {
                 let parts = rest.terms().iter();
@@ -85,9 +85,9 @@ impl<'a> Builder<'a> {
         Formula::sum(terms)
     }
 
-    /// Parts that are a name times the square of a sum, and what is left.
+    /// Splits off parts that are a name times the square of a sum; returns these and the rest.
     fn squares(&self, sum: &Sum) -> (Vec<(bool, Formula)>, Sum) {
-        /// Terms of the square of a sum of two.
+        /// Number of terms in the square of a sum of two.
         const LEAST: usize = 3;
         let mut found = Vec::new();
         let mut left = sum.clone();
@@ -119,7 +119,7 @@ impl<'a> Builder<'a> {
         (found, left)
     }
 
-    /// A coefficient in front of something: its sign, and one is left out.
+    /// A coefficient in front of a factor, with its sign; one is omitted.
     fn coefficient(&self, sum: &Sum) -> (bool, Formula) {
         self.signed(sum)
     }
@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
         Formula::product(vec![coefficient, self.term(moving, &Rational::ONE, &[])])
     }
 
-    /// Terms collected by what moves in them, in the order of `rank`; each with its sign.
+    /// Terms collected by their moving factors, in the order of `rank`, each with its sign.
     pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
         let parts = sum.collected(|factor| factor.mentions(&is_dynamic));
         let terms = parts.into_iter().map(|(moving, rest)| {
@@ -156,7 +156,7 @@ impl<'a> Builder<'a> {
         parts.into_iter().map(term).collect()
     }
 
-    /// A product of factors, with further ones behind the names of parameters.
+    /// A product of factors; further ones follow the names of parameters.
     pub fn term(&self, product: &Product, coefficient: &Rational, brackets: &[Formula]) -> Formula {
         let (mut over, mut under): (Vec<(u8, Formula)>, Vec<Formula>) = Default::default();
         let mut front = None;
@@ -175,7 +175,7 @@ impl<'a> Builder<'a> {
                 }
             }
         }
-        // Coordinates and their rates stand behind a fraction bar, not on it.
+        // Coordinates and their rates are written after a fraction, not in its numerator.
         let mut behind = Vec::new();
         for (factor, exponent) in product.factors() {
             let formula = self.factor(factor, exponent.unsigned_abs());
@@ -195,7 +195,7 @@ impl<'a> Builder<'a> {
         let is_one = matches!(&coefficient, Formula::Number(number) if number.is_one());
         let mut factors: Vec<Formula> = front.into_iter().collect();
         if !under.is_empty() {
-            // A lone denominator goes below what moves: x/2, not 1/2 x.
+            // A lone denominator goes below the moving factor: x/2, not 1/2 x.
             if is_one && !behind.is_empty() {
                 let moving = Formula::product(behind.drain(..).map(|(_, formula)| formula).collect());
                 factors.push(Formula::quotient(moving, Formula::product(under)));
@@ -225,7 +225,7 @@ impl<'a> Builder<'a> {
         if exponent == 1 { base } else { Formula::Power(Box::new(base), exponent) }
     }
 
-    /// Inside of functions fractions stand below.
+    /// Fractions in arguments of functions have their number in the denominator.
     fn inner(&self) -> Builder<'a> {
         Builder { fractions: Fractions::Below, ..*self }
     }
@@ -242,7 +242,7 @@ fn rates(product: &Product) -> Vec<crate::symbols::Symbol> {
     product.factors().iter().flat_map(of).collect()
 }
 
-/// From here on factors stand behind a fraction bar.
+/// Rank from which factors are written after a fraction.
 const WAVE: u8 = 4;
 
 /// The order of factors in a term.
@@ -274,24 +274,24 @@ fn number(text: &str, value: &Rational) -> Formula {
     if value.is_integer() { Formula::Number(value.clone()) } else { Formula::Decimal(text.to_string()) }
 }
 
-/// Common denominators that are still read at a glance.
+/// The largest common denominator that is easy to read.
 const MOST_COMMON: i64 = 60;
 
-/// The number that is taken out of brackets: what all numerators share, over a denominator that all have.
+/// The number that is factored out: the common divisor of all numerators, over a denominator that all terms have.
 fn taken_out(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };
-    // Decimals are no fractions to people.
+    // Decimals are not treated as fractions.
     if sum.terms().iter().any(|(_, c)| matches!(shown(&absolute(c)), Shown::Whole(_)) && !c.is_integer()) {
         return Rational::ONE;
     }
     let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);
-    // A common denominator, unless a term has none of its own: (4 m + M)/12, but m + M/3.
+    // A common denominator is used only if every term has one: (4 m + M)/12, but m + M/3.
     let all_have = fractions.iter().all(|(_, denominator)| *denominator > 1);
     let common = fractions.iter().fold(1i64, |all, (_, denominator)| num_integer::lcm(all, *denominator));
     let denominator = if all_have && common <= MOST_COMMON { common } else { 1 };
     let number = Rational::new(shared, denominator);
-    // A number that leaves no bare name in the brackets is taken out by nobody: 3100 + 210 r^2, not 10 (310 + 21 r^2).
+    // A number is factored out only if a bare name remains in the brackets: 3100 + 210 r^2, not 10 (310 + 21 r^2).
     let bares = sum.terms().iter().any(|(product, c)| !product.is_one() && absolute(c) == number);
     if bares || denominator > 1 { number } else { Rational::ONE }
 }

@@ -1,4 +1,4 @@
-//! The layout of the equations: sections of sentences and formulas, the same for every form.
+//! The layout of the equations: sections of sentences and formulas, shared by all output formats.
 
 use super::build::Builder;
 use super::formula::Formula;
@@ -7,7 +7,7 @@ use crate::equations::coordinate::Coordinate;
 use crate::equations::names::Label;
 use crate::symbols::Symbol;
 
-/// What is written.
+/// The laid-out text.
 #[derive(Clone, Debug)]
 pub struct Document {
     pub title: String,
@@ -78,8 +78,8 @@ impl Writer<'_> {
         Formula::Name(self.equations.names.label(symbol))
     }
 
-    /// `T`, `V_2`; the letter of a quantity that is not a name of the model.
-    /// Where the model has a name of its own like it, energies are E_kin, E_pot, E_dis and matrices have the index mat.
+    /// `T`, `V_2`: the symbol of a quantity that is not named in the model. If the model uses the same name, energies
+    /// become E_kin, E_pot, E_dis, and matrices get the index mat.
     pub fn letter(&self, symbol: &'static str, index: Option<Formula>) -> Formula {
         let taken = self.equations.names.is_taken(symbol) || self.equations.inputs.iter().any(|input| input == symbol);
         let (symbol, distinct) = match symbol {

@@ -1,4 +1,4 @@
-//! A formula as it is laid out: what stands in front, in brackets, over a fraction bar. Backends write it in their language.
+//! A formula in its final layout: leading factors, brackets, fractions. Each back end writes it in its own language.
 
 use crate::base::Rational;
 use crate::equations::names::Label;
@@ -11,7 +11,7 @@ pub enum Formula {
     /// The root of -1.
     Imaginary,
     Name(Label),
-    /// Terms with their signs, true for minus.
+    /// Terms with their signs; `true` means minus.
     Sum(Vec<(bool, Formula)>),
     Product(Vec<Formula>),
     Quotient(Box<Formula>, Box<Formula>),
@@ -51,7 +51,7 @@ impl Formula {
         Formula::Equal(Box::new(self), Box::new(right))
     }
 
-    /// Terms with signs; a single positive one is itself.
+    /// A sum of terms with signs; a single positive term is returned as it is.
     pub fn sum(mut terms: Vec<(bool, Formula)>) -> Formula {
         match &terms[..] {
             [] => Formula::zero(),
@@ -60,7 +60,7 @@ impl Formula {
         }
     }
 
-    /// Factors, ones left out.
+    /// A product; factors of one are omitted.
     pub fn product(factors: Vec<Formula>) -> Formula {
         let mut flat = Vec::new();
         for factor in factors {
@@ -93,18 +93,18 @@ impl Formula {
     }
 }
 
-/// A number as people write it: whole, a fraction of small numbers, a decimal; else a fraction.
+/// The usual notation of a number: an integer, a fraction of small numbers, or a decimal; otherwise a fraction.
 pub enum Shown {
     Whole(String),
     Fraction(String, String),
 }
 
-/// Denominators of fractions that are written as fractions, though they have decimals.
+/// Denominators of fractions that are written as fractions even if they have a finite decimal.
 const FRACTIONS: [i64; 9] = [2, 3, 4, 6, 8, 9, 12, 16, 24];
-/// Digits of a decimal that is still read at a glance.
+/// The most digits of a decimal that is easy to read.
 const MOST_DIGITS: usize = 9;
 
-/// Numerator and denominator in which a coefficient is written: (9.81, 1) for 981/100, (2, 3) for 2/3.
+/// The numerator and denominator with which a coefficient is written: (9.81, 1) for 981/100, (2, 3) for 2/3.
 pub fn shown(number: &Rational) -> Shown {
     let Some((numerator, denominator)) = number.to_fraction() else {
         let big = number.to_big();
@@ -119,7 +119,7 @@ pub fn shown(number: &Rational) -> Shown {
     }
 }
 
-/// The decimal that a fraction is exactly, where it is short.
+/// The exact decimal of a fraction, if it is short.
 fn decimal(numerator: i64, denominator: i64) -> Option<String> {
     let (mut power, mut places) = (1i64, 0usize);
     while power % denominator != 0 {
@@ -187,7 +187,7 @@ const GREEK: [(&str, char); 48] = [
     ("omega", 'ω'),
 ];
 
-/// The name of a Greek letter, from its name or character; variants go by their letter.
+/// The name of a Greek letter, from its name or character; variants map to the basic letter.
 pub fn greek_name(word: &str) -> Option<&'static str> {
     let mut characters = word.chars();
     let single = characters.next().filter(|_| characters.next().is_none()).map(|c| match c {

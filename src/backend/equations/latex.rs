@@ -163,7 +163,7 @@ impl Language for Latex {
     }
 }
 
-/// A sum of many terms goes on in a new line after every few of them.
+/// Breaks a sum of many terms into lines after every few of them.
 fn breakable(of: &Formula) -> String {
     const PER_LINE: usize = 4;
     let Formula::Sum(terms) = of else { return formula(of) };
@@ -177,7 +177,7 @@ fn breakable(of: &Formula) -> String {
     text
 }
 
-/// Text that steers nothing.
+/// Escapes text so that it contains no commands.
 fn prose(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {

@@ -1,4 +1,5 @@
-//! Equations of motion as text, LaTeX, Typst, MathML and JSON: one layout value, and a file for each form. Clause: docs/equations.md.
+//! Equations of motion as text, LaTeX, Typst, MathML and JSON: one layout value, and a file for each format. Clause:
+//! docs/equations.md.
 
 mod assumptions;
 mod build;

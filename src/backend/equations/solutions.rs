@@ -1,4 +1,4 @@
-//! Natural frequencies, poles and transfer functions in closed form, laid out.
+//! Layout of natural frequencies, poles and transfer functions in closed form.
 
 use super::document::{DIGITS, Item, Section, Writer, display, words};
 use super::formula::Formula;
@@ -10,7 +10,7 @@ use crate::equations::names::{Label, class};
 use crate::equations::transfer::{Transfer, transfers};
 use crate::symbols::{Factor, Product, Sum, Symbol, common_factors};
 
-/// Transfer functions that are written out.
+/// The most transfer functions that are written out.
 const MOST_TRANSFERS: usize = 12;
 
 impl Writer<'_> {
@@ -27,7 +27,7 @@ impl Writer<'_> {
         Section { heading: "7 Natural frequencies, poles and transfer functions", items }
     }
 
-    /// A letter, with the coordinate where there are several parts or the model uses the letter.
+    /// A symbol, with the coordinate as index if there are several parts or the model uses the letter.
     fn lettered(&self, letter: &str, part: &Part, several: bool) -> Label {
         let own = self.equations.label(part.places[0]).plain();
         if several || self.equations.names.is_taken(letter) { Label::new(letter, own) } else { Label::new(letter, "") }
@@ -215,7 +215,7 @@ impl Writer<'_> {
     }
 }
 
-/// A quotient with its minus in front.
+/// A quotient with its minus sign in front.
 fn fraction(over: Formula, under: Formula) -> Formula {
     match over {
         Formula::Sum(terms) if terms.iter().all(|(negative, _)| *negative) => {
@@ -226,9 +226,9 @@ fn fraction(over: Formula, under: Formula) -> Formula {
     }
 }
 
-/// Common factors of numerator and denominator cancelled.
+/// Cancels common factors of numerator and denominator.
 fn reduced(transfer: &Transfer) -> (Vec<Sum>, Vec<Sum>) {
-    // Powers of two different variables keep the terms apart.
+    // Powers of two different variables keep the terms separate.
     let variables = [0, 1].map(|place| Symbol::new(class::LAPLACE, place + 1));
     let both = &in_variable(&transfer.numerator, variables[0]) + &in_variable(&transfer.denominator, variables[1]);
     let shared = common_factors(&both);

@@ -6,7 +6,7 @@ use super::write::{self, Language, Piece, Tight};
 use crate::base::readable::readable;
 use crate::equations::names::Label;
 
-/// Columns that paragraphs are filled to.
+/// Width to which paragraphs are filled.
 const WIDTH: usize = 100;
 
 pub fn text(document: &Document) -> String {
@@ -177,14 +177,14 @@ fn filled(paragraph: &str, indent: usize) -> String {
     text + "\n"
 }
 
-/// A long equation breaks before a sign between its terms.
+/// Breaks a long equation before a sign between its terms.
 fn broken(line: &str) -> String {
     let mut text = String::from("    ");
     let (mut column, mut depth) = (4, 0i32);
     let words: Vec<&str> = line.split(' ').collect();
     for (index, word) in words.iter().enumerate() {
         let is_sign = depth == 0 && ["+", "-", "="].contains(word);
-        // How far the next term reaches.
+        // The width of the next term.
         let mut ahead = 0;
         let mut inside = depth;
         for (step, next) in words[index..].iter().enumerate() {

@@ -6,7 +6,8 @@ mod pages;
 pub use pages::{PAGES, Page};
 use strsim::damerau_levenshtein;
 
-/// The page of a code for a terminal, or the known code nearest to it. `unit::mismatch` is short for `vib::unit::mismatch`.
+/// The page of a code for a terminal, or the most similar known code. `unit::mismatch` is short for
+/// `vib::unit::mismatch`.
 pub fn explain(asked: &str) -> Result<String, Unknown> {
     let code = if asked.starts_with("vib::") { asked.to_string() } else { format!("vib::{asked}") };
     match PAGES.iter().find(|page| page.code == code) {
@@ -32,10 +33,10 @@ fn nearest(code: &str) -> Option<&'static str> {
     (distance(name) * 3 <= code.chars().count()).then_some(name)
 }
 
-/// Columns of a paragraph.
+/// Width of a paragraph.
 const WIDTH: usize = 96;
 
-/// Markdown for a terminal: headings without their mark, fenced blocks indented, paragraphs and list items wrapped.
+/// Markdown for a terminal: headings without their marks, fenced blocks indented, paragraphs and list items wrapped.
 pub fn terminal(markdown: &str) -> String {
     let mut text = String::new();
     let mut paragraph = String::new();
@@ -55,7 +56,7 @@ pub fn terminal(markdown: &str) -> String {
     text + &filled(&paragraph)
 }
 
-/// Words in lines of at most [`WIDTH`] characters, the further lines of a list's item indented.
+/// Words in lines of at most [`WIDTH`] characters; the continuation lines of a list item are indented.
 fn filled(paragraph: &str) -> String {
     let indent = if paragraph.starts_with("- ") { "  " } else { "" };
     let mut text = String::new();

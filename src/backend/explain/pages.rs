@@ -1,12 +1,13 @@
-//! The page of each diagnostic, part of the program: the file FAMILY/NAME.md of docs/diagnostics for the code `vib::FAMILY::NAME`.
-//! A new code is a new file there and its name here; tests compare both with the codes of the sources.
+//! The page of each diagnostic, as part of the program: the file FAMILY/NAME.md of docs/diagnostics for the code
+//! `vib::FAMILY::NAME`. A new code needs a new file there and its name here; tests compare both with the codes of the
+//! sources.
 
-/// What `vibc explain CODE` prints.
+/// The page that `vibc explain CODE` prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Page {
     /// `vib::unit::mismatch`.
     pub code: &'static str,
-    /// The Markdown file, as it is.
+    /// The unchanged Markdown file.
     pub markdown: &'static str,
 }
 

@@ -1,11 +1,11 @@
-//! Axes: their range, where values lie on them, their ticks. In decades or linear.
+//! Axes with scales in decades or linear: their range, the positions of values, and their ticks.
 
 /// An axis with its title: `frequency [Hz]`.
 #[derive(Clone, Debug)]
 pub struct Axis {
     pub title: String,
     pub scale: Scale,
-    /// Ends, in values of [`Axis::place`]: powers of ten for decades.
+    /// Ends, in the units of [`Axis::place`]: powers of ten for decades.
     low: f64,
     high: f64,
 }
@@ -18,7 +18,7 @@ pub enum Scale {
     Degrees,
 }
 
-/// A tick: its place on the axis and what is written there.
+/// A tick: its position on the axis and its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     pub at: f64,
@@ -26,13 +26,13 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Ticks of a linear axis, about.
+/// Approximate number of ticks on a linear axis.
 const TICKS: f64 = 6.0;
-/// Labels of decades, at most.
+/// The most labels of decades.
 const LABELS: i32 = 8;
 
 impl Axis {
-    /// An axis that holds some values; those that are not finite, and what is not positive for decades, do not count.
+    /// An axis that covers some values; values that are not finite, and for decades not positive, are ignored.
     pub fn holding(title: impl Into<String>, scale: Scale, values: impl Iterator<Item = f64>) -> Axis {
         let mut axis = Axis { title: title.into(), scale, low: f64::INFINITY, high: f64::NEG_INFINITY };
         let places = values.filter_map(|value| axis.place(value));
@@ -50,7 +50,7 @@ impl Axis {
         axis
     }
 
-    /// Exactly from the lowest to the highest value, as time is shown.
+    /// An axis exactly from the lowest to the highest value, as for time.
     pub fn tight(title: impl Into<String>, scale: Scale, from: f64, to: f64) -> Axis {
         let mut axis = Axis::holding(title, scale, [from, to].into_iter());
         if let (Some(low), Some(high)) = (axis.place(from), axis.place(to))
@@ -61,14 +61,14 @@ impl Axis {
         axis
     }
 
-    /// Whole decades, not more than so many below the highest value.
+    /// Extends the axis to whole decades, at most `most` of them below the highest value.
     pub fn in_whole_decades(mut self, most: f64) -> Axis {
         self.high = self.high.ceil();
         self.low = self.low.floor().max(self.high - most).min(self.high - 1.0);
         self
     }
 
-    /// Where a value lies, in units of the axis; `None` for what is not on it.
+    /// The position of a value in units of the axis; `None` if it cannot be on it.
     pub fn place(&self, value: f64) -> Option<f64> {
         match self.scale {
             Scale::Linear | Scale::Degrees => value.is_finite().then_some(value),
@@ -76,12 +76,12 @@ impl Axis {
         }
     }
 
-    /// The same as a share of its length; beyond 0 or 1 outside of it.
+    /// The position of a value as a share of the axis length; outside of 0 to 1 it is off the axis.
     pub fn share(&self, value: f64) -> Option<f64> {
         Some((self.place(value)? - self.low) / (self.high - self.low))
     }
 
-    /// With their places as shares of the length.
+    /// The ticks, with positions as shares of the length.
     pub fn ticks(&self) -> Vec<Tick> {
         let share = |at: f64| (at - self.low) / (self.high - self.low);
         let on_it = |tick: &Tick| (-1e-9..=1.0 + 1e-9).contains(&tick.at);
@@ -117,7 +117,7 @@ impl Axis {
         }
     }
 
-    /// Steps of 1, 2 or 5 times a power of ten, as whole multiples: no error adds up.
+    /// Ticks at whole multiples of a step of 1, 2 or 5 times a power of ten, so that no errors add up.
     fn linear(&self) -> Vec<Tick> {
         let rough = (self.high - self.low) / TICKS;
         let written = format!("{rough:e}");
@@ -168,7 +168,7 @@ fn decimal(number: i64, exponent: i32) -> String {
     }
 }
 
-/// log10, to the accuracy of a picture: the exponent of ten and the digits before it.
+/// log10, accurate enough for a picture: from the decimal exponent and the digits before it.
 pub fn decades(x: f64) -> f64 {
     let written = format!("{x:e}");
     let (digits, exponent) = written.split_once('e').unwrap_or(("1", "0"));

@@ -1,5 +1,5 @@
-//! Plots in SVG: panels with axes that have titles, curves, marks with labels that lie over nothing, a legend. In: numbers to
-//! draw, which say nothing that a table does not say with its bound; out: the file. See docs/draw.md.
+//! Plots in SVG: panels with titled axes, curves, marks with labels that cover nothing, a legend. In: numbers to draw,
+//! all of which are in a table with their bounds. Out: the file. See docs/draw.md.
 
 pub mod axis;
 pub mod motion;
@@ -19,7 +19,7 @@ pub struct Plot {
     pub rows: Vec<Vec<Panel>>,
 }
 
-/// Axes and what is drawn between them.
+/// Axes with everything that is drawn between them.
 pub struct Panel {
     pub heading: String,
     pub x: Axis,
@@ -47,9 +47,9 @@ pub struct Mark {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// A triangle that stands on the curve.
+    /// A triangle on top of the curve.
     Peak,
-    /// One that hangs below it.
+    /// A triangle below the curve.
     Dip,
     Dot,
     Ring,
@@ -68,16 +68,16 @@ pub enum Sample {
     Shape(Shape),
 }
 
-/// One of some colours and dashes, told apart in grey too.
+/// A combination of colour and dashes that can be distinguished in greyscale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     Curve(usize),
-    /// What nothing beats.
+    /// The line of the best methods.
     Frontier,
 }
 
 impl Style {
-    /// Colours that the colour-blind tell apart (Okabe and Ito), and a dash pattern.
+    /// Colours that colour-blind people can distinguish (Okabe and Ito), with a dash pattern.
     fn class(self) -> String {
         match self {
             Style::Curve(number) => format!("c{} k{}", number % COLOURS, (number / COLOURS + number) % DASHES),
@@ -106,7 +106,7 @@ const STYLE: &str = "\
 
 /// Width of a panel with its margins, px.
 pub const WIDTH: f64 = 520.0;
-/// Left of the axes: tick labels and the title; right; above: the heading; below: ticks and title.
+/// Margins. Left of the axes: tick labels and the title; right; above: the heading; below: ticks and title.
 const LEFT: f64 = 74.0;
 const RIGHT: f64 = 22.0;
 const TOP: f64 = 30.0;

@@ -5,7 +5,7 @@ use crate::analysis::History;
 use crate::system::LinearSystem;
 
 const HEIGHT: f64 = 220.0;
-/// Columns of a panel that samples fall into: of many in one, the extremes are drawn.
+/// Columns of a panel; if several samples fall into one column, only its extremes are drawn.
 const COLUMNS: usize = 850;
 
 /// The whole file.
@@ -33,7 +33,7 @@ fn of_unit(system: &LinearSystem, history: &History, unit: &str) -> Panel {
         })
         .collect();
     let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| *value));
-    // Zero is where motions start from: it is always in sight.
+    // Zero, where motions start, is always visible.
     let y = Axis::holding(format!("[{unit}]"), Scale::Linear, values.chain([0.0]));
     let entry =
         |number: usize, name: &str| Entry { style: Style::Curve(number), sample: Sample::Line, text: name.into() };
@@ -49,7 +49,7 @@ fn of_unit(system: &LinearSystem, history: &History, unit: &str) -> Panel {
     }
 }
 
-/// Of the samples that fall into one column the first, the lowest, the highest and the last, in their order.
+/// The first, the lowest, the highest and the last of the samples in each column, in their order.
 fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let each = points.len().div_ceil(COLUMNS);
     if each <= 4 {

@@ -1,4 +1,4 @@
-//! One panel of a plot: frame, ticks, titles, curves within the frame, marks, labels where nothing else is.
+//! One panel of a plot: frame, ticks, titles, curves within the frame, marks, and labels in free places.
 
 use super::{BOTTOM, Curve, Entry, LEFT, LINE, Mark, Panel, RIGHT, Sample, Shape, Style, TOP, WIDTH, line, put};
 use crate::backend::draw::escaped;
@@ -8,7 +8,7 @@ use crate::picture::labels::{Placing, Wanted};
 use crate::picture::occupied::Occupied;
 use crate::picture::{Glyph, Kind, Pen, Stroke};
 
-/// From the middle of a line of text to its baseline, px.
+/// Distance from the middle of a line of text to its baseline, px.
 const BASELINE: f64 = 4.2;
 /// Labels keep this far from the frame, so that its ticks stay readable, px.
 const INSIDE: f64 = 2.0;
@@ -54,7 +54,7 @@ fn axes(file: &mut String, panel: &Panel, frame: Bounds) {
         let x = frame.low.x + tick.at * frame.width();
         line(file, "grid", &[Point::new(x, frame.low.y), Point::new(x, frame.high.y)], false);
         let half = crate::picture::text::width(&tick.label) / 2.0;
-        // Labels that would meet the last one are left out.
+        // Labels that would touch the previous one are omitted.
         if tick.label.is_empty() || x - half < last + 4.0 {
             continue;
         }
@@ -104,7 +104,7 @@ fn place(panel: &Panel, frame: Bounds, (x, y): (f64, f64)) -> Option<Point> {
         .then(|| Point::new(frame.low.x + x * frame.width(), frame.high.y - y.clamp(0.0, 1.0) * frame.height()))
 }
 
-/// A curve within the frame: what leaves it above or below is cut at its edge.
+/// A curve within the frame, cut at the upper and lower edges.
 fn pieces(panel: &Panel, frame: Bounds, curve: &Curve) -> Vec<Vec<Point>> {
     let mut pieces: Vec<Vec<Point>> = vec![Vec::new()];
     let mut before: Option<(f64, f64)> = None;
@@ -127,7 +127,7 @@ fn pieces(panel: &Panel, frame: Bounds, curve: &Curve) -> Vec<Vec<Point>> {
     pieces
 }
 
-/// The part of a segment whose height is between 0 and 1.
+/// The part of a segment with heights between 0 and 1.
 fn cut(a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
     let at = |y: f64| (a.0 + (y - a.1) / (b.1 - a.1) * (b.0 - a.0), y);
     let end = |own: (f64, f64)| match own.1 {
@@ -168,7 +168,7 @@ fn written(file: &mut String, strokes: &[Stroke]) {
     }
 }
 
-/// The colour alone: marks have no dashes.
+/// Only the colour, because marks have no dashes.
 fn colour(style: Style) -> String {
     style.class().split(' ').next().unwrap_or_default().to_string()
 }
@@ -182,7 +182,7 @@ fn outline(frame: Bounds) -> Glyph {
     glyph(vec![Stroke::Line { points: corners.to_vec(), closed: true, pen: Pen::Thin }])
 }
 
-/// Labels within the frame, over nothing.
+/// Labels within the frame that cover nothing.
 fn names(file: &mut String, frame: Bounds, glyphs: &[Glyph], wanted: Vec<Wanted>) {
     let mut room = Occupied::of(glyphs.iter());
     room.only_within(&frame.grown(-INSIDE));
@@ -228,7 +228,7 @@ fn legend(file: &mut String, panel: &Panel, frame: Bounds) {
     }
 }
 
-/// A mark at the edge of the frame stands for what lies beyond it.
+/// A mark at the edge of the frame represents a value beyond it.
 impl Mark {
     pub fn infinite(x: f64, label: String, style: Style) -> Mark {
         Mark { at: (x, f64::INFINITY), shape: Shape::Peak, label, style }

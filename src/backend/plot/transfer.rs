@@ -1,5 +1,5 @@
-//! Transfer functions as a Bode plot: for each input gain and phase over frequency, a curve an output; peaks and
-//! antiresonances marked with their frequencies.
+//! Transfer functions as a Bode plot: for each input, gain and phase over frequency with a curve for each output; peaks
+//! and antiresonances are marked with their frequencies.
 
 use super::{Axis, Curve, Entry, Mark, Panel, Plot, Sample, Scale, Shape, Style, svg};
 use crate::analysis::{Disc, Extremum, FeatureKind, Gain, Table};
@@ -11,9 +11,9 @@ const HEIGHTS: [f64; 2] = [260.0, 170.0];
 const DECADES: f64 = 8.0;
 /// Digits of a marked frequency.
 const DIGITS: usize = 4;
-/// Steps of the phase beyond this are its turn from 180 to -180 degrees.
+/// A larger step of the phase is its jump from 180 to -180 degrees.
 const WRAP: f64 = 180.0;
-/// Ranges that are shorter than this have a linear axis: half a decade.
+/// Shorter ranges (half a decade) have a linear axis.
 const SHORT: f64 = 3.2;
 
 /// The whole file.
@@ -37,7 +37,7 @@ fn of_input(system: &LinearSystem, table: &Table, input: usize) -> Vec<Vec<Panel
     rows
 }
 
-/// What one input does.
+/// The plot of one input.
 struct Shown<'a> {
     system: &'a LinearSystem,
     table: &'a Table,
@@ -113,7 +113,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// `gain [m/N]`; units with a product below the line are bracketed.
+    /// `gain [m/N]`; a product in the denominator is bracketed.
     fn gain_title(&self, unit: &str) -> String {
         match self.unit {
             own if own == unit => "gain".into(),
@@ -131,7 +131,7 @@ fn angle(gain: Gain) -> f64 {
     gain.disc().as_ref().and_then(Disc::phase).map_or(f64::NAN, |phase| phase.mid.to_f64())
 }
 
-/// The curve with gaps where the phase turns over.
+/// The curve with gaps where the phase jumps.
 fn unwrapped(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut list: Vec<(f64, f64)> = Vec::new();
     for (f, phase) in points {

@@ -1,4 +1,4 @@
-//! Matrices as they are drawn: all entries of one in the same notation.
+//! The layout of matrices: all entries of one matrix in the same notation.
 
 use super::super::decimal::{certain_scientific, certain_whole};
 use super::wrap::characters;
@@ -8,7 +8,8 @@ use crate::base::Number;
 /// Space between two matrices.
 const GAP: usize = 3;
 
-/// Beside each other as far as they fit. One that is too wide is not drawn, unless it was asked for: then some columns at a time.
+/// Matrices next to each other as far as they fit. One that is too wide is omitted, unless it was requested: then it is
+/// drawn in pieces of some columns.
 pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
     let room = width.saturating_sub(indent);
     let mut text = String::new();
@@ -45,7 +46,7 @@ pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
     text
 }
 
-/// Every entry as a plain number; where one of them would need a power of ten, all of them with one.
+/// Every entry as a plain number, or all with a power of ten if one of them needs it.
 fn notation(entries: &[Vec<Number>], digits: usize) -> Vec<Vec<String>> {
     let written = |form: fn(&Number, usize) -> String| -> Vec<Vec<String>> {
         entries.iter().map(|row| row.iter().map(|entry| form(entry, digits)).collect()).collect()
@@ -55,7 +56,7 @@ fn notation(entries: &[Vec<Number>], digits: usize) -> Vec<Vec<String>> {
     if plain.iter().flatten().any(has_power) { written(certain_scientific) } else { plain }
 }
 
-/// Some columns at a time, each with the numbers of its columns above it.
+/// A wide matrix in pieces of some columns, each with the column numbers above.
 fn pieces(name: &str, cells: &[Vec<String>], room: usize) -> Vec<Vec<String>> {
     let columns = cells.first().map_or(0, Vec::len);
     let piece = |from: usize, to: usize| -> Vec<String> {
@@ -84,7 +85,7 @@ fn joined(blocks: &[Vec<String>]) -> Vec<String> {
     (0..rows).map(|i| row(i).join(&" ".repeat(GAP))).collect()
 }
 
-/// `M = ⎡ 1.5  0.5 ⎤` in as many lines as rows, all of one width.
+/// `M = ⎡ 1.5 0.5 ⎤` with one line for each row, all of the same width.
 fn block(name: &str, cells: &[Vec<String>]) -> Vec<String> {
     let (rows, columns) = (cells.len(), cells.first().map_or(0, Vec::len));
     let width = |j: usize| cells.iter().map(|row| characters(&row[j])).max().unwrap_or(0);

@@ -1,5 +1,5 @@
-//! Reports as text, within the columns of a terminal: plain characters and no colour, so that a file holds what a screen
-//! shows. What a report says is decided in `answers::report`. See docs/method/report.md.
+//! Reports as text, within the width of a terminal: plain characters without colour, so that a file contains what a
+//! screen shows. The content of a report is decided in `answers::report`. See docs/method/report.md.
 
 mod matrices;
 pub(super) mod table;
@@ -12,23 +12,23 @@ use crate::lower::Account;
 use crate::questions::answer::Requirement;
 use crate::system::LinearSystem;
 
-/// Columns of a report that is not shown on a terminal.
+/// Width of a report that is not shown on a terminal.
 pub const WIDTH: usize = 100;
-/// Space before each line below the title, before one that belongs to another, and before the rest of a broken line.
+/// Indent of each line below the title, of a line that belongs to another, and of the rest of a broken line.
 const INDENT: usize = 2;
 const ITEM: usize = 4;
 const HANGING: usize = 5;
 
-/// The modal report in 100 columns, as on anything but a terminal.
+/// The modal report in 100 columns, as for any output but a terminal.
 pub fn text(answer: &ModalAnswer, options: &Options) -> String {
     laid_out(&report::modal(answer, options), WIDTH)
 }
 
-/// A report in so many columns; a name that is longer than a line stays whole. Ends in a line feed.
+/// A report in `width` columns; a name that is longer than a line is not broken. Ends in a line feed.
 pub fn laid_out(report: &Report, width: usize) -> String {
     let mut text = wrap::filled(&plain::line(&report.title), 0, INDENT, width);
     for (number, section) in report.sections.iter().enumerate() {
-        // A report of one table stands right below its title.
+        // A report of one table follows its title without an empty line.
         let apart = number > 0 || !matches!(section.blocks.first(), Some(Block::Table(_)));
         if apart {
             text.push('\n');
@@ -52,17 +52,17 @@ fn block(block: &Block, width: usize) -> String {
     }
 }
 
-/// Matrices however wide they are, for pages that scroll.
+/// Matrices of any width, for pages that scroll.
 pub(super) fn block_of_matrices(list: &Matrices) -> String {
     matrices::text(list, 0, usize::MAX)
 }
 
-/// How the requirements of a file stand, below its name; nothing where it has none.
+/// The results of the requirements of a file, below its name; empty if it has none.
 pub fn requirements(file: &str, list: &[Requirement], width: usize) -> String {
     report::requirements(file, list).map_or(String::new(), |report| laid_out(&report, width))
 }
 
-/// What was kept of a model and what was left out, where there is no more to report.
+/// The parts of a model that were kept and left out, if there is no further report.
 pub fn explanation(model: &str, account: &Account, system: &LinearSystem, width: usize) -> String {
     laid_out(&report::explanation(model, account, system), width)
 }
@@ -89,7 +89,7 @@ mod tests {
         insta::assert_snapshot!(text(&samples::upright_rod(), &Options::default()));
     }
 
-    /// However narrow: what does not fit is broken or told apart, and nothing is lost.
+    /// At any width, content that does not fit is broken or listed separately, and nothing is lost.
     #[test]
     fn no_line_is_wider_than_asked_for() {
         for answer in [samples::cart(), samples::free_pair(), samples::upright_rod()] {

@@ -1,8 +1,8 @@
-//! Columns of text: names to the left, numbers aligned at their decimal points.
+//! Text tables: names aligned left, numbers at their decimal points.
 //!
-//! A table that is too wide for its page gets narrower in the order of what is lost by it: titles on two lines, a column that
-//! says the same in each row said once below, shorter wordings and broken lines in columns of text, and at last several tables
-//! one below the other, each with the first column.
+//! A table that is too wide for its page is narrowed by these means, the least harmful first: titles on two lines, a
+//! column with the same text in each row stated once below, shorter wordings and broken lines in columns of text, and
+//! finally several tables one below the other, each with the first column.
 
 use super::super::plain;
 use super::wrap::{characters, filled, folded, longest_word};
@@ -13,13 +13,13 @@ use std::fmt::Write;
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     columns: Vec<Column>,
-    /// Each cell in one wording or several, the longest first.
+    /// Each cell with one or several wordings, the longest first.
     rows: Vec<Vec<Vec<String>>>,
 }
 
 #[derive(Clone, Debug)]
 struct Column {
-    /// One below the other.
+    /// Lines of the title.
     title: Vec<String>,
     unit: String,
     align: Align,
@@ -27,10 +27,10 @@ struct Column {
 
 /// Space between two columns.
 const GAP: usize = 2;
-/// A column of text is broken into lines of no less than this.
+/// Minimum width of a broken column of text.
 const LEAST: usize = 16;
 
-/// A table of a report in so many columns, every line indented.
+/// A table of a report within `width` columns, every line indented.
 pub fn text(table: &report::Table, indent: usize, width: usize) -> String {
     let room = width.saturating_sub(indent);
     let whole = Table::of(table);
@@ -74,17 +74,17 @@ impl Table {
         self.rows.push(cells.into_iter().map(|cell| vec![cell]).collect());
     }
 
-    /// The table's width in characters, the indent not counted.
+    /// The table's width in characters, without the indent.
     fn width(&self) -> usize {
         sum(&self.layouts().iter().map(|layout| layout.width).collect::<Vec<_>>())
     }
 
-    /// Every line indented by so many spaces; no line ends in spaces.
+    /// The lines, each indented by `indent` spaces; no line ends in spaces.
     pub fn text(&self, indent: usize) -> String {
         self.lines(indent, &self.layouts())
     }
 
-    /// Within the room, by the means that this file's first lines name.
+    /// The table within the room, narrowed as described in the module's documentation.
     fn squeezed(mut self, indent: usize, room: usize) -> String {
         self.fold_titles(|align| align != Align::Left);
         let said_once = if self.width() > room { self.lift_uniform() } else { Vec::new() };
@@ -95,7 +95,7 @@ impl Table {
         self.split(room).iter().map(|piece| piece.text_within(indent, room)).chain(below).collect()
     }
 
-    /// Titles that are wider than what stands below them go on two lines.
+    /// Puts titles that are wider than their cells on two lines.
     fn fold_titles(&mut self, chosen: impl Fn(Align) -> bool) {
         let cells = |i: usize| self.rows.iter().map(move |row| characters(&row[i][0])).max().unwrap_or(0);
         let widths: Vec<usize> = (0..self.columns.len()).map(cells).collect();
@@ -107,7 +107,7 @@ impl Table {
         }
     }
 
-    /// Takes out the columns of text that say the same in each row, and words what they say.
+    /// Removes the columns of text that are the same in each row, and returns sentences with their content.
     fn lift_uniform(&mut self) -> Vec<String> {
         let mut lines = Vec::new();
         for at in (1..self.columns.len()).rev() {
@@ -126,7 +126,7 @@ impl Table {
         lines
     }
 
-    /// The least that each column can be.
+    /// The minimum width of each column.
     fn least(&self) -> Vec<usize> {
         let word = |at: usize| self.rows.iter().filter_map(|row| row[at].last()).map(|cell| longest_word(cell)).max();
         let least = |(at, layout): (usize, &Layout)| match layout.align {
@@ -136,7 +136,7 @@ impl Table {
         self.layouts().iter().enumerate().map(least).collect()
     }
 
-    /// Tables that fit, each with the first column; a column that fits nowhere has a table to itself.
+    /// Tables that fit, each with the first column; a column that fits nowhere gets a table of its own.
     fn split(&self, room: usize) -> Vec<Table> {
         let least = self.least();
         let mut pieces: Vec<Vec<usize>> = Vec::new();
@@ -164,13 +164,13 @@ impl Table {
         }
     }
 
-    /// Columns of text share the room that numbers leave.
+    /// Lays out the table; columns of text share the room that numbers leave.
     fn text_within(&self, indent: usize, room: usize) -> String {
         let mut layouts = self.layouts();
         let least = self.least();
         let mut spare = room.saturating_sub(sum(&least));
         let mut wanting: Vec<usize> = (0..layouts.len()).filter(|at| layouts[*at].width > least[*at]).collect();
-        // What wants the least more is served first, so that what it leaves goes to the others.
+        // The column that needs the least is served first, so that the others get what it leaves.
         wanting.sort_by_key(|at| layouts[*at].width - least[*at]);
         let count = wanting.len();
         for (served, at) in wanting.into_iter().enumerate() {
@@ -189,7 +189,7 @@ impl Table {
         };
         let height = self.columns.iter().map(|column| column.title.len()).max().unwrap_or(0);
         for i in 0..height {
-            // The last line of each title stands above its unit.
+            // The last line of each title is above its unit.
             let title =
                 |column: &Column| (i + column.title.len()).checked_sub(height).map(|at| column.title[at].clone());
             let titles = self.columns.iter().map(|column| title(column).unwrap_or_default());
@@ -221,7 +221,7 @@ fn sum(widths: &[usize]) -> usize {
 }
 
 impl Column {
-    /// On two lines, as even as they can be.
+    /// Splits the title into two lines of similar width.
     fn fold_title(&mut self) {
         let title = self.title.join(" ");
         let halves = title.match_indices(' ').map(|(at, _)| (&title[..at], &title[at + 1..]));
@@ -232,13 +232,13 @@ impl Column {
     }
 }
 
-/// The measures of a column.
+/// The layout of a column.
 struct Layout {
     align: Align,
     width: usize,
-    /// Of the title and the unit.
+    /// Width of the title and the unit.
     title: usize,
-    /// Characters from the decimal point on.
+    /// Number of characters from the decimal point on.
     fraction: usize,
 }
 
@@ -256,7 +256,7 @@ impl Layout {
         Layout { align: column.align, width: title.max(cells).max(whole + fraction), title, fraction }
     }
 
-    /// The longest wording that fits; the shortest one in lines where none does.
+    /// The longest wording that fits; if none does, the shortest one, broken into lines.
     fn fitting<'a>(&self, wordings: &'a [String]) -> Vec<&'a str> {
         match wordings.iter().find(|wording| characters(wording) <= self.width).or(wordings.last()) {
             Some(wording) if self.align == Align::Left => folded(wording, self.width),
@@ -289,12 +289,12 @@ impl Layout {
     }
 }
 
-/// Words (`rigid`) have no decimal point to stand at.
+/// Words (`rigid`) are not aligned at a decimal point.
 fn is_number(cell: &str) -> bool {
     cell.contains(|c: char| c.is_ascii_digit())
 }
 
-/// Characters before the decimal point, and from it on.
+/// Number of characters before the decimal point, and from it on.
 fn at_point(cell: &str) -> (usize, usize) {
     let at = cell.find('.').unwrap_or(cell.len());
     (characters(&cell[..at]), characters(&cell[at..]))

@@ -1,6 +1,6 @@
-//! Words in lines.
+//! Wrapping of text into lines.
 
-/// The width of a text. Names hold letters that are one column wide each: Latin, Greek, digits.
+/// The width of a text. Names contain only letters that are one column wide: Latin, Greek, digits.
 pub fn characters(text: &str) -> usize {
     text.chars().count()
 }
@@ -20,7 +20,7 @@ pub fn filled(text: &str, first: usize, others: usize, width: usize) -> String {
     }
 }
 
-/// The lines of a text in so many columns.
+/// The lines of a text of this width.
 pub fn folded(text: &str, width: usize) -> Vec<&str> {
     let (mut line, mut rest) = broken(text, width);
     let mut lines = vec![line];
@@ -31,14 +31,14 @@ pub fn folded(text: &str, width: usize) -> Vec<&str> {
     lines
 }
 
-/// The width of the longest part of a text that is not broken.
+/// The width of the longest part of a text that cannot be broken.
 pub fn longest_word(text: &str) -> usize {
     let ends = breaks(text).chain([text.len()]);
     let mut start = 0;
     ends.map(|end| characters(&text[std::mem::replace(&mut start, end + 1)..end])).max().unwrap_or(0)
 }
 
-/// What fits in the first line, and the rest. A word that is longer than the line stays whole.
+/// The part that fits into the first line, and the rest. A word that is longer than the line is not broken.
 fn broken(text: &str, width: usize) -> (&str, &str) {
     if characters(text) <= width {
         return (text, "");
@@ -53,7 +53,7 @@ fn broken(text: &str, width: usize) -> (&str, &str) {
     end.map_or((text, ""), |at| (text[..at].trim_end_matches(' '), text[at..].trim_start_matches(' ')))
 }
 
-/// Where a line may end: at a space, but for one before a bracket, which belongs to the name before it.
+/// Positions at which a line may end: spaces, except one before a bracket, which belongs to the name before it.
 fn breaks(text: &str) -> impl Iterator<Item = usize> {
     text.match_indices(' ').map(|(at, _)| at).filter(|at| *at > 0 && !text[at + 1..].starts_with(['[', ' ']))
 }

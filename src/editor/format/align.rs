@@ -1,4 +1,5 @@
-//! Lines to text: neighbouring declarations have their names, values and comments in columns. See spec.md#layout.
+//! Turns lines into text, with the names, values and comments of neighbouring declarations aligned in columns. See
+//! spec.md#layout.
 
 use super::layout::{Content, Line, Sort};
 
@@ -17,7 +18,7 @@ pub(super) fn text(lines: &[Line]) -> String {
     text
 }
 
-/// Blanks between a declaration and the comment behind it.
+/// Spaces between a declaration and the comment after it.
 const BEFORE_COMMENT: usize = 2;
 
 fn push_line(text: &mut String, line: &Line, code: &str, column: usize) {
@@ -40,7 +41,7 @@ fn width(text: &str) -> usize {
     text.chars().count()
 }
 
-/// The widest keyword of a group, and its widest name of each sort.
+/// The widest keyword of a group, and its widest name of each kind.
 struct Columns {
     keyword: usize,
     values: usize,

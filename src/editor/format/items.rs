@@ -1,9 +1,9 @@
-//! Tokens to declarations, comments on lines of their own, and blank lines. See spec.md#declarations.
+//! Groups tokens into declarations, comments on lines of their own, and blank lines. See spec.md#declarations.
 
 use crate::editor::tokens::{Token, TokenKind};
 use std::ops::Range;
 
-/// What stands below each other in a file; ranges and places are of tokens.
+/// An item of a file, in vertical order; ranges and places refer to tokens.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Item {
     /// One or more empty lines between two other items.
@@ -58,12 +58,12 @@ impl Cutter<'_> {
         self.at - 1
     }
 
-    /// A comment on the line at hand.
+    /// A comment on the current line.
     fn comment(&mut self) -> Option<usize> {
         (self.kind() == Some(TokenKind::Comment)).then(|| self.step())
     }
 
-    /// An empty line counts between items, not at the ends of a file or of a `repeat`.
+    /// Empty lines count between items, but not at the ends of a file or of a `repeat`.
     fn line_ends(&mut self, before: &[Item]) -> Option<Item> {
         let start = self.at;
         while self.kind() == Some(TokenKind::LineEnd) {
@@ -74,7 +74,7 @@ impl Cutter<'_> {
         (self.at - start > 1 && inside && more).then_some(Item::Blank)
     }
 
-    /// Up to the line end outside all brackets, or to what ends or opens a `repeat`.
+    /// A declaration: up to the line end outside all brackets, or to a brace that ends or opens a `repeat`.
     fn declaration(&mut self) -> Item {
         let start = self.at;
         let repeats = self.tokens[start].text(self.text) == "repeat";

@@ -1,4 +1,4 @@
-//! Declarations to lines: on one line where it fits, else each field on its own. See spec.md#layout.
+//! Turns declarations into lines: on one line if it fits, otherwise each field on its own line. See spec.md#layout.
 
 use super::items::Item;
 use super::spacing::{Piece, Role, apart, joined, pieces};
@@ -13,16 +13,16 @@ pub(super) struct Line {
     pub indent: usize,
     pub content: Content,
     pub comment: Option<String>,
-    /// Lines of one group have their columns aligned.
+    /// The columns of lines in one group are aligned.
     pub group: usize,
 }
 
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Blank,
-    /// As it is; may be empty, for a comment alone.
+    /// Text as it is; empty if there is only a comment.
     Plain(String),
-    /// A keyword (of fields: none), a name, and what follows it: `= ...`, what stands after a colon, or `{ ...`.
+    /// A keyword (none for fields), a name, and the text after it: `= ...`, the part after a colon, or `{ ...`.
     Named {
         keyword: String,
         name: String,
@@ -31,7 +31,7 @@ pub(super) enum Content {
     },
 }
 
-/// What follows a name.
+/// The kind of text after a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
     Value,
@@ -52,7 +52,7 @@ struct Layout<'a> {
     tree: &'a Tree,
     tokens: &'a [Token],
     lines: Vec<Line>,
-    /// Open `repeat`s and braces.
+    /// Number of open `repeat`s and braces.
     level: usize,
     group: usize,
 }
@@ -79,7 +79,7 @@ impl Layout<'_> {
         }
     }
 
-    /// Lines of a group of their own.
+    /// Puts lines into a group of their own.
     fn alone(&mut self, lines: impl FnOnce(&mut Self)) {
         self.group += 1;
         lines(self);
@@ -119,12 +119,12 @@ impl Layout<'_> {
         });
     }
 
-    /// A word that starts a field.
+    /// Whether a word starts a field.
     fn is_field(&self, piece: &Piece) -> bool {
         self.tree.fields.binary_search_by_key(&piece.at, |field| field.key.start()).is_ok()
     }
 
-    /// The pieces without line ends, fields separated by commas.
+    /// The pieces on one line, with fields separated by commas.
     fn one_line(&self, all: &[Piece]) -> Vec<Piece> {
         let comma = || Piece { text: ",".into(), role: Role::Comma, at: 0 };
         let mut line: Vec<Piece> = Vec::with_capacity(all.len());
@@ -165,7 +165,8 @@ impl Layout<'_> {
         self.push(Content::Plain(joined(&tail)), comment);
     }
 
-    /// What stands in braces at `at`: a field, a comment on a line of its own, or line ends; the place behind it.
+    /// Writes the content of braces at `at` (a field, a comment on a line of its own, or line ends); returns the place
+    /// after it.
     fn field_or_gap(&mut self, all: &[Piece], mut at: usize, last: usize) -> usize {
         let start = at;
         match all[at].role {
@@ -213,14 +214,14 @@ impl Layout<'_> {
         end
     }
 
-    /// The comment on the line at hand.
+    /// The comment on the current line.
     fn take_comment(&self, all: &[Piece], at: &mut usize) -> Option<String> {
         let comment = all.get(*at).filter(|piece| piece.role == Role::Comment)?;
         *at += 1;
         Some(comment.text.clone())
     }
 
-    /// In the lines in which it was written, with the layout's blanks and indents.
+    /// Keeps the original line breaks, with the layout's spaces and indents.
     fn as_written(&mut self, all: &[Piece], comment: Option<usize>) {
         let comment = comment.map(|token| self.tokens[token].text(self.text).to_string());
         self.written_lines(all, comment);
@@ -254,21 +255,21 @@ fn has_comment(pieces: &[Piece]) -> bool {
     pieces.iter().any(|piece| piece.role == Role::Comment)
 }
 
-/// From the `{` of a declaration's fields to behind their `}`.
+/// The range from the `{` of a declaration's fields to just after their `}`.
 fn braces(all: &[Piece]) -> Option<Range<usize>> {
     let start = all.iter().position(|piece| piece.role == Role::Open('{'))?;
     let end = all[start..].iter().position(|piece| piece.text == "}")?;
     Some(start..start + end + 1)
 }
 
-/// A field ends with its last visible piece before the next one.
+/// The end of a field: after its last visible piece before the next field.
 fn field_end(all: &[Piece], start: usize, next: usize) -> usize {
     let gap = |piece: &Piece| matches!(piece.role, Role::LineEnd | Role::Comment | Role::Comma);
     let visible = all[start..next].iter().rposition(|piece| !gap(piece)).unwrap_or(0);
     start + visible + 1
 }
 
-/// A declaration's one line, cut where columns may be.
+/// The single line of a declaration, split at possible columns.
 fn content(line: &[Piece]) -> Content {
     let cut =
         line.iter().position(|piece| piece.role == Role::Colon || piece.role == Role::Open('{') || piece.text == "=");
@@ -284,7 +285,7 @@ fn content(line: &[Piece]) -> Content {
     Content::Named { keyword, name, sort, rest: joined(&line[rest..]) }
 }
 
-/// A keyword that a name follows, and with it what has columns.
+/// Whether a name follows this keyword, so that the line has columns.
 fn is_named(keyword: &str) -> bool {
     !matches!(keyword, "model" | "gravity" | "damping" | "rest" | "repeat" | "solve" | "require")
 }

@@ -1,7 +1,8 @@
-//! Where blanks stand in a line. See spec.md#layout.
+//! The spaces in a line. See spec.md#layout.
 //!
-//! One blank around operators, after a comma and a colon and inside braces; none inside `( )` and `[ ]`, around `.`, `@`
-//! and `^`, after the sign of a value. Indices and the range of a `repeat` are written close: `m[i-1]`, `2..n-1`.
+//! One space around operators, after a comma and a colon and inside braces; none inside `( )` and `[ ]`, around `.`,
+//! `@` and `^`, or after the sign of a value. Indices and the range of a `repeat` are written without spaces: `m[i-1]`,
+//! `2..n-1`.
 
 use crate::editor::roles;
 use crate::editor::tokens::{Token, TokenKind};
@@ -18,7 +19,7 @@ pub(super) struct Piece {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Word,
-    /// A word after which a value starts: a blank stands before its bracket.
+    /// A word before a value: a bracket after it is preceded by a space.
     Keyword,
     Value {
         unit: bool,
@@ -43,7 +44,7 @@ pub(super) enum Role {
     LineEnd,
 }
 
-/// The tokens of one declaration with what each of them is.
+/// The tokens of one declaration, each with its role in a line.
 pub(super) fn pieces(text: &str, tokens: &[Token]) -> Vec<Piece> {
     let keyword = tokens.first().map_or("", |token| token.text(text));
     let mut reader =
@@ -54,7 +55,7 @@ pub(super) fn pieces(text: &str, tokens: &[Token]) -> Vec<Piece> {
     reader.pieces
 }
 
-/// A blank stands between these two.
+/// Whether there is a space between these two pieces.
 pub(super) fn apart(left: &Piece, right: &Piece) -> bool {
     match (left.role, right.role) {
         (_, Role::Comma | Role::Colon | Role::Glue) | (Role::Glue | Role::Minus, _) => false,
@@ -84,11 +85,11 @@ pub(super) fn joined<'p>(pieces: impl IntoIterator<Item = &'p Piece>) -> String 
 
 struct Reader<'a> {
     text: &'a str,
-    /// What the declaration starts with.
+    /// The first word of the declaration.
     keyword: &'a str,
     pieces: Vec<Piece>,
     open: Vec<char>,
-    /// The `--` between two ends has come.
+    /// Whether the `--` between two ends has been passed.
     connected: bool,
 }
 
@@ -119,8 +120,8 @@ impl Reader<'_> {
         self.pieces.push(Piece { text: text.into(), role, at });
     }
 
-    /// The word that starts the declaration, or one behind a name or a value: these have no word behind them that starts a
-    /// value of its own, so a parameter `in` or a part `about` is none.
+    /// Whether a word is a keyword here: the word that starts the declaration, or one after a name or a value.
+    /// Elsewhere, a parameter called `in` or a part called `about` is a name.
     fn is_keyword(&self, word: &str) -> bool {
         match self.visible().map(|last| last.role) {
             None => true,
@@ -130,7 +131,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The piece before, line ends and comments left out.
+    /// The previous piece, ignoring line ends and comments.
     fn visible(&self) -> Option<&Piece> {
         self.pieces.iter().rev().find(|piece| !matches!(piece.role, Role::Comment | Role::LineEnd))
     }
@@ -159,7 +160,7 @@ impl Reader<'_> {
             "-" => return self.minus(at),
             "+" => Role::Operator { close: self.is_close() },
             "*" | "/" => {
-                // Directly after a unit they would be part of it.
+                // Directly after a unit, they would become part of it.
                 let unit = matches!(self.visible(), Some(Piece { role: Role::Value { unit: true }, .. }));
                 Role::Operator { close: self.is_close() && !unit }
             }
@@ -175,12 +176,12 @@ impl Reader<'_> {
         self.push("-", role, at);
     }
 
-    /// Indices and the range of a `repeat`.
+    /// Whether the place is in an index or in the range of a `repeat`.
     fn is_close(&self) -> bool {
         self.open.contains(&'[') || self.keyword == "repeat"
     }
 
-    /// `--` at hand stands between the two ends of a part, and not for two signs of a value.
+    /// Whether the `--` at this place connects the two ends of a part, as opposed to two signs of a value.
     fn connects(&mut self) -> bool {
         let has_ends = roles::has_ends(self.keyword);
         let after_end = self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Close));

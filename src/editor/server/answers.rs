@@ -1,4 +1,4 @@
-//! What the editor's modules know, as the protocol writes it.
+//! Converts the answers of the editor's modules to the protocol.
 
 use super::place::Encoding;
 use crate::base::{Diagnostic, Severity};
@@ -13,10 +13,10 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// The command that tells a code's page.
+/// The command that shows a code's page.
 pub const EXPLAIN: &str = "vibc.explain";
 
-/// What this server can do.
+/// The capabilities of this server.
 pub fn capabilities(encoding: Encoding) -> Value {
     json!({
         "capabilities": {
@@ -45,7 +45,8 @@ pub fn diagnostics(document: &Document, encoding: Encoding, uri: &lsp::Uri) -> V
     document.findings.iter().map(|finding| diagnostic(document, encoding, uri, finding)).collect()
 }
 
-/// Where a finding is shown: at its place in the model, or, of a file that the model names, where it is named.
+/// The range at which a finding is shown: its place in the model, or, for a file that the model names, the place of
+/// that name.
 pub fn place(document: &Document, finding: &Diagnostic) -> Range<usize> {
     let mut spans = std::iter::once(&finding.primary).chain(&finding.related).map(|label| label.span);
     let span = spans.find(|span| span.file() == document.file);
@@ -75,7 +76,7 @@ pub fn diagnostic(document: &Document, encoding: Encoding, uri: &lsp::Uri, findi
             Severity::Note => lsp::DiagnosticSeverity::Information,
         }),
         code: Some(finding.code.0.to_string().into()),
-        // An editor that knows the scheme asks `vibc explain` for the page.
+        // An editor that knows the scheme gets the page from `vibc explain`.
         code_description: Some(lsp::CodeDescription { href: format!("vibc:/{}.md", finding.code.0).into() }),
         source: Some("vibc".into()),
         message: message.into(),
@@ -117,7 +118,7 @@ pub fn item(order: usize, item: Item, range: lsp::Range) -> lsp::CompletionItem 
     lsp::CompletionItem {
         kind: Some(kind),
         detail: (!item.detail.is_empty()).then_some(item.detail),
-        // In the order in which they are most likely wanted.
+        // Sorted by likelihood.
         sort_text: Some(format!("{order:04}")),
         filter_text: Some(item.label.clone()),
         text_edit: Some(lsp::TextEdit { range, new_text }.into()),
@@ -206,7 +207,7 @@ pub fn fold(document: &Document, fold: &Fold) -> lsp::FoldingRange {
     }
 }
 
-/// Each piece relative to the one before.
+/// Encodes each piece relative to the previous one.
 pub fn tokens(document: &Document, encoding: Encoding, pieces: &[Piece]) -> lsp::SemanticTokens {
     let mut data = Vec::with_capacity(pieces.len());
     let (mut line, mut start) = (0, 0);
@@ -227,7 +228,7 @@ pub fn tokens(document: &Document, encoding: Encoding, pieces: &[Piece]) -> lsp:
     lsp::SemanticTokens { result_id: None, data }
 }
 
-/// The edit that makes the document's text the new one: whole lines, those that stay left out at both ends.
+/// The edit that turns the document's text into the new one: whole lines, without unchanged ones at both ends.
 pub fn difference(document: &Document, encoding: Encoding, new: &str) -> Vec<lsp::TextEdit> {
     let old = document.text();
     if old == new {

@@ -1,9 +1,9 @@
-//! The language server: messages of a client in, answers out. This module alone knows the protocol (LSP 3.17); what it
-//! answers is asked of the modules beside it.
+//! The language server: messages of a client in, answers out. Only this module knows the protocol (LSP 3.17); it gets
+//! the content of its answers from the neighbouring modules.
 //!
-//! A change marks its text as new; when no message waits, or a request needs it, the text goes through every stage and its
-//! findings are published. Larger scenes are taken as far as there is time for; a second thread goes all the way, and what
-//! it found is shown when it is there.
+//! A change marks its text as new; when no message waits, or a request needs it, the text goes through every stage and
+//! its findings are published. Larger scenes are analysed as far as there is time; a second thread completes the
+//! analysis, and its results are shown when they are ready.
 
 mod answers;
 mod place;
@@ -22,19 +22,19 @@ use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread;
 
-/// Reads a file that a model names, if it lies below one of the folders; why it cannot be read.
+/// Reads a file that a model names, if it lies below one of the folders; an error says why it cannot be read.
 pub type Read<'a> = dyn Fn(&str, &[String]) -> Result<Vec<u8>, String> + 'a;
 
-/// How a client left.
+/// How a client disconnected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leave {
     /// With `shutdown` before `exit`.
     Announced,
-    /// Without.
+    /// Without `shutdown`.
     Unannounced,
 }
 
-/// Serves a client until it is gone.
+/// Serves a client until it disconnects.
 pub fn serve(connection: &Connection, read: &Read) -> Leave {
     let Some((id, params)) = introduced(connection) else { return Leave::Unannounced };
     let folders = folders(&params);
@@ -59,14 +59,14 @@ pub fn serve(connection: &Connection, read: &Read) -> Leave {
     if server.is_shut { Leave::Announced } else { Leave::Unannounced }
 }
 
-/// Waits for `initialize`; `None` where the client leaves before.
+/// Waits for `initialize`; `None` if the client disconnects first.
 fn introduced(connection: &Connection) -> Option<(RequestId, Value)> {
     loop {
         match connection.receiver.recv().ok()? {
             Message::Request(request) if request.method == "initialize" => return Some((request.id, request.params)),
             Message::Request(request) => {
                 let (code, why) = (ErrorCode::ServerNotInitialized as i32, "the first request is `initialize`");
-                // A client that has gone reads nothing; the next message from it, or its end, tells.
+                // A client that has disconnected reads nothing; the next receive reports it.
                 let _ = connection.sender.send(Response::new_err(request.id, code, why.into()).into());
             }
             Message::Notification(told) if told.method == "exit" => return None,
@@ -91,9 +91,9 @@ fn folders_of(list: &Value) -> Vec<String> {
 struct Text {
     uri: Uri,
     version: i32,
-    /// As the client has it.
+    /// The text in the client's current version.
     text: String,
-    /// Of the text, or of one before it where `is_new`.
+    /// The analysed document: of this text, or of an earlier one if `is_new`.
     document: Option<Document>,
     is_new: bool,
 }
@@ -101,19 +101,19 @@ struct Text {
 struct Server<'a> {
     connection: &'a Connection,
     read: &'a Read<'a>,
-    /// What the client has open; files are read below them alone.
+    /// The folders that the client has open; only files below them are read.
     folders: Vec<String>,
     encoding: Encoding,
-    /// The client asks for hints again when it is notified.
+    /// Whether the client requests hints again when it is notified.
     refreshes: bool,
-    /// The client has said that it will leave.
+    /// Whether the client has requested `shutdown`.
     is_shut: bool,
     texts: Vec<Text>,
     jobs: Sender<Job>,
     refreshed: i32,
 }
 
-/// A text that takes a while to go through everything.
+/// A text whose complete analysis takes a while.
 struct Job {
     uri: Uri,
     version: i32,
@@ -121,14 +121,14 @@ struct Job {
     file: FileId,
 }
 
-/// One version of a text that has gone through everything.
+/// A version of a text whose analysis is complete.
 struct Done {
     uri: Uri,
     version: i32,
     document: Document,
 }
 
-/// A thread that takes the newest job each time, and ends with the server.
+/// Starts a thread that always takes the newest job, and ends with the server.
 fn worker() -> (Sender<Job>, Receiver<Done>) {
     let (jobs, inbox) = unbounded::<Job>();
     let (outbox, results) = unbounded();
@@ -148,7 +148,7 @@ fn worker() -> (Sender<Job>, Receiver<Done>) {
     (jobs, results)
 }
 
-/// Why a request has no answer.
+/// The error of a request without an answer.
 pub struct Refusal {
     code: ErrorCode,
     message: String,
@@ -164,7 +164,7 @@ impl Server<'_> {
                             return;
                         }
                     }
-                    // The client has gone.
+                    // The client has disconnected.
                     Err(_) => return,
                 },
                 recv(results) -> done => if let Ok(done) = done {
@@ -177,7 +177,7 @@ impl Server<'_> {
         }
     }
 
-    /// Whether it was the last one.
+    /// Handles a message; returns whether it was the last one.
     fn message(&mut self, message: Message) -> bool {
         match message {
             Message::Request(request) => self.request(request),
@@ -189,7 +189,7 @@ impl Server<'_> {
     }
 
     fn send(&self, message: impl Into<Message>) {
-        // A client that has gone reads nothing; the next message from it, or its end, tells.
+        // A client that has disconnected reads nothing; the next receive reports it.
         let _ = self.connection.sender.send(message.into());
     }
 
@@ -198,7 +198,7 @@ impl Server<'_> {
             "textDocument/didOpen" => self.open(params),
             "textDocument/didChange" => self.change(params),
             "textDocument/didClose" => self.close(params),
-            // A table beside the model may have been written.
+            // A table next to the model may have changed.
             "textDocument/didSave" => self.look_at_tables_again(),
             "workspace/didChangeWorkspaceFolders" => self.change_folders(&params["event"]),
             _ => {}
@@ -229,7 +229,7 @@ impl Server<'_> {
         };
         let uri = text_document.text_document_identifier.uri;
         let Some(text) = self.texts.iter_mut().find(|text| text.uri == uri) else { return };
-        // The whole text is asked for, so the last one counts.
+        // Changes contain the whole text, so only the last one counts.
         for change in content_changes {
             if let TextDocumentContentChangeEvent::TextDocumentContentChangeWholeDocument(whole) = change {
                 text.text = whole.text;
@@ -251,7 +251,7 @@ impl Server<'_> {
         }
     }
 
-    /// The text through every stage, where it is new; its findings to the client.
+    /// Analyses a text if it is new, and publishes its findings.
     fn bring_up_to_date(&mut self, index: usize) {
         let text = &mut self.texts[index];
         if !std::mem::take(&mut text.is_new) {
@@ -278,13 +278,13 @@ impl Server<'_> {
         self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
     }
 
-    /// What took a while; the client is notified to ask for hints again.
+    /// Adds a completed analysis; the client is notified to request hints again.
     fn add(&mut self, Done { uri, version, mut document }: Done) {
         let newest = |text: &Text| text.uri == uri && text.version == version && !text.is_new;
         let Some(index) = self.texts.iter().position(newest) else { return };
         let text = &mut self.texts[index];
         let before = text.document.take();
-        // A `solve` without an answer leaves what was known as declared.
+        // A `solve` without an answer leaves the declared values as the known ones.
         document.known = document.known.or_else(|| before.as_ref()?.known.clone());
         let is_news = before.is_none_or(|before| before.findings != document.findings);
         text.document = Some(document);
@@ -326,8 +326,8 @@ fn invalid(why: &str) -> Refusal {
     Refusal { code: ErrorCode::InvalidRequest, message: why.into() }
 }
 
-/// The document of a text, with the tables that it names. They lie below a folder that is open; where none is, beside the
-/// text, which has to be a file for that.
+/// The document of a text, with the tables that it names. These must be below an open folder; if no folder is open,
+/// below that of the text, which must be a file.
 fn made(text: &Text, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
@@ -345,7 +345,7 @@ fn made(text: &Text, before: Option<&Document>, read: &Read, folders: &[String])
     Document::new(sources, file, before)
 }
 
-/// The path of a file's URI; a URI of another kind as it is.
+/// The path of a file's URI; a URI of another kind is returned unchanged.
 fn path(uri: &Uri) -> String {
     let Some(encoded) = uri.0.strip_prefix("file://") else { return uri.0.clone() };
     let bytes = encoded.as_bytes();

@@ -1,9 +1,10 @@
-//! Bytes to positions of the protocol and back: lines from 0, columns in the units that client and server agreed on.
+//! Converts bytes to positions of the protocol and back: lines from 0, columns in the units that client and server
+//! agreed on.
 
 use crate::editor::document::Document;
 use gen_lsp_types::{Position, PositionEncodingKind, Range};
 
-/// What a column counts.
+/// The unit of columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     Utf8,
@@ -11,7 +12,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// UTF-8 where the client offers it, else UTF-16, which every client knows.
+    /// UTF-8 if the client offers it, otherwise UTF-16, which every client supports.
     pub fn negotiated(offered: Option<&[PositionEncodingKind]>) -> Encoding {
         match offered.is_some_and(|list| list.contains(&PositionEncodingKind::UTF8)) {
             true => Encoding::Utf8,
@@ -26,7 +27,7 @@ impl Encoding {
         }
     }
 
-    /// Units of a text.
+    /// Number of units in a text.
     pub fn count(self, text: &str) -> u32 {
         let count = match self {
             Encoding::Utf8 => text.len(),
@@ -50,7 +51,7 @@ impl Encoding {
         Range { start: self.position(document, range.start), end: self.position(document, range.end) }
     }
 
-    /// The byte of a position; one behind the end of a line or of the text is at that end.
+    /// The byte of a position; a position beyond the end of a line or of the text is moved to that end.
     pub fn offset(self, document: &Document, position: Position) -> usize {
         let text = document.text();
         let line = document.lines.line_range(text, position.line as usize);

@@ -1,4 +1,4 @@
-//! Requests by their methods: parameters in, the answer of the module that knows it out.
+//! Requests by their methods: parameters in, answers out, obtained from the responsible module.
 
 use super::answers;
 use super::{Refusal, Server};
@@ -85,7 +85,7 @@ impl Server<'_> {
         }
     }
 
-    /// Reads the parameters, brings every text up to date, and asks.
+    /// Reads the parameters, brings every text up to date, and gets the answer.
     fn asked<R: Request>(
         &mut self,
         params: Value,
@@ -126,7 +126,7 @@ impl Server<'_> {
         Ok(Some(items.into()))
     }
 
-    /// The places that a name at a place leads to; none where there is no name.
+    /// The places to which a name leads; empty if there is no name.
     fn places(
         &self,
         place: &TextDocumentPositionParams,
@@ -167,7 +167,7 @@ impl Server<'_> {
         Ok(Some(actions))
     }
 
-    /// `vibc.explain CODE`: the code's page, as the answer and as a message to be read.
+    /// `vibc.explain CODE`: returns the code's page, and also shows it as a message.
     fn execute(&self, params: &ExecuteCommandParams) -> Answer<ExecuteCommandRequest> {
         let code = params.arguments.as_ref().and_then(|arguments| arguments.first()?.as_str());
         let (answers::EXPLAIN, Some(code)) = (params.command.as_str(), code) else {
@@ -178,7 +178,7 @@ impl Server<'_> {
         Ok(Some(page.into()))
     }
 
-    /// Something for the user to read.
+    /// Shows a message to the user.
     fn show(&self, kind: u32, message: String) {
         let params = serde_json::json!({ "type": kind, "message": message });
         self.send(Notification::new("window/showMessage".into(), params));
@@ -189,7 +189,7 @@ impl Server<'_> {
 const MESSAGE_WARNING: u32 = 2;
 const MESSAGE_INFO: u32 = 3;
 
-/// Why a text is left as it is: the first thing in it that is not in the grammar.
+/// The reason why a text is not formatted: the first error of its syntax.
 fn not_laid_out(document: &Document, findings: &[Diagnostic]) -> String {
     let first = findings.iter().find(|finding| finding.is_error());
     let line = first.map(|finding| document.lines.line(finding.primary.span.start()) + 1);
