@@ -1,4 +1,4 @@
-//! A model's text taken through every stage, for the modules of this suite that ask about physics.
+//! Takes a model's text through every stage, for the modules of this suite that test physics.
 
 use vibc::analysis::{Modes, Poles};
 use vibc::base::Diagnostic;
@@ -6,7 +6,7 @@ use vibc::base::source::{SourceFile, Sources};
 use vibc::lower::Lowered;
 use vibc::model::{CheckedScene, Overrides};
 
-/// Everything that the stages made of a text.
+/// The results of all stages for a text.
 pub struct Answer {
     pub scene: CheckedScene,
     pub lowered: Lowered,
@@ -16,7 +16,7 @@ pub struct Answer {
     pub remarks: Vec<Diagnostic>,
 }
 
-/// The answer, or the diagnostics that refused the text, errors and all.
+/// The answer, or all diagnostics of a text that was refused.
 pub fn try_ask(text: &str) -> Result<Answer, Vec<Diagnostic>> {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("model.vib", text));

@@ -42,11 +42,11 @@ fn bounds_of_poles_hold_and_are_sharp() {
     }
 }
 
-/// Numbers that are not rational: nearly all is certified, as sharply as with rational ones.
+/// Numbers that are not rational: nearly all results are certified, as sharply as with rational ones.
 #[test]
 fn what_is_drawn_at_angles_is_certified_too() {
     let small = |kinds: &'static [Kind]| kinds.iter().filter(|(name, _)| !name.starts_with("beyond"));
-    // Which motion has no inertia is decided on rational numbers alone.
+    // Which motions have no inertia is decided only for rational numbers.
     let modes = small(&UNDAMPED).filter(|(name, _)| !name.starts_with("massless"));
     let modes = modes.map(|kind| (kind, check_modes as Check));
     let poles = small(&DAMPED).map(|kind| (kind, check_poles as Check));
@@ -57,7 +57,7 @@ fn what_is_drawn_at_angles_is_certified_too() {
             check(&turned(&truth), &truth, &mut figures, &format!("{name} {i}"));
         }
         assert!(figures.violations.is_empty(), "{:#?}", figures.violations);
-        // Whether a damper feels a motion may hang on relations between such numbers that nobody knows.
+        // Whether a damper acts on a motion may depend on unknown relations between such numbers.
         assert!(8 * figures.uncertified.len() <= figures.numbers, "{name}: {:#?}", figures.uncertified);
         assert!(figures.median() <= 10.0, "{name}: bounds are {} times the errors", figures.median());
     }

@@ -1,12 +1,13 @@
-//! A published client at the language server: Neovim, driven by `tests/clients/neovim.lua`.
+//! An independent client of the language server: Neovim, driven by `tests/clients/neovim.lua`.
 //!
-//! Needs Neovim 0.11 or later as `nvim`, or where `NVIM` says: `cargo test` shows it as ignored, `.ci/run` installs one and runs it.
+//! Needs Neovim 0.11 or later as `nvim`, or at the path in `NVIM`: `cargo test` shows it as ignored, `.ci/run` installs
+//! Neovim and runs it.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// A word for a field that there is not, and a stiffness without its unit.
+/// A field that does not exist, and a stiffness without its unit.
 const MODEL: &str = "model two_errors
 
 param m  = 2 kg
@@ -16,7 +17,7 @@ body block { mas = m, moves x}
 spring s: ground -- block { k = 10 }
 ";
 
-/// The program, where it is new enough to have a client of its own.
+/// The program, if it is new enough to include a client.
 fn neovim() -> Option<String> {
     let name = std::env::var("NVIM").unwrap_or_else(|_| "nvim".into());
     let output = Command::new(&name).arg("--version").output().ok()?;

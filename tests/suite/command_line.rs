@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 const CART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/cart.vib");
 
-/// What a run of the program left behind.
+/// The results of a run of the program.
 struct Run {
     status: i32,
     out: String,
@@ -30,7 +30,7 @@ fn run_with_input(arguments: &[&str], input: &[u8]) -> Run {
     let mut command = vibc(arguments);
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
-    // A program that refuses its command line reads nothing.
+    // A program that rejects its command line reads nothing.
     let _ = child.stdin.take().expect("a pipe").write_all(input);
     finished(child.wait_with_output().expect("it ends"))
 }
@@ -59,10 +59,10 @@ fn objects(lines: &str) -> Vec<Value> {
 }
 
 const OSCILLATOR: &str = "param k = 9 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
-/// Nothing holds it up.
+/// A body without support.
 const FALLS: &str = "gravity 9.81 m/s^2\nbody b { mass = 1 kg, moves y }\n";
 const WRONG: &str = "param k = 9 kg\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
-/// A warning, and nothing else.
+/// A model with a single warning.
 const UNUSED: &str =
     "param k = 9 N/m\nparam spare = 1 m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 
@@ -197,7 +197,7 @@ fn parameters_are_set_from_the_command_line_and_from_a_file() {
     assert_eq!(omega(&run(&json)), 3.0);
     assert_eq!(omega(&run(&[&json[..], &["--set", "k=25N/m"]].concat())), 5.0);
     assert_eq!(omega(&run(&[&json[..], &["--settings", &settings]].concat())), 4.0);
-    // What is said on the command line counts more.
+    // The command line has precedence.
     assert_eq!(omega(&run(&[&json[..], &["--settings", &settings, "--set", "k=25N/m"]].concat())), 5.0);
     assert_eq!(run(&[&json[..], &["--settings", "missing.toml"]].concat()).status, 3);
     let wrong = run(&[&json[..], &["--set", "k=25kg", "--message-format", "short"]].concat());
@@ -347,7 +347,7 @@ fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
     assert!(unknown.err.contains("`vib::unit::mismatch`"));
 }
 
-/// Every road to each answer, in three forms; only the times differ from run to run.
+/// Every method for each answer, in three formats; only the times differ from run to run.
 #[test]
 fn speed_is_told_against_error() {
     let folder = folder();
@@ -395,7 +395,7 @@ fn shapes_are_scaled_as_asked() {
     assert_eq!((shape("translation").0, shape("max").1, shape("first").0), (1.0, 1.0, 1.0));
     assert!((shape("first").1 - ratio).abs() < 1e-10);
     let (x, angle) = shape("mass");
-    // x^T M x of the problem set's mass matrix.
+    // x^T M x with the mass matrix of the problem set.
     assert!((1.5 * x * x + x * angle + 2.0 / 3.0 * angle * angle - 1.0).abs() < 1e-14);
 }
 
@@ -416,7 +416,7 @@ fn a_transfer_table_is_told_in_three_forms() {
     let pairs = table["pairs"].as_array().expect("an array");
     assert_eq!(pairs.len(), 2);
     let values = pairs[0]["values"].as_array().expect("an array");
-    // The two frequencies in the order in which they were asked for.
+    // The two frequencies in the order of the request.
     assert_eq!(values.len(), 2);
     assert!((values[1]["frequency_hz"].as_f64().expect("a number") - 1.0 / std::f64::consts::PI).abs() < 1e-15);
     assert!(values[0]["error_bound"].as_f64().expect("a number") < 2.3e-16);
@@ -465,8 +465,8 @@ fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
     assert!(many.err.contains("samples"), "{}", many.err);
 }
 
-/// A row of numbers and their bounds: at rest, then sin(1 s) with what rounding it to binary64 loses. A scene without outputs, and one
-/// of whose samples nothing is known, end by themselves.
+/// A row of numbers and their bounds: at rest, then sin(1 s) with its rounding error in binary64. A scene without
+/// outputs, and one with unknown samples, have their own exit statuses.
 #[test]
 fn samples_are_printed_with_their_bounds() {
     let folder = folder();
@@ -497,7 +497,7 @@ fn samples_are_printed_with_their_bounds() {
     assert!(still.err.contains("warning[vib::motion::still]"), "{}", still.err);
 }
 
-/// x = sin t: half a second brings it to 0.4794255386 m, no further.
+/// x = sin t: after half a second it reaches 0.4794255386 m, and no more.
 #[test]
 fn measures_are_followed_for_the_time_that_is_said() {
     let folder = folder();
@@ -540,7 +540,7 @@ fn damping_of_all_modes_gives_each_its_ratio() {
     }
 }
 
-/// Settings are read like the model: what is nothing in decimals is 2^-55 in binary64.
+/// Settings are read like the model: a difference that is zero in decimals is 2^-55 in binary64.
 #[test]
 fn both_readings_of_literals_are_at_hand() {
     let folder = folder();
@@ -605,7 +605,7 @@ fn shells_and_man_know_every_command() {
         assert!(page.status == 0 && page.out.contains(&format!(".TH vibc-{command} 1")), "{}", page.out);
     }
     assert_eq!(run(&["man", "nothing"]).status, 2);
-    // A shell completes each command of the list behind `man`.
+    // A shell completes each command of the list after `man`.
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let listed = listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
     let names: Vec<&str> = listed.filter(|name| *name != "help").collect();
@@ -614,7 +614,8 @@ fn shells_and_man_know_every_command() {
     assert!(names.len() > 8 && names.iter().all(|name| of_man.contains(name)), "{names:?}\n{of_man}");
 }
 
-/// A frequency in rad/s is exact, though it is not in Hz: the system's own one is met, not just missed.
+/// A frequency in rad/s is exact, even if it is not in Hz: it coincides with the system's own frequency instead of just
+/// missing it.
 #[test]
 fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
     let model = "body block { mass = 1 kg, moves x }\nspring s: ground -- block { k = 4 N/m }\nforce F: block along x\noutput x = block.x\n";
@@ -622,7 +623,7 @@ fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
     assert!(told.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", told.out);
 }
 
-/// An accuracy that cannot be had is reported with what was reached, beside the answer.
+/// An accuracy that cannot be reached is reported with the one that was reached, along with the answer.
 #[test]
 fn a_tolerance_that_is_not_met_has_a_status_of_its_own() {
     let folder = folder();
@@ -646,7 +647,8 @@ fn a_tolerance_that_is_not_met_has_a_status_of_its_own() {
     assert_eq!(run(&["analyze", "--tolerance", "0", CART]).status, 2);
 }
 
-/// Two weakly coupled pendulums, and an inverted one near its buckling load, to thirty digits; as many as are certain.
+/// Two weakly coupled pendulums, and an inverted one near its buckling load, to thirty digits, as far as these are
+/// certain.
 #[test]
 fn digits_are_printed_as_far_as_they_are_certain() {
     let folder = folder();

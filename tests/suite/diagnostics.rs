@@ -1,5 +1,5 @@
-//! Each code has its smallest failing model in `tests/diagnostics`, which gives just that finding; what is drawn for it is
-//! kept beside it and read by a reviewer.
+//! Each code has its smallest failing model in `tests/diagnostics`, which gives only that finding; its drawing is
+//! stored next to it and read by a reviewer.
 
 use super::models::{Run, codes_in_sources};
 use std::collections::BTreeSet;
@@ -20,14 +20,15 @@ fn name(path: &Path) -> String {
     path.file_name().expect("a file").to_string_lossy().into_owned()
 }
 
-/// The code that the first line of a model promises.
+/// The code that the first line of a model announces.
 fn promised(bytes: &[u8]) -> String {
     let line = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
     String::from_utf8_lossy(line).trim_start_matches("//").trim().to_string()
 }
 
-/// Codes that no model comes to: the check or the lowering refuses it before, and the analyses say it of systems made by
-/// hand (shown by their own tests); those that `vibc equations` alone says (`equations`); and those that stand after a hundred others (`language`, `hostile`).
+/// Codes that no model produces: the check or the lowering refuses it earlier, and the analyses report them for systems
+/// built by hand (shown by their own tests); those that only `vibc equations` reports (`equations`); and those that
+/// follow a hundred others (`language`, `hostile`).
 const OF_NO_MODEL: [&str; 6] = [
     "vib::equations::defect",
     "vib::equations::no_form",

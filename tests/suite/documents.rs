@@ -1,5 +1,5 @@
-//! The documents hold together: every model that they show is a model, and every page that the sources or the documents
-//! cite exists, with the heading cited.
+//! The documents are consistent: every model that they show is valid, and every page that the sources or the documents
+//! cite exists, with the cited heading.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -37,7 +37,7 @@ fn texts() -> Vec<PathBuf> {
                 let foreign = matches!(name.as_str(), "target" | "node_modules" | ".git" | "corpus" | "snapshots");
                 folders.extend((!foreign).then_some(entry));
             } else if folder.ends_with("editors/vscode") && name == "CHANGELOG.md" {
-                // A copy that the package of the extension is made with.
+                // A copy from which the package of the extension is made.
             } else if matches!(extension.as_str(), "rs" | "md" | "py" | "pest" | "c" | "js" | "vib" | "lua" | "toml") {
                 files.push(entry);
             }
@@ -47,7 +47,8 @@ fn texts() -> Vec<PathBuf> {
     files
 }
 
-/// The name by which a heading is linked: small letters and digits, spaces to hyphens, other characters left out.
+/// The anchor of a heading: lower-case letters and digits, with spaces replaced by hyphens and other characters
+/// removed.
 fn anchor(heading: &str) -> String {
     let letters = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     letters.flat_map(char::to_lowercase).map(|c| if c == ' ' { '-' } else { c }).collect()
@@ -97,7 +98,7 @@ fn resolved(path: &Path) -> PathBuf {
     resolved
 }
 
-/// Pages read so far, and what was missing.
+/// Pages read so far, and missing ones.
 #[derive(Default)]
 struct Library {
     anchors: BTreeMap<PathBuf, BTreeSet<String>>,
@@ -139,7 +140,7 @@ fn every_page_and_heading_that_is_cited_exists() {
     assert!(library.missing.is_empty(), "{}", library.missing.join("\n"));
 }
 
-/// Clauses had numbers once; a number says nothing when the page changes.
+/// Clauses once had numbers; a number is meaningless when the page changes.
 #[test]
 fn no_source_cites_a_clause_by_number() {
     let number = |rest: &str| {
@@ -154,7 +155,7 @@ fn no_source_cites_a_clause_by_number() {
     }
 }
 
-/// Documents whose models are whole: each `vib` block stands alone.
+/// Documents whose models are complete: each `vib` block stands alone.
 const WITH_MODELS: [&str; 1] = ["spec.md"];
 
 #[test]

@@ -1,4 +1,4 @@
-//! Emitted code: compiled as strictly as compilers can, run, and compared with the exact response.
+//! Emitted code: compiled with the strictest warnings, run, and compared with the exact response.
 //! See docs/method/emit.md.
 
 use std::fs;
@@ -12,10 +12,10 @@ use vibc::backend::emit::{self, Language};
 use vibc::base::{Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 
-/// Flags under which emitted C must be silent.
+/// Flags under which emitted C must compile without warnings.
 pub const STRICT: [&str; 7] =
     ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"];
-/// The same of a C++ compiler.
+/// Such flags for a C++ compiler.
 const STRICT_CPP: [&str; 7] = ["-x", "c++", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
 
 pub fn options(step: &str) -> Options {
@@ -31,7 +31,7 @@ pub fn options(step: &str) -> Options {
     }
 }
 
-/// A model as emitted code computes it.
+/// The discrete system that emitted code of a model computes.
 pub fn emission(name: &str, text: &str, options: &Options) -> vibc::Emission {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, name, text.as_bytes().to_vec()));
@@ -58,7 +58,7 @@ pub fn write(folder: &TempDir, files: &[emit::File]) {
     }
 }
 
-/// Runs a tool in a folder; it must succeed without a word.
+/// Runs a tool in a folder; it must succeed without output.
 pub fn silently(folder: &TempDir, tool: &str, arguments: &[&str]) {
     let output = run(folder, tool, arguments);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -70,7 +70,7 @@ fn run(folder: &TempDir, tool: &str, arguments: &[&str]) -> Output {
     output.unwrap_or_else(|error| panic!("`{tool}` is needed by this test (README.md, \"Tests\"): {error}"))
 }
 
-/// Every example in every style, under names of their own: C and Rust.
+/// Every example in every style, under different names: C and Rust.
 fn every_style(folder: &TempDir) -> Vec<String> {
     let mut names = Vec::new();
     for (name, text) in examples() {
@@ -127,7 +127,7 @@ fn other_compilers_have_nothing_to_say_either() {
     as_a_crate(&folder, &names, "clippy-driver");
 }
 
-/// Rust code as a crate of its own, without `std`.
+/// Compiles Rust code as a crate of its own, without `std`.
 fn as_a_crate(folder: &TempDir, names: &[String], compiler: &str) {
     let modules: String = names.iter().map(|name| format!("pub mod {name};\n")).collect();
     let crate_text = format!("#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n{modules}");
@@ -146,7 +146,7 @@ fn the_same_model_gives_the_same_bytes() {
     }
 }
 
-/// Equations of motion under Runge and Kutta's method reach the exact response as the step asks: an integrator of one's own.
+/// Equations of motion integrated by the Runge-Kutta method reach the exact response to the accuracy of the step.
 #[test]
 fn equations_are_those_of_the_model() {
     let text = "gravity 9.81 m/s^2\nbase floor { moves x }\nbody cart { mass = 2 kg, moves x }\n\
@@ -163,7 +163,7 @@ fn equations_are_those_of_the_model() {
     for language in [Language::C, Language::Rust] {
         write(&folder, &emit::equation_files("rig", &equations, language));
     }
-    // u = 0.2 t on the floor, from a state of rest but for `far`.
+    // u = 0.2 t on the floor, starting at rest except for `far`.
     let c = r#"#include "rig.h"
 #include <stdio.h>
 static rig_motion moved(const rig_motion *a, const rig_motion *b, double h) {
@@ -234,7 +234,7 @@ fn main() {
     let exact = vibc::analysis::respond(&system, &[vec![ramp]], &[Number::from(2)]).expect("a motion");
     for ((c, r), exact) in c.iter().zip(&r).zip(&exact.values[0]) {
         assert_eq!(c, r);
-        // The method's own error at this step: (w h)^4 of the fastest motion, 17 rad/s, over 2 s.
+        // The method's own error at this step: (w h)^4 for the fastest motion, 17 rad/s, over 2 s.
         assert!((c - exact.to_f64()).abs() < 1e-8, "{c} {}", exact.to_f64());
     }
 }
@@ -244,15 +244,15 @@ const SPRINGS: &str = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody 
                        spring t: a -- b { k = 200 N/m + k }\ndamper e: a -- b { c = 1 N*s/m }\nforce F: a along x\n\
                        initial b { x = 0.1 m }\noutput xa = a.x\noutput acc = b.ax\noutput f = s.force\n";
 
-/// A model over a parameter.
+/// A model as a function of a parameter.
 pub fn parameterised(text: &str, name: &str) -> Result<Parameterised, String> {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
     vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1
 }
 
-/// A parameter set at run time gives the motion of the model with that value, in C and Rust alike; what cannot be kept
-/// changeable is refused with the reason.
+/// A parameter set at run time gives the motion of the model with that value, both in C and in Rust; a parameter that
+/// cannot stay adjustable is refused with the reason.
 #[test]
 fn a_parameter_stays_changeable() {
     let (text, read) = (SPRINGS, parameterised);

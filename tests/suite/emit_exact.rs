@@ -1,4 +1,4 @@
-//! Emitted programs against the exact response: what C and Rust print, bit for bit the same, and both within rounding of the
+//! Emitted programs against the exact response: C and Rust print the same bits, and both are within rounding of the
 //! motion that `vibc simulate` computes with bounds. See docs/method/emit.md.
 
 use super::emit::{STRICT, emission, examples, options, silently, write};
@@ -13,7 +13,7 @@ use vibc::base::{Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 use vibc::system::{CoordinateId, LinearSystem};
 
-/// What a program printed.
+/// The output of a program.
 pub struct Printed {
     header: String,
     pub rows: Vec<Vec<f64>>,
@@ -30,7 +30,7 @@ pub fn printed(name: &str, system: &DiscreteSystem, program: &Program) -> Printe
     Printed { header, rows: lines.map(|line| line.split(',').map(read).collect()).collect() }
 }
 
-/// Every example under its own signals, by a second C compiler.
+/// Every example under its own signals, with a second C compiler.
 #[test]
 #[ignore = "needs clang"]
 fn another_compiler_finds_the_same_bits() {
@@ -44,7 +44,7 @@ fn another_compiler_finds_the_same_bits() {
     }
 }
 
-/// Equal to the last bit; the first line that differs is shown.
+/// Asserts that two texts are equal; shows the first line that differs.
 fn same(a: &str, b: &str, name: &str) {
     let differ = a.lines().zip(b.lines()).find(|(a, b)| a != b);
     assert!(differ.is_none() && a.len() == b.len(), "{name}: {differ:?}");
@@ -77,8 +77,8 @@ pub fn output(folder: &TempDir, program: &str) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// The largest error of each output beside its largest value, over every 997th sample and the last one; the exact motion must be
-/// good to `room` of that.
+/// The largest error of each output relative to its largest value, over every 997th sample and the last one; the exact
+/// motion must be accurate to `room` of that.
 fn errors(printed: &Printed, history: impl Fn(&[Number]) -> History, step: &Number, room: f64) -> Vec<f64> {
     let last = printed.rows.len() - 1;
     let samples: Vec<usize> = (0..last).step_by(997).chain([last]).collect();
@@ -98,14 +98,14 @@ fn errors(printed: &Printed, history: impl Fn(&[Number]) -> History, step: &Numb
     (0..outputs).map(of).collect()
 }
 
-/// Runs a linear system under signals for 1e5 steps; every output to 1e-12 of its largest value.
+/// Runs a linear system under signals for 1e5 steps; every output must be accurate to 1e-12 of its largest value.
 fn check(name: &str, system: &LinearSystem, drives: &[Vec<Signal>], step: &str) {
     let wanted = Options { built_in: true, internal: drives.to_vec(), ..options(step) };
     check_as(100_001, name, system, drives, step, &wanted, 1e-12);
 }
 
-/// The same for so many samples; where the run is known, the rounding that the header tells of is above every error, and no more
-/// than a thousand times the worst.
+/// Like `check`, for this many samples; if the run is known, the rounding error in the header must be above every
+/// error, and at most a thousand times the worst.
 pub fn check_as(
     samples: u64,
     name: &str,
@@ -123,7 +123,7 @@ pub fn check_as(
     let room = 1e-14;
     let wrong = printed.rows.iter().enumerate().find(|(k, row)| {
         let time = (&step * &Number::from(*k as i64)).to_f64();
-        // A step that is no fraction of small numbers is rounded too.
+        // A step that is not a fraction of small numbers is rounded too.
         let once = time.abs() < 4e9 && (&step * &Number::from(1_000_000_000)).to_f64() < 4e9;
         if once { row[0] != time } else { (row[0] - time).abs() > 2.0 * f64::EPSILON * time }
     });
@@ -132,7 +132,7 @@ pub fn check_as(
         assert!(error <= most, "{name}, output {output}: {error:e} in {}", discrete.method);
     }
     if discrete.measured.is_empty() {
-        // With inputs from outside, which are zero here, the bound is for whatever they do.
+        // If inputs come from outside (here they are zero), the bound holds for any inputs.
         let bound = discrete.rounding.after(samples);
         for error in errors(&printed, history, &step, room) {
             assert!(error <= bound + 2e-16, "{name}: {error:e} above {bound:e}");
@@ -159,7 +159,7 @@ pub fn observed(system: &LinearSystem) -> LinearSystem {
     system
 }
 
-/// All kinds of signals on the examples' inputs, by turns.
+/// All kinds of signals in turn on the examples' inputs.
 fn signals(count: usize, step: &str) -> Vec<Vec<Signal>> {
     let (one, h) = (Number::ONE, number(step));
     let at = |steps: &str| &h * &number(steps);
@@ -184,7 +184,7 @@ fn examples_are_exact_after_1e5_steps() {
         let dynamics = vibc::dynamics(&sources, model, &Overrides::default()).answer.expect("an example has answers");
         let mut system = dynamics.system;
         if system.n() > 20 {
-            // The reference is what takes long: it is dense.
+            // The reference, which is dense, takes long.
             continue;
         }
         system.initial = vec![(CoordinateId(0), number("0.01"), number("-0.02"))];
@@ -195,7 +195,8 @@ fn examples_are_exact_after_1e5_steps() {
 
 #[test]
 fn hard_cases_are_exact_after_1e5_steps() {
-    // Steps of about a twentieth of the fastest motion that is not overdamped; of the slow one where rates lie far apart.
+    // Steps of about a twentieth of the period of the fastest motion that is not overdamped; of the slow motion if
+    // rates lie far apart.
     let cases = [
         ("o12_critical_sdof", "0.01"),
         ("o13_near_critical_sdof", "0.01"),
@@ -214,8 +215,8 @@ fn hard_cases_are_exact_after_1e5_steps() {
     }
 }
 
-/// What `vibc emit --program` prints is what `vibc simulate` does, from the text of the model on: its signals, its initial
-/// state, and what its `solve` lines found.
+/// `vibc emit --program` prints the same as `vibc simulate`, starting from the text of the model: its signals, its
+/// initial state, and the results of its `solve` lines.
 #[test]
 fn programs_print_what_simulate_does() {
     let solving = "param k = 1 N/m\nbody a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
@@ -225,8 +226,8 @@ fn programs_print_what_simulate_does() {
                    spring u: ground -- far { k = 9000 N/m }\nforce unfelt: far along x = step(1 N, 0.05 s)\n\
                    force H: a along x = ramp(1 N, 0.2 s, 0.9 s)\ninitial b { x = 2 cm, vx = 0.1 m/s }\noutput xa = a.x\n\
                    output ab = b.ax\nsolve k in 1 N/m .. 1e4 N/m: frequency(1) = 2 Hz\n";
-    // Dampers between a moving base and a body: what the base does enters velocities and accelerations at once; modes that the
-    // damper joins, and modes that it does not.
+    // Dampers between a moving base and a body: the base enters velocities and accelerations directly; modes that the
+    // damper couples, and modes that it does not.
     let riding = |other: &str| {
         format!(
             "body a {{ mass = 2 kg, moves y }}\nbody b {{ mass = 3 kg, moves y }}\nbase f {{ moves y }} = harmonic(1 cm, 1.3 Hz, 20 deg)\n\
@@ -259,7 +260,7 @@ fn programs_print_what_simulate_does() {
     }
 }
 
-/// What comes after the end of the motion is not built in, and what comes before it is.
+/// Events after the end of the motion are not built in, events before it are.
 #[test]
 fn signals_end_with_the_motion() {
     let text = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 9 N/m }\n\
@@ -274,11 +275,11 @@ fn signals_end_with_the_motion() {
     assert_eq!(ticks(Some("1.2")), [100]);
 }
 
-/// Steps of a quarter turn and more, beyond the fastest that samples can tell apart, and ones in which a motion is all but gone:
-/// the step is exact whatever it is.
+/// Steps of a quarter period and more, steps in which the fastest motion is aliased, and steps in which a motion decays
+/// almost completely: the step is exact in all cases.
 #[test]
 fn steps_are_exact_however_long() {
-    // A step of 0.1 s; k and c of oscillators of 1 kg, side by side.
+    // A step of 0.1 s; k and c of uncoupled oscillators of 1 kg.
     let cases = [
         ("144", "0"),      // 1.2 rad
         ("400", "0"),      // 2 rad: past a quarter turn
@@ -314,7 +315,7 @@ fn single(m: &str, c: &str, k: &str) -> LinearSystem {
     observed(&b.finish())
 }
 
-/// In single precision, undamped, after 1e5 steps: within the bound that the header states, and far within it.
+/// Single precision, undamped, after 1e5 steps: within the bound stated in the header, with a large margin.
 #[test]
 fn single_precision_stays_within_its_bound() {
     let mut system = single("1", "0", "400");
@@ -326,7 +327,7 @@ fn single_precision_stays_within_its_bound() {
     check_as(100_001, "single", &system, &[], "0.01", &wanted, bound.min(1e-3));
 }
 
-/// A step of the input between two samples is lost by no interpolation: a ramp that follows the samples is exact with
+/// Interpolation does not lose a change of the input between two samples: a ramp that follows the samples is exact with
 /// `--hold first`.
 #[test]
 fn inputs_along_a_line_are_exact() {
@@ -335,7 +336,7 @@ fn inputs_along_a_line_are_exact() {
     let modes = analysis::modes(&system).expect("modes");
     let discrete = discretise(&system, &modes, &Options { hold: Hold::First, ..options("0.01") }).expect("a system");
     write(&folder, &emit::files("line", &discrete, Language::C, None));
-    // u = 3 + 5 t, from the first step on; the state is read back on the way.
+    // u = 3 + 5 t, from the first step on; the state is read back during the run.
     let main = "#include \"line.h\"\n#include <stdio.h>\nint main(void) { line_state s; line_inputs u; line_outputs y; line_motion m; \
                 int k; line_init(&s); for (k = 0; k <= 200; k++) { u.x1 = 3.0 + 5.0 * (0.01 * k); line_step(&s, &u, &y); } \
                 printf(\"%.17g %.17g\\n\", y.x1, y.x1_2); line_get_state(&s, &m); line_set_state(&s, &m); line_get_state(&s, &m); \
@@ -353,7 +354,7 @@ fn inputs_along_a_line_are_exact() {
     for (value, exact) in numbers.iter().zip(&exact.values[0]) {
         assert!((value - exact.to_f64()).abs() < 1e-13, "{value:e} {:e}", exact.to_f64());
     }
-    // At the coming sample the input is still 13: the last interval is one of a constant force.
+    // At the next sample the input is still 13: the last interval has a constant force.
     let later = vec![
         Signal::Step { value: number("3"), at: Number::ZERO },
         Signal::Ramp { value: number("10"), from: Number::ZERO, to: number("2") },
@@ -368,7 +369,7 @@ fn input_field(system: &DiscreteSystem) -> String {
     system.inputs[0].name.replace('.', "_")
 }
 
-/// What no input reaches is not emitted, and the outputs do not change by a bit of it.
+/// States that no input reaches are not emitted, and the outputs do not change by a bit.
 #[test]
 fn a_symmetric_scene_driven_symmetrically_has_half_of_the_states() {
     let mut b = Builder::numbered(4);
@@ -380,7 +381,7 @@ fn a_symmetric_scene_driven_symmetrically_has_half_of_the_states() {
         b.damper(from, to, &number("0.2"));
     }
     let mut system = observed(&b.finish());
-    // One force, on both ends alike.
+    // One force that acts equally on both ends.
     system.inputs.truncate(1);
     system.inputs[0].b[0] = vec![(CoordinateId(0), Number::ONE), (CoordinateId(3), Number::ONE)];
     let modes = analysis::modes(&system).expect("modes");
@@ -400,7 +401,7 @@ fn a_symmetric_scene_driven_symmetrically_has_half_of_the_states() {
     }
 }
 
-/// Fast modes that add little over the band are left out for a tolerance, and their static part stays.
+/// With a tolerance, fast modes that add little over the band are left out, and their static part is kept.
 #[test]
 fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
     let mut b = Builder::numbered(2);
@@ -415,7 +416,7 @@ fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
     let of = |tolerance| discretise(&system, &modes, &Options { tolerance, ..options("0.01") }).expect("a system");
     let mut fewer = of(Some(1e-2));
     assert_eq!(of(None).states(), 4);
-    // Velocities of the light mass see its own fast mode at once, so it stays for them.
+    // The velocity of the light mass depends directly on its own fast mode, so that one is kept.
     if fewer.states() == 4 {
         let mut seen = system.clone();
         seen.outputs.truncate(1);
@@ -427,8 +428,8 @@ fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
     assert!(text.contains("its static part is kept"), "{text}");
 }
 
-/// A fast mode whose static part is twice that of the slow one: left out for a tolerance, what is left of it keeps the motion
-/// under a force that is held within the tolerance; and all that is left out together is below it.
+/// A fast mode whose static part is twice that of the slow one: with a tolerance it is left out, its static part keeps
+/// the motion under a held force within the tolerance, and the sum of everything left out is below it.
 #[test]
 fn what_is_left_out_stays_below_the_tolerance() {
     let mut b = Builder::numbered(3);
@@ -464,14 +465,14 @@ fn what_is_left_out_stays_below_the_tolerance() {
     assert!(share(&one) <= 0.9 * together);
     let program = Program { step: number("0.01"), samples: 501 };
     let (whole, fewer) = (printed("whole", &of(None), &program), printed("fewer", &both, &program));
-    // The largest gain is that of the slow mode at its resonance, Q / k = 20 / 100; a fast mode takes 0.05 s to die.
+    // The largest gain is that of the slow mode at its resonance, Q / k = 20 / 100; a fast mode decays within 0.05 s.
     let most = together * 0.2 * 2.0;
     for (a, b) in whole.rows.iter().zip(&fewer.rows).skip(10) {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= most), "{a:?} {b:?}");
     }
 }
 
-/// A mode that no input reaches is kept where the motion starts in it.
+/// A mode that no input reaches is kept if the motion starts in it.
 #[test]
 fn an_initial_state_keeps_what_no_input_reaches() {
     let mut b = Builder::numbered(2);
@@ -490,7 +491,7 @@ fn an_initial_state_keeps_what_no_input_reaches() {
     assert_eq!(states(&system), 4);
 }
 
-/// The compiler's own checks of undefined behaviour and of memory find nothing.
+/// The compiler's sanitizers find no undefined behaviour and no memory error.
 #[test]
 fn sanitizers_find_nothing() {
     let mut system = observed(&HardCase::load("o29_seed_cart").system);

@@ -1,5 +1,5 @@
-//! Names that mean something to a target, numbers that it does not hold, files that must not be replaced, and sizes that memory does
-//! not hold: emitted code compiles or is refused. See docs/method/emit.md.
+//! Names with a meaning in the target language, numbers outside its range, files that must not be overwritten, and
+//! sizes that exceed memory: emitted code compiles, or the model is refused. See docs/method/emit.md.
 
 use super::emit::{emission, options, silently, write};
 use super::systems::number;
@@ -15,7 +15,8 @@ use vibc::model::Overrides;
 const CART: &str =
     "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along x\noutput x = b.x\n";
 
-/// Keywords of ISO C99 to C23, of C++98 to C++23, and of Rust (editions 2015 to 2024, reserved ones and names of types too).
+/// Keywords of ISO C99 to C23, of C++98 to C++23, and of Rust (editions 2015 to 2024, including reserved ones and names
+/// of types).
 const KEYWORDS: &str = "alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class compl \
     concept const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype default delete do \
     double dynamic_cast else enum explicit export extern false float for friend goto if inline int long mutable namespace new \
@@ -30,7 +31,7 @@ const KEYWORDS: &str = "alignas alignof and and_eq asm auto bitand bitor bool br
 const HEADERS: &str = "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef \
     stdint stdio stdlib string tgmath time wchar wctype";
 
-/// The macros without parameters that a compiler has after all headers of C.
+/// The macros without parameters that are defined after including all headers of C.
 fn macros(folder: &tempfile::TempDir, standard: &str) -> Vec<String> {
     let output = Command::new("gcc")
         .args([standard, "-dM", "-E", "all.c"])
@@ -42,7 +43,8 @@ fn macros(folder: &tempfile::TempDir, standard: &str) -> Vec<String> {
     names.filter(|name| !name.contains('(') && !name.starts_with('_')).map(str::to_string).collect()
 }
 
-/// Outputs and inputs of every name that a language or a header has for itself, after all headers, in C, C++ and every edition of Rust.
+/// Outputs and inputs with every name that a language or a header reserves, after all headers, in C, C++ and every
+/// edition of Rust.
 #[test]
 fn names_of_the_target_are_no_names_of_the_code() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -79,7 +81,7 @@ fn names_of_the_target_are_no_names_of_the_code() {
     }
 }
 
-/// A model that is called like a header takes its place nowhere, nor one that is called like a part of Rust.
+/// A model with the name of a header does not replace it, and one with the name of a Rust module does not hide it.
 #[test]
 fn a_model_takes_the_place_of_no_header() {
     let system = emission("names", CART, &options("0.01")).system;
@@ -115,7 +117,7 @@ fn a_model_takes_the_place_of_no_header() {
     }
 }
 
-/// What turns the direction of text, or steers a terminal, reaches no comment.
+/// Characters that change the direction of text, or control a terminal, do not reach comments.
 #[test]
 fn comments_hold_no_controls() {
     let system = emission("names", CART, &options("0.01")).system;
@@ -130,7 +132,7 @@ fn comments_hold_no_controls() {
     silently(&folder, "rustc", &["--crate-type", "lib", "-D", "warnings", "--emit", "metadata", "a_b_c_d_e_f.rs"]);
 }
 
-/// The codes of the diagnostics of a model that gives no code.
+/// The codes of the diagnostics of a model from which no code is made.
 fn refused(text: &str, wanted: &Options) -> Vec<String> {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "model", text.as_bytes().to_vec()));
@@ -139,7 +141,8 @@ fn refused(text: &str, wanted: &Options) -> Vec<String> {
     outcome.diagnostics.iter().map(|d| d.code.0.to_string()).collect()
 }
 
-/// Numbers beyond the precision, and steps in which a motion or a signal turns beyond what digits tell, are refused.
+/// Numbers outside the precision are refused, and steps in which a motion or a signal turns so far that its phase is
+/// lost.
 #[test]
 fn what_the_precision_does_not_hold_is_refused() {
     let single = Options { precision: Precision::Single, ..options("0.001") };
@@ -147,7 +150,7 @@ fn what_the_precision_does_not_hold_is_refused() {
     assert_eq!(refused(&heavy, &single), ["vib::limit::range"]);
     let system = emission("heavy", &heavy, &options("0.001")).system;
     assert!(system.cells.iter().flat_map(|cell| cell.numbers()).all(f64::is_finite));
-    // What an output sees is too little for single precision, and would print as zero.
+    // The output's coefficient is too small for single precision, and would print as zero.
     let seen = CART.replace("output x = b.x", "output x = 1e-44 * b.x");
     if let Some(text) = seen.contains("1e-44").then_some(&seen) {
         assert_eq!(refused(text, &single), ["vib::limit::range"]);
@@ -160,7 +163,8 @@ fn what_the_precision_does_not_hold_is_refused() {
     emission("slow", &signal, &Options { built_in: true, ..options("0.01") });
 }
 
-/// The equations of a long chain and of a hub with many spokes take time and text in proportion, and no deep recursion.
+/// The equations of a long chain and of a hub with many spokes take time and text in proportion to their size, without
+/// deep recursion.
 #[test]
 fn equations_of_large_models_are_in_proportion() {
     let chain = |n: usize| {
@@ -187,7 +191,7 @@ fn equations_of_large_models_are_in_proportion() {
     }
 }
 
-/// A coordinate without mass has no equation, and neither has what single precision does not hold.
+/// A coordinate without mass has no equation, and neither has a number outside single precision.
 #[test]
 fn equations_that_cannot_be_are_refused() {
     let found = |text: &str, precision| {
@@ -201,7 +205,7 @@ fn equations_that_cannot_be_are_refused() {
     assert_eq!(found(&heavy, Precision::Single), Some(NoEquations::OutOfRange { precision: "single" }));
 }
 
-/// A model is not replaced by what is made of it, whatever it is called.
+/// Emitted files do not overwrite the model, whatever its name is.
 #[test]
 fn a_model_is_not_replaced_by_its_code() {
     for (file, target) in [("m.rs", "rust"), ("m.c", "c"), ("m.h", "c")] {

@@ -1,5 +1,6 @@
-//! Signals built into emitted code where a step is (nearly) a whole number of periods of a signal or a mode, where a chirp or a table
-//! changes within a step, and at their ends; and the rounding that the header tells of. See docs/method/emit.md.
+//! Signals built into emitted code: steps of (nearly) a whole number of periods of a signal or a mode, chirps and
+//! tables that change within a step, and their ends; and the rounding errors stated in the header. See
+//! docs/method/emit.md.
 
 use super::emit::{emission, options, silently, write};
 use super::emit_exact::{check_as, observed, output, printed};
@@ -11,7 +12,7 @@ use vibc::backend::emit::{self, Language, Program};
 use vibc::base::{Number, Rational, SourceFile, SourceKind, Sources};
 use vibc::system::{CoordinateId, LinearSystem};
 
-/// Oscillators of 1 kg side by side.
+/// Oscillators of 1 kg, uncoupled unless `joined`.
 fn oscillators(list: &[(&str, &str)], joined: bool) -> LinearSystem {
     let mut b = Builder::numbered(list.len());
     for (i, (k, c)) in list.iter().enumerate() {
@@ -20,7 +21,7 @@ fn oscillators(list: &[(&str, &str)], joined: bool) -> LinearSystem {
         b.damper(None, i, &number(c));
     }
     if joined {
-        // So that the modes are not those of the poles: the other road to the blocks.
+        // Makes the poles differ from those of the modes, so that the other method for the blocks is used.
         b.damper(Some(0), 1, &number("1e-9"));
     }
     let mut system = observed(&b.finish());
@@ -32,7 +33,7 @@ fn harmonic(frequency: &str, phase: &str) -> Vec<Signal> {
     vec![Signal::Harmonic { value: Number::ONE, frequency: number(frequency), phase: number(phase) }]
 }
 
-/// Steps of whole, half and nearly whole numbers of periods of the forces, with phases; 1e4 of them.
+/// Steps of whole, half and nearly whole numbers of periods of the forces, with phases; 1e4 steps.
 #[test]
 fn steps_may_be_whole_periods_of_a_signal() {
     let cases = [
@@ -45,7 +46,7 @@ fn steps_may_be_whole_periods_of_a_signal() {
         let list: Vec<(&str, &str)> = springs.iter().map(|&k| (k, "0.3")).collect();
         let mut system = oscillators(&list, false);
         for i in 0..frequencies.len() {
-            // Accelerations see the signal at once.
+            // Accelerations depend directly on the signal.
             let mut acceleration = system.outputs[i].clone();
             acceleration.p.swap(0, 2);
             system.outputs.push(acceleration);
@@ -53,14 +54,14 @@ fn steps_may_be_whole_periods_of_a_signal() {
         let phases = ["0.5235987755982988", "0", "1.2", "-2", "3.1", "0.7", "-0.3", "2.2"];
         let drives: Vec<Vec<Signal>> = frequencies.iter().zip(phases).map(|(f, phase)| harmonic(f, phase)).collect();
         let wanted = Options { built_in: true, internal: drives.clone(), ..options(step) };
-        // Beyond 1e9 rad there is nothing to compare with.
+        // Beyond 1e9 rad there is no reference to compare with.
         let samples = if step == "3550" { 1001 } else { 10_001 };
         check_as(samples, "periods", &system, &drives, step, &wanted, 2e-12);
     }
 }
 
-/// Steps of (nearly) whole and half numbers of periods of modes, undamped, hardly damped, damped; beside motions of one pole that lie
-/// equal or close, and critical ones.
+/// Steps of (nearly) whole and half numbers of periods of modes: undamped, hardly damped, damped; along with equal or
+/// close real poles, and critical ones.
 #[test]
 fn steps_may_be_whole_periods_of_a_mode() {
     let cases = [
@@ -88,7 +89,7 @@ fn steps_may_be_whole_periods_of_a_mode() {
                 ("39.47841760435743", "0"),
             ],
         ),
-        // Equal rates, close rates, critical and hardly beyond, long beside the step and short.
+        // Equal rates, close rates, critical and slightly overcritical, long and short relative to the step.
         (
             "0.01",
             vec![
@@ -114,7 +115,7 @@ const RIG: &str = "body j { mass = 2.5 kg, moves y }\nspring s: ground -- j { k 
                    spring t: f -- j { k = 40 N/m, along = y }\ndamper e: f -- j { c = 0.3 N*s/m, along = y }\n\
                    force w: j along y = FORCE\noutput y = j.y\noutput v = j.vy\noutput a = j.ay\n";
 
-/// A program's rows beside the exact motion: the worst error of each output beside its largest value.
+/// The worst error of each output in a program's rows, compared with the exact motion, relative to its largest value.
 fn differences(text: &str, step: &str, samples: u64, precision: Precision) -> Vec<f64> {
     let wanted = Options { built_in: true, precision, ..options(step) };
     let emitted = emission("rig", text, &wanted).system;
@@ -137,8 +138,8 @@ fn differences(text: &str, step: &str, samples: u64, precision: Precision) -> Ve
         .collect()
 }
 
-/// Chirps, lines and splines, in steps that are short, that miss the ends of the pieces, and that are longer than many of them: while
-/// they last, at their ends and long after.
+/// Chirps, lines and splines, with steps that are short, that miss the ends of the pieces, and that are longer than
+/// many of them: during the signals, at their ends and long after.
 #[test]
 fn chirps_and_tables_are_exact_beyond_their_ends() {
     let forces = [
@@ -160,7 +161,8 @@ fn chirps_and_tables_are_exact_beyond_their_ends() {
     }
 }
 
-/// Tables as forces and a spline as a base, by the interface of signals: rows far closer than a step, and far apart.
+/// Tables as forces and a spline as a base, through the interface of signals: rows far closer than a step, and far
+/// apart.
 #[test]
 fn tables_are_exact_whatever_the_step() {
     let list = [("90", "0.7"), ("400", "0.1")];
@@ -175,7 +177,8 @@ fn tables_are_exact_whatever_the_step() {
     }
 }
 
-/// The state that is read before a sample has what happened since the last one, and one that is set there is not changed by it.
+/// A state that is read before a sample includes the events since the last one, and a state that is set there is not
+/// changed by them.
 #[test]
 fn a_state_is_read_and_set_after_what_happens_between_samples() {
     let text = "body a { mass = 2 kg, moves x }\nspring s: ground -- a { k = 90 N/m }\n\
@@ -204,7 +207,8 @@ fn a_state_is_read_and_set_after_what_happens_between_samples() {
     }
 }
 
-/// Modal damping against its closed form: two masses alike, whose modes are their sum and their difference, under a constant force.
+/// Modal damping against its closed form: two equal masses, whose modes are their sum and their difference, under a
+/// constant force.
 #[test]
 fn modal_damping_is_that_of_each_mode() {
     let text = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: ground -- a { k = 50 N/m }\n\
@@ -228,8 +232,8 @@ fn modal_damping_is_that_of_each_mode() {
     }
 }
 
-/// Inputs along lines: samples without a pattern, on a force and on a base that a damper holds, are what `simulate` makes of a table of
-/// them; and held, what it makes of steps.
+/// Interpolated inputs: irregular samples of a force and of a base with a damper give the same motion as `simulate`
+/// with a table of these samples; held inputs give that of steps.
 #[test]
 fn inputs_between_samples_are_lines_or_steps() {
     let text = RIG.replace(" = BASE", "").replace(" = FORCE", "");
@@ -274,7 +278,7 @@ fn inputs_between_samples_are_lines_or_steps() {
         let times: Vec<Number> = picked.iter().map(|&k| time(k)).collect();
         let history = respond(&linear, &drives, &times).expect("a motion");
         for (&k, row) in picked.iter().zip(&history.values) {
-            // A velocity that a base's damper drives has no jump where the base has none.
+            // If the base has no jump, a velocity that its damper drives has none either.
             for output in 0..if first { 2 } else { 1 } {
                 let (value, exact) = (found[2 * k + output], row[output].to_f64());
                 assert!((value - exact).abs() < 1e-13, "{hold:?}, sample {k}, output {output}: {value:e} {exact:e}");

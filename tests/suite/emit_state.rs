@@ -1,5 +1,5 @@
-//! The state of emitted code in the model's own coordinates, what follows the rate of an input, and parameters that are set:
-//! beside the exact response of the same model. See docs/method/emit.md.
+//! The state of emitted code in the model's own coordinates, outputs that follow the rate of an input, and adjustable
+//! parameters, compared with the exact response of the same model. See docs/method/emit.md.
 
 use super::emit::{emission, options, parameterised, silently, write};
 use super::systems::number;
@@ -13,18 +13,18 @@ use vibc::base::{Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 use vibc::system::{CoordinateId, LinearSystem};
 
-/// A base that shakes what stands on it, through springs and dampers: what it does at once, and by its rate.
+/// A base that shakes bodies through springs and dampers: it acts directly and through its rate.
 const FLOOR: &str = "base floor { moves x }\nbody a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
                      spring s: floor -- a { k = 300 N/m }\nspring t: a -- b { k = 200 N/m }\noutput xa = a.x\n";
 /// Dampers that couple the modes, and some that do not.
 const COUPLED: &str = "damper d: floor -- a { c = 4 N*s/m }\noutput f = d.force\n";
 const UNCOUPLED: &str =
     "damper d: floor -- a { c = 1.5 N*s/m }\ndamper e: a -- b { c = 1 N*s/m }\noutput f = d.force\n";
-/// A base that carries inertia along: its acceleration is felt in the coordinates' rates.
+/// A base that moves inertia: its acceleration enters the rates of the coordinates.
 const CARRIED: &str = "gravity 9.81 m/s^2\nbase floor { moves x }\nbody rod { mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }\n\
                        pivot p: floor@(0, 0) -- rod\ndamper d: floor -- rod { c = 0.4 N*m*s/rad }\noutput q = rod.angle\n";
 
-/// More numbers than are written out: the state goes by tables.
+/// More numbers than are written out: the state uses tables.
 fn long(n: usize) -> String {
     let mut text = String::from(FLOOR) + UNCOUPLED;
     for i in 0..n {
@@ -43,7 +43,7 @@ fn linear(text: &str) -> LinearSystem {
     vibc::linear(&sources, model, &Overrides::default()).answer.expect("a system").1
 }
 
-/// Compiles `main.c` with the sources of the folder and runs it: its numbers.
+/// Compiles `main.c` with the sources of the folder, runs it, and returns the printed numbers.
 fn numbers(folder: &TempDir, main: &str, sources: &[String]) -> Vec<f64> {
     fs::write(folder.path().join("main.c"), main).expect("a file");
     let sources: Vec<&str> = sources.iter().map(String::as_str).collect();
@@ -53,7 +53,7 @@ fn numbers(folder: &TempDir, main: &str, sources: &[String]) -> Vec<f64> {
     text.split_whitespace().map(|x| x.parse().expect("a number")).collect()
 }
 
-/// Displacements, then velocities, of all coordinates at a time, as a signal moves the base.
+/// Displacements, then velocities, of all coordinates at a time while a signal moves the base.
 fn moved(system: &LinearSystem, signal: &Signal, time: &str) -> Vec<f64> {
     let mut system = system.clone();
     let output = system.outputs[0].clone();
@@ -71,8 +71,9 @@ fn moved(system: &LinearSystem, signal: &Signal, time: &str) -> Vec<f64> {
     history.values[0].iter().map(|x| x.to_f64()).collect()
 }
 
-/// `get_state` is the exact motion at the coming sample, and `set_state` with it changes nothing: neither the motion then nor
-/// what follows. So with an input that is given, held or along lines, and with a signal that is part of the state.
+/// `get_state` gives the exact motion at the next sample, and passing the result to `set_state` changes neither the
+/// motion then nor the rest. This holds for a given input, held or interpolated, and for a signal that is part of the
+/// state.
 #[test]
 fn a_state_is_read_and_set_in_the_models_coordinates() {
     let floor = |dampers: &str| String::from(FLOOR) + dampers;
@@ -130,7 +131,8 @@ fn a_state_is_read_and_set_in_the_models_coordinates() {
     assert_eq!(found.next(), None);
 }
 
-/// An output that follows how fast an input changes: exact along lines; where inputs are held the header says what is missing.
+/// An output that follows the rate of an input is exact with interpolation; if inputs are held, the header says what is
+/// missing.
 #[test]
 fn an_output_follows_the_rate_of_an_input() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -158,13 +160,14 @@ fn an_output_follows_the_rate_of_an_input() {
     let found = numbers(&folder, &format!("{includes}int main(void) {{\n{main}return 0; }}\n"), &sources);
     assert_eq!(found.len(), exact.len());
     for (value, exact) in found.iter().zip(&exact) {
-        // A slope is a difference of inputs of 0.3, good to 1e-16 of that, over a step of 0.01 s.
+        // A slope is a difference of inputs of 0.3, accurate to 1e-16 of that, over a step of 0.01 s.
         assert!((value - exact.to_f64()).abs() < 1e-13, "{value:e} {:e}", exact.to_f64());
     }
 }
 
-/// A parameter that couples masses, with a base as input, velocities as outputs and a state that is set: the motion of the model
-/// with that value, at both ends of the range and between, in steps as long as the fastest motion.
+/// A parameter that couples masses, with a base as input, velocities as outputs and a state that is set: the motion is
+/// that of the model with this value, at both ends of the range and between, for steps as long as the period of the
+/// fastest motion.
 #[test]
 fn a_parameter_moves_masses_and_what_outputs_see() {
     let text = "param m = 2 kg\nbase floor { moves x }\nbody cart { mass = m, moves x }\n\

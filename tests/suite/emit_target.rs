@@ -12,7 +12,7 @@ use vibc::backend::emit::{self, Language, Program};
 use vibc::base::Number;
 use vibc::system::CoordinateId;
 
-/// Memory as the board `mps2-an386` has it, everything loaded into RAM's reach.
+/// Memory of the board `mps2-an386`, with everything loaded within the reach of RAM.
 const LINKER: &str = "MEMORY { FLASH (rx) : ORIGIN = 0x00000000, LENGTH = 4M\n RAM (rwx) : ORIGIN = 0x20000000, LENGTH = 4M }\n\
     ENTRY(Reset_Handler)\nSECTIONS {\n .text : { KEEP(*(.isr)) *(.text*) *(.rodata*) *(.init*) *(.fini*) } > FLASH\n\
     .ARM.exidx : { __exidx_start = .; *(.ARM.exidx*) __exidx_end = .; } > FLASH\n\

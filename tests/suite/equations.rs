@@ -1,11 +1,11 @@
-//! `vibc equations`: what it prints beside what a textbook prints.
+//! Output of `vibc equations`, compared with textbooks.
 
 use std::path::Path;
 use vibc::backend::equations;
 use vibc::base::{SourceFile, Sources};
 use vibc::model::Overrides;
 
-/// The equations of a model as text; its messages where there are none.
+/// The equations of a model as text; the messages if there are none.
 fn text_of(name: &str, model: &str) -> String {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(name, model));
@@ -21,7 +21,7 @@ fn example(name: &str) -> String {
     text_of(name, &std::fs::read_to_string(path).expect("an example"))
 }
 
-/// Whether a line of the text is this formula, blanks at its ends aside.
+/// Whether a line of the text is this formula, ignoring blanks at its ends.
 fn says(text: &str, line: &str) -> bool {
     text.lines().any(|found| found.trim() == line)
 }
@@ -45,7 +45,7 @@ fn the_cart_has_the_equations_of_the_course() {
     }
 }
 
-/// Scenes beside the examples: what a course asks for, and what is hard to write well.
+/// Scenes beyond the examples: those of a course, and some that are hard to write well.
 const SCENES: [(&str, &str); 14] = [
     (
         "pendulum",
@@ -144,7 +144,7 @@ fn thirty_outputs_are_what_was_read() {
     }
 }
 
-/// What nobody writes: each with what it is.
+/// Patterns that nobody writes, each with a description.
 const UNREADABLE: [(&str, &str); 9] = [
     (r"- -|\+ -|--", "two signs in a row"),
     (r"(^|[ (/])1 [a-zA-Z(]", "a factor of one"),
@@ -164,7 +164,7 @@ fn nobody_finds_what_nobody_writes() {
     for (name, text) in outputs() {
         let formulas = text.lines().filter(|line| line.starts_with("    "));
         for line in formulas {
-            // Notes stand behind four blanks; arguments of functions keep their brackets.
+            // Notes follow four blanks; arguments of functions keep their brackets.
             let line = line.trim().split("    ").next().unwrap_or_default();
             let bare = fancy_regex::Regex::new(r"\b(sin|cos|sqrt|atan2|abs)\(")
                 .expect("a pattern")
@@ -186,7 +186,7 @@ fn nobody_finds_what_nobody_writes() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A name that every term of a sum in brackets has as a factor.
+/// A name that is a factor of every term of a bracketed sum.
 fn unfactored(line: &str) -> Option<String> {
     let groups = fancy_regex::Regex::new(r"\(([^()\[\]{}]* [+-] [^()\[\]{}]*)\)").expect("a pattern");
     let signs = fancy_regex::Regex::new(r" [+-] ").expect("a pattern");
@@ -213,7 +213,7 @@ fn unfactored(line: &str) -> Option<String> {
     None
 }
 
-/// A term that a sum holds twice.
+/// A term that occurs twice in a sum.
 fn repeated(line: &str) -> Option<String> {
     let side = |side: &str| {
         let (mut depth, mut terms, mut term) = (0i32, Vec::new(), String::new());
@@ -246,7 +246,7 @@ fn the_linter_sees_what_it_refuses() {
     }
 }
 
-/// The printed solutions of the course's problem set, and what its examples answer.
+/// The printed solutions of the course's problem set, and the answers for its examples.
 #[test]
 fn the_six_problems_have_their_equations() {
     for (name, lines) in [
@@ -265,7 +265,7 @@ fn the_six_problems_have_their_equations() {
     }
 }
 
-/// omega from the closed form is what `analyze` finds: 2.15818 and 3.74715 rad/s.
+/// omega from the closed form agrees with `analyze`: 2.15818 and 3.74715 rad/s.
 #[test]
 fn closed_forms_have_the_values_of_the_analysis() {
     let text = example("cart.vib");

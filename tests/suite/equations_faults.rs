@@ -1,4 +1,5 @@
-//! Faults built into the lowered system and into the symbols of a scene: each is reported as a defect, at the part that is wrong.
+//! Faults injected into the lowered system and into the symbols of a scene: each is reported as a defect, at the part
+//! that is wrong.
 
 use vibc::base::{Diagnostics, Number, Rational, SourceFile, Sources};
 use vibc::equations::{Equations, EquationsError, derive, verify};
@@ -59,7 +60,7 @@ impl Scene {
     }
 }
 
-/// The form with each term changed, or left out where there is none.
+/// The form with each term changed by `change`, or removed if that returns nothing.
 fn changed(
     form: &Form,
     names: &[&str],
@@ -194,7 +195,7 @@ fn ten_faults_in_the_symbols_are_reported() {
     }
 }
 
-/// The equations of motion are held against derivatives of the energies: a term that is changed in one of them is found.
+/// The equations of motion are compared with derivatives of the energies: a changed term in one of them is found.
 #[test]
 fn faults_in_the_equations_of_motion_are_reported() {
     let scene = scene();

@@ -1,4 +1,4 @@
-//! The second road: eigenvalues counted and errors of poles measured in exact arithmetic.
+//! An independent method: eigenvalues are counted, and errors of poles are measured, in exact arithmetic.
 
 use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
@@ -14,7 +14,7 @@ pub struct ExactPencil {
 }
 
 impl ExactPencil {
-    /// Of a system all of whose numbers are rational.
+    /// The pencil of a system whose numbers are all rational.
     pub fn of(system: &LinearSystem) -> ExactPencil {
         let n = system.n();
         let (k, m) = (assembled(&system.k, n), assembled(&system.m, n));
@@ -26,8 +26,8 @@ impl ExactPencil {
         ExactPencil { k: integers(&k), m: integers(&m) }
     }
 
-    /// How many eigenvalues are below s: the negative ones of K - s M (Sylvester), as the changes of sign in the sequence of
-    /// its leading minors, which Bareiss' elimination yields. `None` if one of them is zero.
+    /// The number of eigenvalues below s: the negative ones of K - s M (Sylvester), as the sign changes in the sequence
+    /// of its leading minors, which Bareiss' elimination yields. `None` if one of them is zero.
     pub fn below(&self, s: &BigRational) -> Option<usize> {
         let n = self.k.len();
         let mut t: Vec<Vec<BigInt>> =
@@ -140,7 +140,7 @@ impl Quadratic {
     /// |p / p'| at a pole's midpoint: its error, to as many digits as the difference quotient has.
     pub fn error(&self, re: Dd, im: Dd) -> f64 {
         let size = re.to_f64().hypot(im.to_f64());
-        // A step between the error (1e-30) and the distance of the next pole.
+        // A step between the error (1e-30) and the distance to the next pole.
         let step = binary(2f64.powi((size * 1e-20).log2() as i32));
         let (re, im) = (value(re), value(im));
         let k = [&re, &im, &step].iter().map(|x| x.denom().bits() - 1).max().expect("three");

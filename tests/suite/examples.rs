@@ -1,5 +1,5 @@
-//! Every example analyses without a finding; its report, its transfer table and its motion are kept as snapshots, to be read
-//! beside the answers that the example's first lines promise.
+//! Every example is analysed without findings; its report, its transfer table and its motion are kept as snapshots, to
+//! be compared with the answers stated in the example's first lines.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ fn loaded(path: &Path) -> (String, Sources, FileId) {
     (stem, sources, model)
 }
 
-/// From every input to every output, where the example has both.
+/// Transfer tables from every input to every output of the examples that have both.
 #[test]
 fn every_example_has_its_transfer_table() {
     for path in examples() {
@@ -50,7 +50,7 @@ fn every_example_has_its_transfer_table() {
             continue;
         }
         let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
-        // A hundred peaks are for a user who waits, not for a reader.
+        // A hundred peaks are too many for a snapshot.
         let few = (1..=5).map(|tenths| Frequency::hertz(&Number::from(Rational::new(tenths, 10)))).collect();
         let sweep = Sweep {
             range: None,
@@ -68,7 +68,8 @@ fn every_example_has_its_transfer_table() {
     }
 }
 
-/// What is left at an antiresonance without damping says how near the search came: its frequency alone is kept.
+/// Removes the residual values at undamped antiresonances, which only show how close the search came: just their
+/// frequencies are kept.
 fn without_noise(text: &str) -> String {
     let line = |line: &str| match line.trim_start().strip_prefix("antiresonance") {
         Some(rest) => format!("  antiresonance  {}", rest.split_whitespace().next().unwrap_or_default()),
@@ -77,7 +78,7 @@ fn without_noise(text: &str) -> String {
     text.lines().map(|text| line(text) + "\n").collect()
 }
 
-/// Ten seconds of its motion, where the example has an output.
+/// Ten seconds of the motion of the examples with an output.
 #[test]
 fn every_example_moves_as_it_did() {
     for path in examples() {

@@ -1,8 +1,8 @@
-//! Peaks and antiresonances: all of them, each where it is, with bounds that hold, and what is said where that is not proved.
+//! Peaks and antiresonances: all of them, each at its place, with bounds that hold, and a report if that is not proved.
 //!
-//! Reference values: the numerator N and the denominator D of H by cofactors over the rationals, |H|^2 = A(x) / B(x) with
-//! x = omega^2, the real roots of A' B - A B' enclosed at 300 bits, H there by Horner's scheme (python-flint 0.8). No pivot, pole
-//! or mode takes part.
+//! Reference values: the numerator N and the denominator D of H by cofactors over the rationals, |H|^2 = A(x) / B(x)
+//! with x = omega^2, the real roots of A' B - A B' enclosed at 300 bits, H there by Horner's scheme (python-flint 0.8).
+//! They use no pivot, pole or mode.
 
 use super::ask::ask;
 use super::systems::chain;
@@ -26,14 +26,14 @@ fn extrema_of(text: &str, range: Option<(&str, &str)>) -> Extrema {
     table.extrema.expect("the default grid")[0][0].clone()
 }
 
-/// A number of which 20 digits are written down.
+/// Compares with a reference of which 20 digits are given.
 fn near(what: &str, told: Ball, written: &str) {
     let truth = Number::from(written.trim_start_matches('-')).to_ball();
     let truth = if written.starts_with('-') { -truth } else { truth };
     let unit = 1e-19 * truth.to_f64().abs();
     assert!((told - truth).mid.abs().to_f64() <= told.rad + unit, "{what}: {told:?}, not {written}");
     assert!(told.relative_error() < 1e-18, "{what}: {:e}", told.relative_error());
-    // What is printed keeps its own bound.
+    // The printed number keeps its own bound.
     let printed = Rounded::of(told).expect("finite");
     let error = (Ball::from(printed.value()) - truth).mid.abs().to_f64();
     assert!(error <= printed.bound() + unit && printed.bound() < 1.2e-16 * truth.to_f64().abs(), "{what}");
@@ -93,7 +93,7 @@ fn broad_extrema_of_damped_pairs_are_at_their_places() {
     check(&second, Some(("0.01", "2")), &expected);
 }
 
-/// Four masses of 35 kg to 15 g; the second hangs on the first without a damper and stills it at its own frequency.
+/// Four masses of 35 kg to 15 g; the second hangs on the first without a damper and stops it at its own frequency.
 #[test]
 fn a_zero_without_damping_is_exactly_zero() {
     let scene = "base z0 { moves x }
@@ -119,7 +119,7 @@ fn a_zero_without_damping_is_exactly_zero() {
     check(scene, Some(("0.01", "10")), &expected);
 }
 
-/// Two zeros that a grid takes for one, with a maximum between them.
+/// Two zeros that a grid cannot separate, with a maximum between them.
 #[test]
 fn two_zeros_close_together_are_two() {
     let scene = "base z { moves x }
@@ -142,7 +142,7 @@ fn two_zeros_close_together_are_two() {
     check(scene, None, &expected);
 }
 
-/// m = 1, k = 2, c = 2e-15: a peak of 1 / (c omega sqrt(1 - zeta^2)) at -90 degrees, c / m wide in rad/s.
+/// m = 1, k = 2, c = 2e-15: a peak of 1 / (c omega sqrt(1 - zeta^2)) at -90 degrees, of width c / m in rad/s.
 #[test]
 fn the_lightest_damping_has_its_peak() {
     let scene = "body a { mass = 1 kg, moves x }
@@ -153,7 +153,7 @@ fn the_lightest_damping_has_its_peak() {
     let found = extrema_of(scene, None);
     assert!(found.complete.is_some());
     let [peak] = &found.list[..] else { panic!("{found:?}") };
-    // To 30 digits zeta, 7e-16, changes nothing.
+    // To 30 digits, zeta = 7e-16 has no effect.
     near("frequency", peak.frequency, "0.225079079039276517388799797752");
     let disc = peak.gain.disc().expect("finite");
     near("gain", disc.gain(), "353553390593273.76220042218105");
@@ -161,8 +161,8 @@ fn the_lightest_damping_has_its_peak() {
     near("width", peak.width.expect("a width"), "3.18309886183790671537767526745e-16");
 }
 
-/// A chain from its first mass to itself has a peak for each mode and a zero between each two; to its last mass it has no zero at
-/// all, but a least value between each two.
+/// The driving-point gain of a chain has a peak for each mode and a zero between each two; the gain to its last mass
+/// has no zero, but a minimum between each two.
 #[test]
 fn a_chain_has_as_many_peaks_as_masses() {
     for (n, damping) in [(2, "0"), (6, "0"), (12, "0"), (5, "0.0001"), (9, "0.00001")] {
@@ -182,7 +182,8 @@ fn a_chain_has_as_many_peaks_as_masses() {
     }
 }
 
-/// Next to the pole of an oscillator with a damping ratio of 5e-21, where double-double eliminations tell nothing.
+/// Values next to the pole of an oscillator with a damping ratio of 5e-21, where double-double eliminations give no
+/// information.
 #[test]
 fn values_beside_the_lightest_poles_are_told() {
     let scene = "body a { mass = 1 kg, moves x }
@@ -202,7 +203,7 @@ fn values_beside_the_lightest_poles_are_told() {
     assert_eq!(gain, Gain::Infinite);
 }
 
-/// n masses of 1 kg between springs of 1000 N/m, the first of them to ground, each with a damper of `c` to ground.
+/// n masses of 1 kg between springs of 1000 N/m, the first of them to ground, and a damper of `c` from each to ground.
 fn long_chain(n: usize, damper: &str, rest: &str) -> String {
     format!(
         "repeat i in 1..{n} {{
@@ -219,8 +220,8 @@ fn long_chain(n: usize, damper: &str, rest: &str) -> String {
     )
 }
 
-/// |H| of that chain by a continued fraction: from the free end g = mu + k, then g = mu + 2 k - k^2 / g, H = 1 / g at the first
-/// mass, times k / g of each further one at the last; mu = -omega^2 + i omega c.
+/// |H| of that chain by a continued fraction: from the free end g = mu + k, then g = mu + 2 k - k^2 / g, H = 1 / g at
+/// the first mass, times k / g for each further one at the last; mu = -omega^2 + i omega c.
 fn of_long_chain(n: usize, c: f64, to_last: bool, hertz: f64) -> f64 {
     let omega = 2.0 * std::f64::consts::PI * hertz;
     let (re, im, k) = (-omega * omega, omega * c, 1000.0);
@@ -234,7 +235,7 @@ fn of_long_chain(n: usize, c: f64, to_last: bool, hertz: f64) -> f64 {
     (if to_last { along } else { 1.0 }) / g.0.hypot(g.1)
 }
 
-/// Every maximum and minimum that 50,000 values show is reported, no other, and its value and width are right.
+/// Exactly the maxima and minima that 50,000 values show are reported, with correct values and widths.
 #[test]
 fn long_damped_chains_have_all_extrema_with_widths() {
     let (n, c, step) = (40, 0.1, 2.4e-4);
@@ -269,7 +270,8 @@ fn long_damped_chains_have_all_extrema_with_widths() {
                 assert!((width.to_f64() / (half(1.0) - half(-1.0)) - 1.0).abs() < 1e-9, "{told:?}");
             }
         }
-        // Peaks of the first mass at low frequencies do not rise to the root of 2 above the lowest value beside them.
+        // At low frequencies, the peaks of the first mass are less than the root of 2 above the lowest value beside
+        // them.
         let wide = found.list.iter().filter(|told| told.width.is_some()).count();
         assert!(wide >= 20, "{wide} of {}", found.list.len());
     }
@@ -298,8 +300,8 @@ fn a_long_undamped_chain_has_its_textbook_poles_and_zeros() {
     }
 }
 
-/// A ring of unequal masses is no tree. Between two poles of the undamped system a driven mass has one zero;
-/// nothing cancels, for no two masses are equal.
+/// A ring of unequal masses is not a tree. A driven mass has one zero between two poles of the undamped system; nothing
+/// cancels because no two masses are equal.
 #[test]
 fn what_is_driven_is_seen_in_any_net() {
     let n = 20;
@@ -324,6 +326,6 @@ fn what_is_driven_is_seen_in_any_net() {
             |(i, told): (usize, &analysis::Extremum)| told.kind == if i % 2 == 0 { Peak } else { Antiresonance };
         assert!(found.list.iter().enumerate().all(alternate), "{rest}");
     }
-    // Seen elsewhere in a ring, two paths lead there: the result comes without a proof of completeness.
+    // For another mass of the ring, two paths lead there: the result has no proof of completeness.
     assert!(extrema_of(&ring("force F: m[3] along x\noutput y = m[8].x"), None).complete.is_none());
 }

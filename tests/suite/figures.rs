@@ -1,5 +1,5 @@
-//! `vibc draw`: figures beside what the models say, in numbers that the figure's own code does not share; and no name over
-//! anything, on all examples, drawings, hard cases and generated scenes. See docs/draw.md.
+//! `vibc draw`: figures compared with the models, in numbers that are independent of the figure's own code; and no
+//! label covers anything, on all examples, drawings, hard cases and generated scenes. See docs/draw.md.
 
 mod generated;
 mod room;
@@ -15,7 +15,7 @@ use vibc::model::Overrides;
 use vibc::picture::geometry::Point;
 use vibc::picture::{Figure, Glyph, Kind, Stroke};
 
-/// A figure and the text that it is of.
+/// A figure and its text.
 pub struct Figured {
     pub sources: Sources,
     pub model: FileId,
@@ -110,7 +110,7 @@ fn no_name_lies_over_anything() {
             let mut modes = vec![AS_DRAWN, Drawn { rest: true, ..AS_DRAWN }];
             modes.extend((1..=4).map(|mode| Drawn { mode: Some(mode), ..AS_DRAWN }));
             for drawn in modes {
-                // Not every scene has so many modes.
+                // Not every scene has this many modes.
                 let Ok(figured) = Figured::of(&name, &text, Drawn { values, ..drawn }) else { continue };
                 let over = crowded(&figured.figure);
                 assert!(over.is_empty(), "{name}, {drawn:?}, values {values}: {}", over.join("\n"));
@@ -121,7 +121,7 @@ fn no_name_lies_over_anything() {
     }
 }
 
-/// Findings are what the models of `tests/diagnostics` are for; those that have a scene all the same are drawn.
+/// The models of `tests/diagnostics` exist for their findings; those that have a scene nevertheless are drawn.
 #[test]
 fn scenes_of_diagnostics_are_drawn_where_there_is_one() {
     let mut drawn = 0;
@@ -201,7 +201,7 @@ fn coordinates_are_to_scale() {
     let figured = Figured::of("m.vib", &example("double_pendulum.vib"), AS_DRAWN).expect("a figure");
     let bar = figured.named(Kind::ScaleBar, "scale: 200 mm").bounds().width();
     let [p, q] = ["pivot p", "pivot q"].map(|name| circle(figured.named(Kind::Pivot, name)));
-    // From O to A is one metre, 60 degrees from the vertical.
+    // O to A is one metre, 60 degrees from the vertical.
     assert!((p.distance(q) / bar - 5.0).abs() < 1e-9);
     assert!(((q.x - p.x) / bar - 5.0 * 0.75f64.sqrt()).abs() < 1e-9 && ((q.y - p.y) / bar - 2.5).abs() < 1e-9);
 }
@@ -228,7 +228,7 @@ fn a_mode_is_drawn_in_its_proportions() {
     let text = example("cart.vib");
     let figured = Figured::of("m.vib", &text, Drawn { mode: Some(2), ..AS_DRAWN }).expect("a figure");
     let still = Figured::of("m.vib", &text, Drawn { rest: true, ..AS_DRAWN }).expect("a figure");
-    // Both frames are placed by what is in them: measure from the spring's wall.
+    // Both frames are positioned by their content: measure from the spring's wall.
     let place = |figured: &Figured| {
         let wall = figured.of_kind(Kind::Ground).next().expect("a wall").bounds().high.x;
         let pivot = circle(figured.named(Kind::Pivot, "pivot p"));
@@ -238,7 +238,8 @@ fn a_mode_is_drawn_in_its_proportions() {
     };
     let (moved, rest) = (place(&figured), place(&still));
     let x = moved.0 - rest.0;
-    // Counter-clockwise swings the end of a hanging rod to the right. The cap of the bar is round: its farthest point turns with it.
+    // Counter-clockwise rotation moves the end of a hanging rod to the right. The cap of the bar is round: its farthest
+    // point turns with it.
     let angle = (moved.1 / moved.2).atan() - (rest.1 / rest.2).atan();
     // theta / x of the second mode, worked out by hand in examples/cart.vib.
     assert!((angle / x - -1.5756).abs() < 0.02, "{} for -1.5756", angle / x);
@@ -257,7 +258,7 @@ fn rows_run_along_the_motion_from_the_ground() {
         ["body chassis", "body wheel"].map(|name| figured.named(Kind::Block, name).bounds().centre());
     let road = figured.of_kind(Kind::Base).next().expect("a base").bounds().centre();
     assert!(chassis.y < wheel.y && wheel.y < road.y, "the road is below the wheel, the wheel below the chassis");
-    // Spring and damper side by side.
+    // Spring and damper in parallel.
     let [spring, damper] = [
         figured.named(Kind::Spring, "spring suspension").bounds(),
         figured.named(Kind::Damper, "damper shock").bounds(),
@@ -296,8 +297,7 @@ fn glyphs_name_the_line_that_made_them() {
             let title = rest.split("</title>").next().expect("a title");
             let Some(line) = head.split("data-line=\"").nth(1) else { continue };
             let line: usize = line.trim_end_matches('"').parse().expect("a line");
-            // `spring s: ...` was declared where it says so.
-            // A leader has the name alone.
+            // `spring s: ...` was declared on the given line. A leader has only the name.
             let Some((word, of)) = title.split_once([' ', ',']) else { continue };
             let of: String = of.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             if ["spring", "damper", "body", "pivot", "base", "force", "torque", "coupling"].contains(&word) {
@@ -309,7 +309,7 @@ fn glyphs_name_the_line_that_made_them() {
     }
 }
 
-/// Elements that are opened are closed, in their order, and text holds no markup.
+/// Checks that elements are closed in their order, and that text contains no markup.
 fn well_formed(svg: &str) -> Result<(), String> {
     let mut open: Vec<&str> = Vec::new();
     for piece in svg.split('<').skip(1) {
@@ -378,7 +378,8 @@ fn what_cannot_be_drawn_is_said() {
     assert_eq!(refusal(far, AS_DRAWN), "a coordinate of `b` is too large to be drawn");
 }
 
-/// What the documents show is what the program draws now: the commands of `docs/figures/make`, one after the other.
+/// The figures of the documents are what the program draws now: runs the commands of `docs/figures/make`, one after the
+/// other.
 #[test]
 fn figures_of_the_documents_are_fresh() {
     let script = fs::read_to_string(folder("docs/figures/make")).expect("the script");

@@ -1,5 +1,5 @@
-//! `vibc fmt`: one layout whatever the old one was, laid out once and for all, and the same scene after as before.
-//! See spec.md#layout.
+//! `vibc fmt`: the layout does not depend on the old one, formatting twice changes nothing, and the scene stays the
+//! same. See spec.md#layout.
 
 use crate::fuzzing::scene_text;
 use crate::independent::random_scenes::Random;
@@ -15,13 +15,13 @@ fn source(text: &str) -> (Sources, FileId) {
     (sources, file)
 }
 
-/// `None` where the text is not in the grammar.
+/// The formatted text; `None` if the text does not conform to the grammar.
 fn formatted(text: &str) -> Option<String> {
     let (sources, file) = source(text);
     vibc::format(&sources, file).answer
 }
 
-/// The scene, or what is said about it, without places.
+/// The scene, or the findings, without places.
 fn meaning(text: &str) -> String {
     let (sources, file) = source(text);
     let parsed = vibc::syntax::parse(&sources, file);
@@ -32,12 +32,12 @@ fn meaning(text: &str) -> String {
     without_places(&format!("{:?} {said:?}", checked.scene))
 }
 
-/// A `Debug` text without its spans, and without the map of its words, which has no order.
+/// A `Debug` text without its spans, and without the map of its words, which has no fixed order.
 fn without_places(debug: &str) -> String {
     without(&without(debug, "Span {"), "by_text: {")
 }
 
-/// What stands from `start` to the next brace is left out.
+/// Removes everything from `start` to the next brace.
 fn without(debug: &str, start: &str) -> String {
     let mut parts = debug.split(start);
     let mut text = parts.next().unwrap_or_default().to_string();
@@ -50,12 +50,12 @@ fn comments(text: &str) -> Vec<&str> {
     tokens.iter().filter(|token| token.kind == TokenKind::Comment).map(|token| token.text(text)).collect()
 }
 
-/// Empty lines between two others, as many in a row as there may be.
+/// Number of paragraphs, separated by empty lines.
 fn paragraphs(text: &str) -> usize {
     text.split("\n\n").filter(|paragraph| !paragraph.trim().is_empty()).count()
 }
 
-/// What holds of the layout of every text; `None` where it has none.
+/// Formats a text and checks what holds for every layout; `None` if it has none.
 fn lay_out(text: &str) -> Option<String> {
     let laid_out = formatted(text)?;
     assert_eq!(formatted(&laid_out).as_deref(), Some(laid_out.as_str()), "twice is once\n{text}");
@@ -96,7 +96,7 @@ fn an_example_is_the_same_however_it_was_laid_out() {
     }
 }
 
-/// The text with fewer blanks in some places and more in others, fields on lines of their own.
+/// The text with fewer blanks in some places and more in others, with fields on lines of their own.
 fn spread(text: &str) -> String {
     let lines = text.lines().map(|line| match line.split_once("//") {
         Some((code, comment)) => format!("   {}//{comment}", code.trim_end()),
@@ -176,7 +176,7 @@ initial b{}
     insta::assert_snapshot!(laid_out);
 }
 
-/// What other scripts and printers take for blanks is part of a comment: it goes nowhere else.
+/// Blanks of other scripts are part of a comment: nothing is moved elsewhere.
 #[test]
 fn a_comment_keeps_the_blanks_of_other_scripts() {
     for blank in "\u{a0}\u{1680}\u{2000}\u{2005}\u{200a}\u{2028}\u{2029}\u{202f}\u{205f}\u{3000}".chars() {
@@ -186,7 +186,7 @@ fn a_comment_keeps_the_blanks_of_other_scripts() {
     }
 }
 
-/// `in`, `along`, `about` and `modal` are names where a value or a part stands.
+/// `in`, `along`, `about` and `modal` are names in the position of a value or a part.
 #[test]
 fn words_between_values_are_names_where_values_stand() {
     for text in [

@@ -1,4 +1,4 @@
-//! The fuzzer's models for a second, from stated seeds, and what fuzzing once found.
+//! The fuzzer's models for a second, from fixed seeds, and inputs that fuzzing once found.
 
 #[path = "../../fuzz/scene_text.rs"]
 pub mod scene_text;
@@ -23,7 +23,7 @@ fn no_stage_stumbles_over_random_models() {
 
 const ROUNDS: usize = 400;
 
-/// Good models with a few slips of the hand: characters lost, doubled or typed wrong, lines lost or doubled.
+/// Valid models with a few typing errors: characters lost, doubled or wrong, lines lost or doubled.
 #[test]
 fn no_stage_stumbles_over_slips_of_the_hand() {
     let mut random = Random::new(20_261_122);
@@ -58,7 +58,7 @@ fn slip(text: &mut Vec<char>, random: &mut Random) {
     }
 }
 
-/// Bytes that fuzzing once failed on, as it wrote them down.
+/// Byte sequences on which fuzzing once failed.
 const FOUND: [(&str, &str); 3] = [
     ("modes after several rigid ones out of order", "826f770b4507585007faabaaaaaa18000000000000000aaaaaaa4507"),
     ("a real pole beyond binary64", "826f770bfaab5850070b1c1c1c4507585007fa5807fa58500a"),

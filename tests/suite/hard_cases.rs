@@ -5,14 +5,15 @@ use super::systems::{Builder, HardCase, error, number};
 use vibc::analysis::{self, ModeKind, Modes, Request, Stability, Which};
 use vibc::base::Number;
 
-/// Checks all references omega_k of a case: digits wanted, bound kept. Returns the modes for more.
+/// Checks all references omega_k of a case: the number of digits, and that the bound holds. Returns the modes for
+/// further checks.
 fn check_frequencies(name: &str, digits: f64) -> Modes {
     let case = HardCase::load(name);
     let modes = analysis::modes(&case.system).expect("the case has modes");
     for (i, mode) in modes.list.iter().enumerate() {
         let id = format!("omega_{}", i + 1);
         let truth = case.reference(&id).unwrap_or_else(|| panic!("{name} has {id}"));
-        // The terms are given to 40 digits, which fix omega to their number less the digits that cancel.
+        // The terms are given to 40 digits, which determine omega to 40 digits minus those that cancel.
         let room = 1e-40 * mode.input_condition.map_or(0.0, |factor| factor.0);
         check(name, &id, mode.omega, &truth, digits, room);
     }
@@ -118,8 +119,8 @@ fn the_load_factor_to_buckling_is_certified() {
         assert!(holds && error < 1e-28, "{name}: {error:e}");
         assert!(((&truth - &Number::ONE).to_f64() / margin - 1.0).abs() < 1e-3, "{name}");
     }
-    // Two hinges of 35 + 1e-10 and 30 N m/rad under 20 and 10 N m/rad: 200 a^2 - (30 x 20 + 65 x 10) a + 35 x 30 = 0 nearly,
-    // a = 1.
+    // Two hinges of 35 + 1e-10 and 30 N m/rad under 20 and 10 N m/rad: 200 a^2 - (30 x 20 + 65 x 10) a + 35 x 30 = 0
+    // approximately, a = 1.
     let found = analysis::buckling(&HardCase::load("o20_double_inverted").system).expect("a softening load");
     let margin = (found.load_factor - vibc::base::Ball::ONE).to_f64();
     // d alpha / d k1 = k2' / -(d det / d alpha): (30 - 10) / (650 + 600 - 400) at alpha = 1.
@@ -136,7 +137,7 @@ fn names() -> Vec<String> {
     names
 }
 
-/// Each fact that a case expects is reported, and no growth or doubt where it expects none.
+/// Each fact that a case expects is reported, and no growth or doubt if it expects none.
 #[test]
 fn what_a_case_expects_is_told() {
     let mut told = 0;
@@ -196,10 +197,11 @@ fn multiplicities(modes: &Modes) -> Vec<u64> {
     sizes
 }
 
-/// Cases that hold a recipe, of as many coordinates as only the methods for large systems take.
+/// Cases that contain a recipe, with so many coordinates that only the methods for large systems handle them.
 const LARGE: [&str; 2] = ["o23_uniform_chain_1e5", "o24_membrane_200x200"];
 
-/// The lowest modes of a case that holds a recipe, against its references; `nodes` makes its springs, a wall being `None`.
+/// Checks the lowest modes of a case that contains a recipe against its references; `nodes` makes its springs, where
+/// `None` is a wall.
 fn check_lowest(
     name: &str,
     side: &str,
@@ -218,7 +220,7 @@ fn check_lowest(
     assert_eq!(modes.list.len(), 20);
     for (i, mode) in modes.list.iter().enumerate() {
         let id = format!("omega_{}", i + 1);
-        // The reading of literals as decimals, where the case tells them apart.
+        // The values for literals as decimals, if the case distinguishes the two readings.
         let list = json["reference"].as_array().expect("a list");
         let entry = list.iter().find(|entry| entry["id"] == *id).unwrap_or_else(|| panic!("{name} has {id}"));
         let decimal = entry["value_decimal"].as_str().or(entry["value"].as_str()).expect("a decimal");
@@ -239,7 +241,7 @@ fn a_membrane_of_40000_has_its_lowest_frequencies_twice_where_they_are() {
         let before = |i: usize, j: usize| [at(i.wrapping_sub(1), j), at(i, j.wrapping_sub(1))];
         let nodes = (0..side).flat_map(|i| (0..side).map(move |j| (i, j)));
         let inner = nodes.clone().flat_map(|(i, j)| before(i, j).map(|from| (from, i * side + j)));
-        // The far edges have their walls beyond.
+        // The far edges are connected to walls.
         let last = side - 1;
         let far = nodes.flat_map(|(i, j)| [(i, i * side + j), (j, i * side + j)]);
         inner.chain(far.filter(|(place, _)| *place == last).map(|(_, node)| (None, node))).collect()
@@ -247,7 +249,7 @@ fn a_membrane_of_40000_has_its_lowest_frequencies_twice_where_they_are() {
     check_lowest(LARGE[1], "N", |side| side * side, springs);
 }
 
-/// No reference goes without a test: where a kind of reference is checked, the case is named.
+/// Every reference is tested: for each kind of reference that is checked, the case is named.
 #[test]
 fn every_reference_of_every_case_is_checked_somewhere() {
     let source = |module: &str| {
@@ -274,7 +276,7 @@ fn every_reference_of_every_case_is_checked_somewhere() {
     }
 }
 
-/// Beats as the analysis tells them: every pair of a case, to 16 digits.
+/// Beats as reported by the analysis: every pair of a case, to 16 digits.
 #[test]
 fn beats_are_told_with_their_digits() {
     for name in ["o04_tuned_tiny_absorber", "o10_two_pendulums_weak", "o11_wilkinson21"] {
@@ -293,7 +295,7 @@ fn beats_are_told_with_their_digits() {
     }
 }
 
-/// o22 as a scene: both bodies hang in their springs, and the rest is exact.
+/// o22 as a scene: both bodies hang on their springs, and the rest is exact.
 #[test]
 fn a_static_deflection_is_exact() {
     let name = "o22_preload_tiny_dynamics";

@@ -12,12 +12,12 @@ fn solved(name: &str) -> (HardCase, Poles) {
     (case, poles)
 }
 
-/// The references lambda_k are in the order of |lambda|, one of each pair; so are these.
+/// One pole of each pair, in the order of |lambda|, like the references lambda_k.
 fn one_of_each_pair(poles: &Poles) -> Vec<&Pole> {
     poles.list.iter().filter(|pole| pole.im.mid.hi >= 0.0).collect()
 }
 
-/// Every lambda_k, its parts and its damping ratio to the digits wanted, every bound holding.
+/// Checks every lambda_k, its parts and its damping ratio to `digits` digits, and that every bound holds.
 fn check(name: &str, digits: f64) -> Poles {
     let (case, poles) = solved(name);
     let mut seen = 0;

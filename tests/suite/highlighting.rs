@@ -1,8 +1,8 @@
-//! The colours of editors that know the language by a grammar of their own: the TextMate grammar on every example, word
-//! by word against what the language itself says of each word, and the lists of words of all of them.
+//! The colours of editors that know the language by a grammar of their own: the TextMate grammar on every example,
+//! compared word by word with the language itself, and the word lists of all grammars.
 //!
-//! The grammar has rules of one line only, so a reader of it is short: at each place the rule that matches first, of two
-//! at one place the one that is named first, as TextMate does.
+//! The grammar has only rules within one line, so its interpreter is short: at each place it takes the rule that
+//! matches first, and of two at one place the one that is listed first, as TextMate does.
 
 use fancy_regex::Regex;
 use serde_json::Value;
@@ -19,14 +19,14 @@ const TREE_SITTER: &str = include_str!("../../editors/tree-sitter-vib/grammar.js
 const TREE_SITTER_COLOURS: &str = include_str!("../../editors/tree-sitter-vib/queries/highlights.scm");
 const TREE_SITTER_PARSER: &str = include_str!("../../editors/tree-sitter-vib/src/parser.c");
 
-/// A rule: its expression, its scope, and those of its groups.
+/// A rule: its expression, its scope, and the scopes of its groups.
 struct Rule {
     expression: Regex,
     name: Option<String>,
     groups: Vec<(usize, String)>,
 }
 
-/// The rules in the order in which they are named, includes followed.
+/// The rules in their order, with includes resolved.
 fn rules(grammar: &Value, patterns: &Value, list: &mut Vec<Rule>) {
     for pattern in patterns.as_array().expect("patterns") {
         if let Some(include) = pattern["include"].as_str() {
@@ -56,7 +56,7 @@ fn rule(pattern: &Value) -> Rule {
     }
 }
 
-/// The scope of each byte of a line; empty where it has none.
+/// The scope of each byte of a line; empty if it has none.
 fn scopes(rules: &[Rule], line: &str) -> Vec<String> {
     let mut scopes = vec![String::new(); line.len()];
     let mut at = 0;
@@ -80,7 +80,7 @@ fn scopes(rules: &[Rule], line: &str) -> Vec<String> {
     scopes
 }
 
-/// What a token's scope has to begin with; `None` where it may have any or none.
+/// The expected start of a token's scope; `None` if any or no scope is allowed.
 fn expected(kind: TokenKind, role: Role) -> Option<&'static str> {
     Some(match (kind, role) {
         (TokenKind::Comment, _) => "comment.line",
@@ -94,7 +94,7 @@ fn expected(kind: TokenKind, role: Role) -> Option<&'static str> {
         (TokenKind::Word, Role::Constant) => "variable.language",
         (TokenKind::Word, Role::Function) => "support.function",
         (TokenKind::Word, Role::Declaration { .. } | Role::Title) => "entity.name",
-        // A name where it is used has no colour of its own; after `initial` and `solve` it looks like a declaration.
+        // A name has no colour of its own where it is used; after `initial` and `solve` it looks like a declaration.
         (TokenKind::Word, Role::Reference { .. }) => "",
         _ => return None,
     })
@@ -108,7 +108,7 @@ fn examples() -> Vec<PathBuf> {
     examples
 }
 
-/// Every form that the language page has, beside the examples.
+/// Every form of the language page, in addition to the examples.
 const FORMS: &str = "model cart // a comment
 param k = 10 N/m
 let w = sqrt(k / m1) + .5 /s * 1e-4 kg·m²
@@ -173,7 +173,7 @@ fn keywords() -> impl Iterator<Item = &'static str> {
     DECLARATIONS.iter().map(|declaration| declaration.keyword)
 }
 
-/// The words of the alternatives `a|b|c` or `a\|b\|c` of a text.
+/// The alternatives in `a|b|c` or `a\|b\|c`.
 fn alternatives(text: &str) -> Vec<&str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty()).collect()
 }
@@ -189,7 +189,7 @@ fn every_grammar_knows_every_keyword_and_function() {
     }
 }
 
-/// The words in quotes, without those of comments.
+/// The words in quotes, except in comments.
 fn quoted<'a>(text: &'a str, comment: &str, quote: char) -> Vec<&'a str> {
     let lines = text.lines().filter(|line| !line.trim_start().starts_with(comment));
     let quoted = lines.flat_map(|line| line.split(quote).skip(1).step_by(2));
@@ -203,7 +203,7 @@ fn the_tree_sitter_grammar_its_parser_and_its_colours_have_the_same_keywords() {
     for word in keywords().chain(["as", "drawn", "in", "along", "about", "moves", "modal", "rayleigh"]) {
         assert!(grammar.contains(&word), "grammar.js does not know `{word}`");
         assert!(colours.contains(&word), "highlights.scm does not know `{word}`");
-        // The parser is made from the grammar by `tree-sitter generate`.
+        // The parser is generated from the grammar by `tree-sitter generate`.
         let symbol = format!("[anon_sym_{word}] = \"{word}\"");
         assert!(TREE_SITTER_PARSER.contains(&symbol), "parser.c does not know `{word}`");
     }

@@ -1,5 +1,5 @@
-//! Models, files, names and arguments from somebody who means no good: nothing hangs, fills the memory, steers a terminal
-//! or tells what stands in files that are no business of a model. See spec.md#limits and docs/method/response.md#signals.
+//! Hostile models, files, names and arguments: nothing hangs, fills the memory, controls a terminal or reveals files
+//! that are no business of a model. See spec.md#limits and docs/method/response.md#signals.
 
 use serde_json::Value;
 use std::fs;
@@ -29,7 +29,7 @@ fn write(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Longer than any of these runs takes; a run that hangs is ended and fails.
+/// Longer than any of these runs takes; a run that hangs is stopped and fails.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn run(arguments: &[&str]) -> Output {
@@ -66,12 +66,12 @@ fn told(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
 
-/// Its findings, as JSON.
+/// The findings of a run, as JSON.
 fn findings(output: &Output) -> Vec<Value> {
     told(output).lines().map(|line| serde_json::from_str(line).expect("an object a line")).collect()
 }
 
-/// Characters that move a cursor, change colours or turn the reading direction, or that are not to be seen.
+/// Whether a text has characters that move a cursor, change colours or the text direction, or are invisible.
 fn steers(text: &str) -> bool {
     text.chars().any(|c| {
         c != '\n' && c.is_control()
@@ -79,7 +79,7 @@ fn steers(text: &str) -> bool {
     })
 }
 
-/// What would clear the screen, end a line, turn the direction of the text, or do the same as a C1 control.
+/// Texts that would clear the screen, end a line, change the direction of the text, or do the same by a C1 control.
 const STEERING: [&str; 5] = ["x\u{1b}]0;pwned\u{7}", "a\rb", "a\u{202e}b\u{2066}", "a\u{9b}2Jb", "a\u{200b}b\u{feff}"];
 
 #[cfg(unix)]
@@ -95,7 +95,7 @@ fn a_table_that_is_no_plain_file_is_refused_at_once() {
         assert_eq!(status(&refused), 3, "{table}");
         assert!(told(&refused).contains(reason), "{}", told(&refused));
     }
-    // With every file allowed, devices and the program's own streams are none all the same.
+    // Even if every file is allowed, devices and the program's own streams are refused.
     for table in ["/dev/zero", "/dev/stdin", "/proc/self/fd/0", "/dev/null"] {
         let model = write(folder.path(), "m.vib", driven(table));
         let refused = run(&["check", &model, "--root", "/"]);
@@ -127,7 +127,7 @@ fn a_table_lies_below_the_folder_of_its_model() {
     }
     let allowed = simulate("../beside.csv", &["--root", &folder.path().to_string_lossy()]);
     assert_eq!(status(&allowed), 0, "{}", told(&allowed));
-    // A link is what it leads to, and another root allows no more than itself.
+    // A link counts as its target, and another root allows only its own files.
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(folder.path().join("beside.csv"), models.join("link.csv")).expect("a link");
@@ -259,7 +259,7 @@ fn an_output_goes_where_a_link_leads_and_whole() {
     let model = write(folder.path(), "m.vib", "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\n");
     let report = String::from_utf8(run(&["analyze", &model]).stdout).expect("UTF-8");
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    // The old text lives on under its other name: the new one was written beside it, not over it.
+    // The old text survives under its other name: the new one was written to a new file, not over it.
     let (old, other) = (write(folder.path(), "old.txt", "old"), at("other.txt"));
     fs::hard_link(&old, &other).expect("another name");
     assert_eq!(status(&run(&["analyze", &model, "-o", &old])), 0);
@@ -267,7 +267,7 @@ fn an_output_goes_where_a_link_leads_and_whole() {
         (fs::read_to_string(&old).unwrap(), fs::read_to_string(&other).unwrap()),
         (report.clone(), "old".into())
     );
-    // A link whose file is still to come.
+    // A link to a file that does not exist yet.
     symlink("new.txt", at("link.txt")).expect("a link");
     symlink("link.txt", at("second.txt")).expect("a link");
     assert_eq!(status(&run(&["analyze", &model, "-o", &at("second.txt")])), 0);
@@ -281,8 +281,8 @@ fn an_output_goes_where_a_link_leads_and_whole() {
     assert!(hidden.into_iter().all(|name| !name.to_string_lossy().starts_with('.')), "nothing temporary is left");
 }
 
-/// Another run, in another container perhaps, had the same number and was ended: what it left is neither in the way nor
-/// taken away.
+/// Another run with the same process number, perhaps in another container, was killed: the files that it left neither
+/// disturb nor get removed.
 #[cfg(unix)]
 #[test]
 fn what_another_run_left_is_not_in_the_way() {
@@ -307,7 +307,7 @@ fn checked(text: &str) -> Vec<vibc::base::Diagnostic> {
     found.sorted()
 }
 
-/// Each level was kept with all levels inside it, and each byte was read once for every level around it.
+/// Regression: each level was stored with all levels inside it, and each byte was read once for every enclosing level.
 #[test]
 fn what_is_broken_is_kept_once_however_deep_it_is_nested() {
     let levels = 3000;
@@ -333,7 +333,7 @@ fn a_hundred_errors_are_told_and_the_others_counted() {
         assert!(found[..100].iter().all(|finding| finding.code.0 == "vib::name::unknown"));
         assert_eq!(found.get(100).map(|last| last.message.as_str()), more);
     }
-    // Warnings are counted for themselves: they hide no error.
+    // Warnings are counted separately: they hide no error.
     let unused: String = (0..300).map(|i| format!("param p{i} = 1 m\n")).collect();
     let found = checked(&(body.to_string() + &unused + "spring s: ground -- b { k = 1 N/m }\n"));
     assert_eq!((found.len(), found[100].message.as_str()), (101, "200 more warnings and notes on this model"));
@@ -355,7 +355,7 @@ fn repeats_make_no_more_than_fits() {
     let found = checked(&one(1_000_001));
     assert_eq!((found.len(), found[0].code.0), (1, "vib::limit::repeat"));
     assert_eq!(found[0].message, "this makes more than 1000000 bodies");
-    // Together they count as one.
+    // Two of them together exceed the limit.
     let two = one(600_000) + &one(600_000).replace("m[", "n[");
     let found: Vec<&str> = checked(&two).iter().map(|finding| finding.code.0).collect();
     assert_eq!(found, ["vib::limit::repeat"]);
@@ -367,7 +367,7 @@ fn repeats_make_no_more_than_fits() {
     assert_eq!(checked(&many)[0].message, "this makes more than 4000000 declarations");
 }
 
-/// Links that hang one under another: each moves with all above it, which makes n^3 products.
+/// Links that hang one under another: each moves with all above it, which would make n^3 products.
 #[test]
 fn a_transfer_function_of_deep_links_is_refused_before_it_is_summed() {
     let folder = folder();
@@ -394,7 +394,7 @@ fn no_force_is_told_as_infinite() {
     assert!(told(&refused).contains("`rod.angle`: more than 1.8e308 N*m"), "{}", told(&refused));
 }
 
-/// The largest that is taken, and the smallest that is refused.
+/// The largest size that is accepted, and the smallest that is refused.
 #[test]
 fn brackets_and_numbers_have_the_limits_that_are_said() {
     let brackets = |levels: usize| format!("param k = {}1{}\n", "(".repeat(levels), ")".repeat(levels));

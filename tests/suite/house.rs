@@ -1,11 +1,11 @@
-//! The house is built as ARCHITECTURE.md says: what imports what, and what no file may do.
+//! The code follows ARCHITECTURE.md: what may import what, and what no file may do.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A file of `src`, without its comments and its unit tests.
 struct Source {
-    /// Relative to `src`.
+    /// Path relative to `src`.
     path: PathBuf,
     first_line: String,
     code: String,
@@ -60,7 +60,7 @@ fn table() -> Vec<(String, Vec<String>)> {
     rows.map(|mut row| (row.remove(0), row)).collect()
 }
 
-/// What follows each `crate::` in a text: `model::scene::Scene`, and one for each member of `use crate::{a, b}`.
+/// The path after each `crate::` in a text: `model::scene::Scene`, and one for each member of `use crate::{a, b}`.
 fn imports(code: &str) -> Vec<String> {
     let mut found = Vec::new();
     for rest in code.split("crate::").skip(1) {
@@ -77,7 +77,7 @@ fn imports(code: &str) -> Vec<String> {
     found
 }
 
-/// `model::scene::{Body, Joint}` names two paths below one prefix; the prefix is what matters.
+/// `model::scene::{Body, Joint}` names two paths with one prefix; only the prefix matters.
 fn members(rest: &str) -> Vec<String> {
     let prefix = path_at_start(rest);
     let after = &rest[prefix.len().min(rest.len())..];
@@ -202,13 +202,13 @@ fn every_file_says_what_it_is_for() {
     }
 }
 
-/// Results for programs are made of `JsonNumber` or whole numbers: a field that takes any binary64 number would let one leave
-/// without the question whether it has a bound.
+/// Results for programs are made of `JsonNumber` or integers: a field for any binary64 number would let one be written
+/// without deciding whether it has a bound.
 #[test]
 fn no_bare_number_leaves_in_json() {
     let mut seen = 0;
     for source in sources() {
-        // The one type that holds a number for JSON, and asks that question.
+        // The only type that holds a number for JSON; it requires that decision.
         if source.path == Path::new("backend/json_number.rs") {
             continue;
         }
@@ -245,7 +245,7 @@ fn every_form_of_a_bare_number_is_seen() {
     assert_eq!(items.iter().map(|item| has_bare_number(item)).collect::<Vec<_>>(), [true, true, false]);
 }
 
-/// Displacements of a mode shape have no bound: they leave through `normalise`, which marks them so.
+/// Displacements of a mode shape have no bound: they are written through `normalise`, which marks them.
 #[test]
 fn shapes_leave_as_unproven_numbers() {
     for source in
@@ -257,5 +257,5 @@ fn shapes_leave_as_unproven_numbers() {
     }
 }
 
-/// The layers that numbers leave the program through.
+/// The layers that write numbers.
 const PRINTING: [&str; 3] = ["answers", "backend", "editor"];

@@ -1,5 +1,5 @@
-//! Inerters against closed forms: force b times the acceleration of the ends against each other, b in kg or, on the rotation,
-//! kg*m^2 (Smith, IEEE Trans. Automat. Control 47 (2002) 1648).
+//! Inerters compared with closed forms: the force is b times the relative acceleration of the ends, with b in kg or,
+//! for rotation, kg*m^2 (Smith, IEEE Trans. Automat. Control 47 (2002) 1648).
 
 use crate::ask::{ask, refusal, try_ask};
 use crate::measures::sources;
@@ -51,7 +51,7 @@ fn an_inerter_between_bodies_resists_their_relative_motion() {
     );
 }
 
-/// Along (3, 4)/5 an inerter feels 3/5 of a motion along x: 9/25 of its inertance.
+/// In the direction (3, 4)/5 the ends of an inerter move by 3/5 of a motion along x: 9/25 of its inertance.
 #[test]
 fn an_inerter_in_a_direction_counts_with_the_square_of_its_cosine() {
     for inerter in ["ground -- a { b = 25 kg, along = (3, 4) }", "ground@(-3 m, 4 m) -- a { b = 25 kg }"] {
@@ -65,8 +65,9 @@ fn an_inerter_in_a_direction_counts_with_the_square_of_its_cosine() {
     }
 }
 
-/// A rod drawn level that hangs at rest: m g L/2 over m L^2/3 + b (de/dtheta)^2 with the gradient there. From a point beside the
-/// hanging tip the inerter feels all of its motion, from a point below none of it; as drawn it would be the other way round.
+/// A rod drawn level that hangs at rest: m g L/2 over m L^2/3 + b (de/dtheta)^2 with the gradient there. From a point
+/// beside the hanging tip the inerter follows all of its motion, from a point below none of it; as drawn it would be
+/// the other way round.
 #[test]
 fn at_a_displaced_rest_the_gradient_there_counts() {
     let rod = |from: &str| {
@@ -82,8 +83,8 @@ fn at_a_displaced_rest_the_gradient_there_counts() {
     assert!((answer.lowered.rest.displacement[0].to_f64() + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
 }
 
-/// N equal masses in a row, k and b side by side between neighbours and walls: with mu = 4 sin^2(j pi / (2 (N + 1))) the squares
-/// are k mu / (m + b mu). Small rows are exact in their digits, large ones go by other methods.
+/// N equal masses in a row, with k and b in parallel between neighbours and walls: with mu = 4 sin^2(j pi / (2 (N +
+/// 1))) the squares are k mu / (m + b mu). Small rows are correct to the last digit, large ones use other methods.
 #[test]
 fn rows_of_inerters_have_their_frequencies() {
     for n in [3, 40, 90, 400] {
@@ -143,8 +144,8 @@ fn a_moving_base_drives_through_an_inerter() {
     assert!((found[2].to_f64() - b / (m + b)).abs() < 1e-9, "far above it follows by b / (m + b)");
 }
 
-/// A step on m + b = 20 kg and 80 N/m: x = F/k (1 - cos 2t), so the peak is 2 F/k, and the inerter's force b x'' starts with
-/// b F / (m + b), its largest.
+/// A step on m + b = 20 kg and 80 N/m: x = F/k (1 - cos 2t), so the peak is 2 F/k, and the inerter's force b x'' starts
+/// at its largest value, b F / (m + b).
 #[test]
 fn the_motion_has_the_inertance_in_it() {
     let found = measured(
@@ -176,7 +177,7 @@ fn frequencies_have_slopes_by_the_inertance_and_are_solved_for_it() {
     near(solved[0].value.to_f64(), 95.0);
 }
 
-/// It takes part or is left out like springs and dampers, and says so.
+/// Inerters are kept or left out like springs and dampers, and the report says so.
 #[test]
 fn what_a_model_was_taken_for_names_inerters() {
     let answer = ask(

@@ -1,5 +1,5 @@
-//! The table of kinds is the one place for its words: lists outside of the program are written from it, and no other file
-//! of the program has a list of its own.
+//! The table of kinds is the only place for its words: word lists outside the program are generated from it, and no
+//! other file of the program has its own list.
 //!
 //! `VIBC_WRITE_WORDS=1 cargo test --test suite kinds::` writes the lists; without the variable the test compares them.
 
@@ -9,7 +9,7 @@ use vibc::base::{Field, Takes};
 use vibc::kinds::functions::{self, FunctionKind};
 use vibc::kinds::{DECLARATIONS, Declaration, Piece, Shape};
 
-/// A list of words in a file: it ends before `after` and starts behind the last `before` ahead of that.
+/// A list of words in a file: it ends before `after` and starts after the last `before` that precedes it.
 struct List {
     file: &'static str,
     before: &'static str,
@@ -32,13 +32,13 @@ fn fields(of: impl Fn(&Field) -> bool) -> Vec<&'static str> {
     names
 }
 
-/// Functions that are written with brackets.
+/// Functions that are called with brackets.
 fn called(of: impl Fn(FunctionKind) -> bool) -> Vec<&'static str> {
     let functions = functions::functions().filter(|(kind, function)| of(*kind) && function.form.contains('('));
     functions.map(|(_, function)| function.name).collect()
 }
 
-/// Words between others: `in`, `as`, `modal`.
+/// Words within declarations: `in`, `as`, `modal`.
 fn markers() -> Vec<&'static str> {
     let mut words = vec!["along", "about"];
     for piece in DECLARATIONS.iter().flat_map(|declaration| declaration.pieces) {
@@ -51,7 +51,7 @@ fn markers() -> Vec<&'static str> {
     words
 }
 
-/// Words in quotes, in lines of at most 120 columns behind an indent.
+/// Words in quotes, in indented lines of at most 120 columns.
 fn quoted(words: &[&str], indent: &str) -> String {
     let mut text = String::new();
     let mut column = 120;
@@ -124,7 +124,7 @@ fn lists() -> Vec<List> {
     ]
 }
 
-/// The file with the list that the table gives.
+/// The file with the list generated from the table.
 fn written(text: &str, list: &List) -> String {
     let List { file, before, after, words } = list;
     assert_eq!(text.matches(after).count(), 1, "{file}: one place ends with {after}");
@@ -155,8 +155,8 @@ fn lists_of_words_are_those_of_the_table() {
     }
 }
 
-/// Words of elements and joints in strings of `src`, where they are not the table's. A coordinate of a slide is called
-/// `slide`, and a column of the report `spring`.
+/// Finds words of elements and joints in strings of `src` that do not come from the table. Exceptions: a coordinate of
+/// a slide is called `slide`, and a column of the report `spring`.
 #[test]
 fn no_other_file_has_the_words_of_elements_and_joints() {
     let known = [

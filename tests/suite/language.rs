@@ -75,7 +75,7 @@ fn every_form_of_the_language_parses() {
     assert_eq!(parsed.tree.decls.len(), 42);
 }
 
-/// Each mistake with the only finding that it gives.
+/// The only finding of a mistake.
 fn told(text: &str) -> Vec<String> {
     let (sources, parsed) = parse(text);
     let tell = |d: &vibc::base::Diagnostic| {

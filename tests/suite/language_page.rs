@@ -1,9 +1,9 @@
-//! Small models as a user writes them, one a form of each declaration: accepted with the number that a pocket calculator
-//! gives, or refused with the right code. Every expected number is worked out in the test's own words.
+//! Small models as a user writes them, one for each form of each declaration: accepted with the number that a pocket
+//! calculator gives, or refused with the right code. Every expected number is derived in the test itself.
 
 use crate::ask::{Answer, ask, refusal};
 
-/// Frequencies in rad/s, to a few units of the last place: the expected ones are computed in binary64.
+/// Asserts frequencies in rad/s to a few units of the last place, because the expected ones are computed in binary64.
 fn assert_omegas(text: &str, expected: &[f64]) -> Answer {
     let answer = ask(text);
     let found = answer.omegas();
@@ -42,7 +42,7 @@ spring ky: ground -- b { k = 9 N/m, along = y }",
 
 #[test]
 fn a_body_moves_along_an_oblique_line() {
-    // Along (3, 4)/5 a spring in x sees 3/5 of the motion: k cos^2 = 25 * 9/25.
+    // Along (3, 4)/5 a spring in x follows 3/5 of the motion: k cos^2 = 25 * 9/25.
     assert_omegas(
         "body b { mass = 1 kg, moves along (3, 4) }\nspring k: ground -- b { k = 25 N/m, along = x }",
         &[3.0],
@@ -99,17 +99,18 @@ pivot p: ground@A -- arm",
 
 #[test]
 fn a_pivot_on_a_body_with_a_clause() {
-    // A light cart on a stiff rail is no cart: here m1 is heavy and held: omega of the rod alone, 3 g / 2 L.
+    // A light cart on a stiff rail is not a cart: here m1 is heavy and held, so omega is that of the rod alone, 3 g / 2
+    // L.
     let answer = ask("gravity 9.81 m/s^2
 body cart { mass = 1 kg, moves x }\nbody rod { mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }
 pivot p: cart@(0, 0) -- rod\nspring k: ground -- cart { k = 1e12 N/m }");
-    // Rayleigh: the cart gives way by some (m l / 2)^2 omega^4 / k = 1e-11.
+    // Rayleigh: the cart moves by some (m l / 2)^2 omega^4 / k = 1e-11.
     assert!((answer.omegas()[0] - root(14.715)).abs() < 1e-10);
 }
 
 #[test]
 fn a_slide_between_two_bodies() {
-    // A slug on an arm that is itself held by nothing but its slide: relative motion with the reduced mass of 2 and 6.
+    // A slug on an arm that is held only by its slide: relative motion with the reduced mass of 2 and 6.
     assert_omegas(
         "body cart { mass = 2 kg, moves x }\nbody slug { mass = 6 kg }
 slide g: cart -- slug along (1, 0)\nspring k: cart -- slug { k = 6 N/m, along = x }",
@@ -154,7 +155,7 @@ spring right: bead -- ground@(1 m, 0) { k = 100 N/m, preload = 3 N }",
 
 #[test]
 fn a_compressed_spring_softens_and_buckles() {
-    // In line with the body's freedom k alone counts; across it T / L = k (1 - L0 / L).
+    // In line with the body's freedom only k counts; across it T / L = k (1 - L0 / L).
     let model = |free: &str| {
         format!(
             "body bead {{ mass = 1 kg, at = (0, 0), moves y }}
@@ -255,7 +256,7 @@ force F: a@(0, 2 m) along x\nforce G: a -- b\ntorque T: a\nforce H: b along (3, 
     };
     // A force along x, 2 m above the centre, turns clockwise.
     assert_eq!(column(0), [1.0, 0.0, -2.0, 0.0, 0.0]);
-    // Between two bodies: apart where positive.
+    // Between two bodies, a positive force pushes them apart.
     assert_eq!(column(1), [-0.6, -0.8, 0.0, 0.6, 0.8]);
     assert_eq!(column(2), [0.0, 0.0, 1.0, 0.0, 0.0]);
     assert_eq!(column(3), [0.0, 0.0, 0.0, 0.6, 0.8]);
@@ -390,7 +391,7 @@ fn gravity_points_where_it_says() {
 
 #[test]
 fn a_direction_that_nobody_tells() {
-    // Moves in x and y, and the element has no positions.
+    // The body moves in x and y, and the element has no positions.
     assert_refused(
         "body b { mass = 1 kg, moves x y }\nspring k: ground -- b { k = 1 N/m }",
         "vib::element::direction_unknown",

@@ -1,4 +1,5 @@
-//! Reports as values: text that fits its columns, Markdown that a parser reads back, and the same numbers in every layout.
+//! Reports as values: text that fits its width, Markdown that a parser reads back, and the same numbers in every
+//! layout.
 
 use pulldown_cmark::{Event, Options as Extensions, Parser, Tag, TagEnd};
 use vibc::analysis::{self, Extrema, Roads, Sweep};
@@ -106,7 +107,7 @@ fn transfer_reports_fit_with_several_parts_unproved() {
     }
 }
 
-/// A chain of 2000 masses: no share is told as `0 %`, and no ten bodies as all that move.
+/// A chain of 2000 masses: no share is reported as `0 %`, and no list of ten bodies as all that move.
 #[test]
 fn modes_of_large_scenes_say_how_thinly_their_energy_is_spread() {
     let model = "body m[1] { mass = 1 kg, moves x }\nspring k[1]: ground -- m[1] { k = 1 kN/m }\nrepeat i in 2..2000 {\n\
@@ -141,18 +142,18 @@ fn tables(report: &Report) -> impl Iterator<Item = &Table> {
     })
 }
 
-/// What a line says, as plain text does.
+/// A line as plain text.
 fn plain(line: &Line) -> String {
     let title = Report { title: line.clone(), sections: Vec::new() };
     text::laid_out(&title, usize::MAX).trim_end().to_string()
 }
 
-/// The tables of a Markdown text as its parser reads them, with the text of each cell; and what else it found.
+/// The tables of a Markdown text as read by a parser, with the text of each cell; and everything else that it found.
 #[derive(Default)]
 struct Read {
     tables: Vec<Vec<Vec<String>>>,
     headings: Vec<String>,
-    /// Links, images, HTML: there are none.
+    /// Links, images and HTML, of which there must be none.
     active: Vec<String>,
 }
 
@@ -181,7 +182,7 @@ fn read(markdown: &str) -> Read {
     read
 }
 
-/// A parser finds the report's headings and tables in it, cell by cell, and nothing else.
+/// Asserts that a parser finds the report's headings and tables, cell by cell, and nothing else.
 fn assert_read_back(name: &str, report: &Report) {
     let markdown = markdown::markdown(report);
     let read = read(&markdown);
@@ -266,7 +267,7 @@ fn report_and_json_have_the_same_numbers() {
     }
 }
 
-/// Names of the report lead to their declarations.
+/// Names of the report link to their declarations.
 #[test]
 fn names_keep_their_places() {
     let model = row_of_carts(2);

@@ -1,5 +1,6 @@
-//! Literals in their two readings: the decimal that is written, and the binary64 number nearest to it. Scenes in which the
-//! difference shows, against the references of tests/hardcases for each reading. See docs/method/numbers.md#literals.
+//! The two readings of literals: the written decimal, and the binary64 number nearest to it. Scenes in which the
+//! difference shows, compared with the references of tests/hardcases for each reading. See
+//! docs/method/numbers.md#literals.
 
 use super::systems::{error, number};
 use vibc::analysis::{Modes, Poles};
@@ -26,7 +27,7 @@ fn references(case: &str, id: &str) -> [(Literals, Number); 2] {
     [(Literals::Decimal, value("value_decimal")), (Literals::Binary64, value("value"))]
 }
 
-/// The value to 1e-28 of itself, and within its bound; references have 36 digits.
+/// Asserts that the value is accurate to 1e-28 of itself, and within its bound; references have 36 digits.
 fn assert_near(value: Ball, truth: &Number, what: &str) {
     let size = truth.abs().to_f64();
     let (error, holds) = error(value, truth, 1e-35 * size);
@@ -75,7 +76,7 @@ fn near_critical_damping_each_reading_has_its_own_poles() {
     }
 }
 
-/// 0.1 + 0.2 - 0.3 is nothing in decimals, and 2^-55 for the binary64 numbers nearest to them.
+/// 0.1 + 0.2 - 0.3 is zero in decimals, and 2^-55 for the binary64 numbers nearest to them.
 #[test]
 fn arithmetic_on_literals_is_exact_in_both_readings() {
     let text = "param k = 0.1 N/m + 0.2 N/m - 0.3 N/m

@@ -1,12 +1,12 @@
-//! Closed loops, couplings and what they leave: published and closed-form answers, and a second formulation in absolute
-//! coordinates with multipliers on linkages written by hand and on random ones.
+//! Closed loops and couplings, and the remaining motions: published and closed-form answers, and a second formulation
+//! in absolute coordinates with multipliers, on linkages written by hand and on random ones.
 
 use crate::ask::{Answer, ask, refusal, try_ask};
 use crate::independent::{assert_two_roads_meet_within, random_scenes};
 use vibc::base::{Number, Rational};
 
-/// By both roads. The second one differentiates numerically and eliminates in double-double: 1e-22 of the energies, lost
-/// again by the lever arms of a loop near a dead centre.
+/// Tolerance between both formulations. The second one differentiates numerically and eliminates in double-double:
+/// 1e-22 of the energies, magnified by the lever arms of a loop near a dead centre.
 const TOLERANCE: f64 = 1e-13;
 
 fn by_both_roads(text: &str) -> Answer {
@@ -65,8 +65,8 @@ fn a_turned_drawing_has_the_same_frequencies() {
     }
 }
 
-/// A bar hung on two parallel links of length l swings as a pendulum of that length: omega^2 = g / l, all of it from the
-/// curvature of the constraint.
+/// A bar hung on two parallel links of length l swings as a pendulum of that length: omega^2 = g / l, which comes
+/// entirely from the curvature of the constraint.
 #[test]
 fn a_trapeze_is_a_pendulum() {
     let answer = by_both_roads(
@@ -100,8 +100,8 @@ fn a_gear_pair_between_rotors() {
     assert_eq!(found.len(), 4);
 }
 
-/// Two damped shafts with a gear pair of 10 and 60 teeth: T09, the matrices of openTorsion's test, divided by the inertia
-/// of the pair.
+/// Two damped shafts with a gear pair of 10 and 60 teeth: T09, the matrices of openTorsion's test, divided by the
+/// inertia of the pair.
 #[test]
 fn geared_shafts_have_their_published_matrices() {
     let answer = ask("body d[1] { inertia = 1 kg*m^2, turns }
@@ -133,7 +133,7 @@ fn geared_shafts_have_their_published_matrices() {
     }
 }
 
-/// A disc that rolls: x = -r theta, so that M = m r^2 + J, K = k r^2, omega^2 = 2 k / 3 m.
+/// A rolling disc: x = -r theta, so that M = m r^2 + J, K = k r^2, omega^2 = 2 k / 3 m.
 #[test]
 fn a_rolling_disc_carries_its_inertia() {
     let answer = by_both_roads(
@@ -173,11 +173,12 @@ fn a_lever_multiplies() {
         couple lever: m.y / 3 m = -n.y / 1 m
         spring s: ground -- n { k = 36 N/m }",
     );
-    // Measured at n: 9 + 9 kg on 36 N/m.
+    // In the displacement of n: 9 + 9 kg on 36 N/m.
     assert_omegas(&answer, &[2f64.sqrt()]);
 }
 
-/// A slider-crank: the piston follows the crank by a rod, and is drawn on a closing slide or a freedom clause alike.
+/// A slider-crank: the piston follows the crank through a rod; a closing slide or a freedom clause gives the same
+/// result.
 #[test]
 fn a_slider_crank_is_the_same_however_the_piston_is_guided() {
     let with = |piston: &str, guide: &str| {
@@ -205,7 +206,7 @@ fn a_slider_crank_is_the_same_however_the_piston_is_guided() {
     }
 }
 
-/// A scissor of three stages under a load, on a slide at its foot: one freedom.
+/// A scissor lift of three stages under a load, on a slide at its foot: one degree of freedom.
 #[test]
 fn a_scissor_lift() {
     let mut text = String::from(
@@ -273,7 +274,7 @@ fn a_cam_drives_a_linkage() {
     assert_eq!(answer.lowered.system.inputs[0].b[0][0].1, Number::from(5));
 }
 
-/// What the third bar of a parallel linkage asks is reported, and changes nothing.
+/// The redundant constraints of the third bar of a parallel linkage are reported, and change nothing.
 #[test]
 fn a_third_bar_is_redundant() {
     let linkage = |bars: usize| {
@@ -307,7 +308,7 @@ fn what_cannot_move_or_branches_is_refused() {
             pivot a3: ground@{last} -- l3\npivot b3: bar@(2 m, -1 m) -- l3"
         )
     };
-    // Shorter, and aside: both lock.
+    // A shorter bar, and one to the side: both lock.
     assert_eq!(refusal(&three_bars("(2 m, -0.3 m)")), ["vib::loop::conflict"]);
     assert_eq!(refusal(&three_bars("(2.5 m, 0)")), ["vib::loop::conflict"]);
     let gears = "body a { inertia = 1 kg*m^2, turns }\nbody b { inertia = 1 kg*m^2, turns }
@@ -332,8 +333,8 @@ fn what_cannot_move_or_branches_is_refused() {
     }
 }
 
-/// A parallelogram that lies flat, its coupler two links that a coupling holds at a pivot beside the line: not all pivots are
-/// in line, and still the cranks may turn alike or against each other from here.
+/// A flat parallelogram whose coupler consists of two links, coupled at a pivot beside the line: not all pivots are in
+/// line, and still the cranks may turn in the same or in opposite directions from here.
 #[test]
 fn a_position_from_which_motions_branch_off_is_refused_off_the_line_too() {
     let flat = |turn: &str| {
@@ -350,7 +351,7 @@ fn a_position_from_which_motions_branch_off_is_refused_off_the_line_too() {
         )
     };
     assert_eq!(refusal(&flat("0")), ["vib::loop::rank_drop"]);
-    // Stretched between supports too far apart to move at all, the same links lock.
+    // Stretched between supports too far apart for any motion, the same links lock.
     let locked =
         flat("0").replace("ground@(c, s) -- two", "ground@(5 * c, s) -- two").replace("(c, s), (3", "(5 * c, s), (3");
     assert_eq!(refusal(&locked), ["vib::loop::conflict"]);
@@ -358,7 +359,7 @@ fn a_position_from_which_motions_branch_off_is_refused_off_the_line_too() {
 
 const RANDOM: u64 = 120;
 
-/// Random loops, as drawn and under loads. What is refused is over-constrained, or has no such motion.
+/// Random loops, as drawn and under loads. A scene that is refused is over-constrained, or has no such motion.
 #[test]
 fn random_linkages() {
     let mut met = 0;
@@ -380,7 +381,7 @@ fn random_linkages() {
     assert!(met > 60, "{met}");
 }
 
-/// Stiff springs in the place of constraints come nearer to them as their stiffness grows: the distance of every frequency
+/// Stiff springs instead of constraints approach these as their stiffness grows: the difference of every frequency
 /// falls as 1/k.
 #[test]
 fn penalty_springs_tend_to_the_constraint() {
@@ -409,8 +410,8 @@ fn penalty_springs_tend_to_the_constraint() {
     }
 }
 
-/// A train of 400 gear pairs under a torque T at its end, each turning against the next: every shaft of stiffness k is
-/// wound by T / k, so the last disc turns by T / k_0 + 400 T / k. Solved by sparse factors, not as a dense loop.
+/// A train of 400 gear pairs under a torque T at its end, each pair reversing the rotation: every shaft of stiffness k
+/// is wound by T / k, so the last disc turns by T / k_0 + 400 T / k. Solved by sparse factors, not as a dense loop.
 #[test]
 fn a_long_gear_train_is_wound_by_its_torque() {
     let answer = system(
@@ -434,8 +435,8 @@ fn a_long_gear_train_is_wound_by_its_torque() {
     assert_eq!((turned.len(), answer.rest.dependent.len()), (401, 400));
 }
 
-/// Masses of 1 kg on springs of 1 N/m, each coupled to move 15/14 times as much as the one before. With r = (14/15)²:
-/// M = 1 + r + ... + r^(n-1) at the last mass, and the springs stretch by 1/15 of what they move at their far ends.
+/// Masses of 1 kg on springs of 1 N/m, each coupled to move 15/14 times as much as the one before. With r = (14/15)²: M
+/// = 1 + r + ... + r^(n-1) at the last mass, and the springs stretch by 1/15 of the motion of their far ends.
 #[test]
 fn a_long_chain_of_ratios_has_its_closed_form() {
     let chain = |n: u32| {
@@ -454,15 +455,16 @@ fn a_long_chain_of_ratios_has_its_closed_form() {
         let stiffness: f64 = (0..n - 1).map(|i| r.powi(i) / 225.0).sum::<f64>() + r.powi(n - 1);
         assert_omegas(&chain(n as u32), &[(stiffness / mass).sqrt()]);
     }
-    // r^3000 is 1e-180: the first spring does not count, and omega is 1/15. Fractions of more than 8192 bits are balls.
+    // r^3000 is 1e-180: the first spring has no effect, and omega is 1/15. Fractions of more than 8192 bits are balls.
     let omega = chain(3000).modes.list[0].omega;
     assert!((omega - Rational::new(1, 15).to_ball()).contains_zero(), "{omega:?}");
     assert!(omega.relative_error() < 1e-26, "{omega:?}");
 }
 
-/// Weights act along x on a chain of couplings that ends at the point (px, py) of a lever; a spring with the torque that
-/// balances them holds it. The chain pulls at the lever with Q = g (1 + s + ... + s^(n-1)), s = 14/15 the ratio of a step: the
-/// reaction in the first coupling. X = px cos a - py sin a - px, so K = k - Q X'' = k + Q px, with px from the drawing.
+/// Weights act along x on a chain of couplings that ends at the point (px, py) of a lever; a spring with the torque
+/// that balances them holds it. The chain pulls at the lever with Q = g (1 + s + ... + s^(n-1)), where s = 14/15 is the
+/// ratio of a step: the reaction in the first coupling. X = px cos a - py sin a - px, so K = k - Q X'' = k + Q px, with
+/// px from the drawing.
 #[test]
 fn a_chain_of_couplings_loads_the_lever_that_it_hangs_at() {
     for (n, px, py) in [(1, 0.3, 1.0), (6, 0.3, 1.0), (60, -0.2, 0.5)] {
@@ -487,8 +489,8 @@ fn a_chain_of_couplings_loads_the_lever_that_it_hangs_at() {
     }
 }
 
-/// A ring of couplings that only no motion fulfils is one mistake, however long it is; each that follows from a chain is a
-/// note of its own.
+/// A ring of couplings that no motion satisfies is one mistake, however long it is; each coupling that follows from a
+/// chain gets a note of its own.
 #[test]
 fn long_rings_of_couplings_are_judged() {
     let ring = |n: u32, ratio: &str, closing: &str| {
@@ -510,7 +512,7 @@ fn long_rings_of_couplings_are_judged() {
     assert!(codes.iter().all(|code| code == "vib::loop::redundant"), "{codes:?}");
 }
 
-/// Chains that thousands of couplings close again would take a number for each pair of them.
+/// Chains closed by thousands of couplings would need a number for each pair of them.
 #[test]
 fn loops_without_room_are_refused() {
     let text = "body m[1] { mass = 1 kg, moves x }
@@ -519,7 +521,8 @@ fn loops_without_room_are_refused() {
     assert_eq!(refusal(text), ["vib::limit::loops"]);
 }
 
-/// A base held aside by a constant signal moves what couplings and joints tie to it, exactly where they are linear.
+/// A base that a constant signal holds to the side moves the parts that couplings and joints tie to it, exactly if
+/// these are linear.
 #[test]
 fn a_base_held_aside_takes_its_loops_along() {
     let cam = system(
@@ -533,7 +536,7 @@ fn a_base_held_aside_takes_its_loops_along() {
     assert_eq!(cam.rest.dependent[0].displacement, Number::from(Rational::new(1, 40)));
 }
 
-/// Lowered, without its modes.
+/// The lowered system, without its modes.
 fn system(text: &str) -> vibc::lower::Lowered {
     let mut sources = vibc::base::Sources::new();
     let file = sources.add(vibc::base::SourceFile::model("model.vib", text));
@@ -544,8 +547,8 @@ fn system(text: &str) -> vibc::lower::Lowered {
     outcome.lowered.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics))
 }
 
-/// P22 of the published cases, an anchor chain of links drawn as a V between two fixed ends, far from its rest; turned too.
-/// It hangs as a catenary does: symmetric, with a smaller slope at every link, and stable.
+/// P22 of the published cases, an anchor chain whose links are drawn as a V between two fixed ends, far from its rest;
+/// also turned. It hangs like a catenary: symmetric, with a smaller slope at every link, and stable.
 #[test]
 fn a_chain_between_two_ends_finds_its_rest() {
     let chain = |turned: &str| {
@@ -575,7 +578,7 @@ fn a_chain_between_two_ends_finds_its_rest() {
         let drawn = if i <= 10 { -1f64 } else { 1.0 } * (0.6f64 / 0.25).atan();
         (drawn + turned[&format!("l[{i}].angle")]).tan()
     };
-    // Weight of one link over the horizontal pull: the same between any two neighbours.
+    // Weight of one link over the horizontal pull: equal for all neighbours.
     let step = slope(2) - slope(1);
     for i in 2..20 {
         assert!((slope(i + 1) - slope(i) - step).abs() < 1e-12, "{i}");

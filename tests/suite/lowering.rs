@@ -1,11 +1,11 @@
-//! Matrices against closed forms and against numerical derivatives.
+//! Matrices compared with closed forms and with numerical derivatives.
 
 use vibc::base::{Number, Rational, SourceFile, Sources};
 use vibc::lower::{self, Lowered};
 use vibc::model::{self, Overrides};
 use vibc::system::Form;
 
-/// What a model is lowered to, or the codes of what is wrong with it.
+/// The lowered model, or the codes of its errors.
 fn lowered(text: &str) -> Result<Lowered, Vec<&'static str>> {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("scene.vib", text));
@@ -35,7 +35,7 @@ fn values(form: &Form, n: usize) -> Vec<Vec<f64>> {
     form.assemble(n).iter().map(|row| row.iter().map(|entry| entry.to_f64()).collect()).collect()
 }
 
-/// omega^2 of a scene with one freedom.
+/// omega^2 of a scene with one degree of freedom.
 fn omega_squared(text: &str) -> f64 {
     let Lowered { system, .. } = system(text);
     assert_eq!(system.n(), 1);
@@ -133,7 +133,7 @@ fn a_base_drives_through_springs_and_dampers() {
     assert_eq!(system.outputs[0].d[0], [(0, Number::from(-1))]);
 }
 
-/// Tension T in a string of two halves of length l holds the mass across it with 2 T / l.
+/// Tension T in a string of two halves of length l gives a mass the lateral stiffness 2 T / l.
 #[test]
 fn tension_stiffens_across_and_compression_softens() {
     let string = |tension: &str| {
@@ -147,7 +147,7 @@ fn tension_stiffens_across_and_compression_softens() {
     assert_eq!(entries(&system(&string("-30 N")).system.k, 1), [["-30"]]);
 }
 
-/// A mass on a slide at 30 degrees moves along it; the direction's length is irrational and cancels exactly.
+/// A mass on a slide at 30 degrees moves along it; the length of the direction is irrational and cancels exactly.
 #[test]
 fn an_oblique_slide_is_measured_along_itself_and_stays_exact() {
     let text = "body a { mass = 3 kg, moves along (1, 1) }
@@ -198,7 +198,7 @@ fn displacement(lowered: &Lowered) -> Vec<f64> {
     lowered.rest.displacement.iter().map(Number::to_f64).collect()
 }
 
-/// A point mass of 15 kg on 4 m, drawn at 30 degrees from the horizontal: it hangs, and omega^2 = g / l.
+/// A point mass of 15 kg at a distance of 4 m, drawn at 30 degrees from the horizontal: it hangs, and omega^2 = g / l.
 #[test]
 fn a_pendulum_finds_its_rest_from_far_away() {
     for (x, y) in [("2 m", "-2 m * sqrt(3)"), ("4 m", "0"), ("2 m", "2 m * sqrt(3)"), ("-0.004 m", "4 m")] {
@@ -227,7 +227,7 @@ fn a_pendulum_finds_its_rest_from_far_away() {
     assert!(lowered.rest.steps < 10, "{}", lowered.rest.steps);
 }
 
-/// m g = 10 N on k = 40 N/m: 1/4 m, exactly; the matrices do not depend on it.
+/// m g = 10 N on k = 40 N/m: exactly 1/4 m; the matrices do not depend on it.
 #[test]
 fn a_mass_sags_on_its_spring_by_an_exact_fraction() {
     let text = "gravity 10 m/s^2
@@ -239,7 +239,8 @@ fn a_mass_sags_on_its_spring_by_an_exact_fraction() {
     assert_eq!(entries(&lowered.system.k, 1), [["40"]]);
 }
 
-/// A mass in the plane between two springs drawn at half their lengths: they push it out to where both are relaxed.
+/// A mass in the plane between two springs drawn at half their free lengths: they push it out to where both are
+/// relaxed.
 #[test]
 fn a_spring_drawn_at_half_its_length_relaxes() {
     let text = "body ball { mass = 1 kg, at = (0, 0.1 m), moves x y }
@@ -293,7 +294,8 @@ fn what_nothing_holds_falls() {
     assert_eq!(lowered(swinging).err(), Some(vec!["vib::rest::not_found"]));
 }
 
-/// Two masses pushed apart by a spring, on no ground: each goes its way, and the chain stays where it is.
+/// Two masses pushed apart by a spring, without ground: they move in opposite directions, and the chain as a whole
+/// stays in place.
 #[test]
 fn a_free_chain_relaxes_in_place() {
     let text = "body a { mass = 1 kg, moves x }

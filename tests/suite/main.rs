@@ -1,4 +1,4 @@
-//! One test binary: each module takes one part of what users were promised.
+//! A single test binary: each module covers one part of what users were promised.
 
 // Closed forms are evaluated with the platform's functions, and compared to a few digits.
 #![allow(clippy::disallowed_methods)]

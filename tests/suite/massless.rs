@@ -1,5 +1,5 @@
-//! Bodies without mass: what a coordinate without inertia follows, and what the field's elements with inner nodes (springs
-//! in series, Maxwell, Zener) do in every answer. The hard cases o17, o18 and o33 as models.
+//! Bodies without mass: how a coordinate without inertia follows the others, and the effect of the field's elements
+//! with inner nodes (springs in series, Maxwell, Zener) in every answer. The hard cases o17, o18 and o33 as models.
 
 use super::ask::{Answer, ask};
 use super::systems::number;
@@ -19,7 +19,7 @@ const SERIES: &str = "
     output x1 = m1.x
     output x3 = m3.x";
 
-/// The same without the node: each pair of its springs makes one of k_i k_j / sum k (star to mesh).
+/// The equivalent of `SERIES` without the node: each pair of its springs becomes one of k_i k_j / sum k (star to mesh).
 const MESH: &str = "
     param a = 1e14 N/m
     param b = 1 N/m
@@ -33,7 +33,7 @@ const MESH: &str = "
     output x1 = m1.x
     output x3 = m3.x";
 
-/// A mass on a spring and, beside it, on a spring in series with a damper (Zener).
+/// A mass on a spring in parallel with a spring and a damper in series (Zener).
 const ZENER: &str = "
     body m { mass = 1 kg, moves x }
     body n { mass = 0 kg, moves x }
@@ -45,7 +45,7 @@ const ZENER: &str = "
     output x = m.x
     output y = n.x";
 
-/// Whether a ball holds a number that is known to 36 digits, and is no wider than 1e-15 of it.
+/// Whether a ball contains a number that is known to 36 digits, and is no wider than 1e-15 of it.
 fn holds(ball: Ball, truth: &str) {
     let difference = (&Number::Ball(ball) - &number(truth)).to_ball();
     let size = ball.to_f64().abs();
@@ -114,8 +114,8 @@ fn a_node_with_a_damper_is_in_the_transfer_function() {
     }
 }
 
-/// x(t) = 2 Re(a exp(s t)) + w exp(r t) from the poles s and r alone, with x(0) = 1 mm, x'(0) = 0 and
-/// x''(0) = -(k1 + k2) x(0) / m, for the node stands still at first.
+/// x(t) = 2 Re(a exp(s t)) + w exp(r t) from the poles s and r alone, with x(0) = 1 mm, x'(0) = 0 and x''(0) = -(k1 +
+/// k2) x(0) / m, because the node is initially at rest.
 #[test]
 fn a_node_with_a_damper_relaxes_in_time() {
     let answer = ask(ZENER);
@@ -139,7 +139,7 @@ fn a_node_with_a_damper_relaxes_in_time() {
     for (t, values) in at.iter().zip(motion(&answer, &at)) {
         let t = t.to_f64();
         let truth = 2.0 * (re * t).exp() * (a.x * (im * t).cos() - a.y * (im * t).sin()) + a.z * (r * t).exp();
-        // The system of equations is solved in binary64; its condition is |r / im| = 1e7.
+        // The system of equations is solved in binary64; its condition number is |r / im| = 1e7.
         assert!((values[0].to_f64() - truth).abs() <= 1e-9 * 1e-3, "{t} s: {} against {truth}", values[0].to_f64());
     }
 }
@@ -151,7 +151,8 @@ fn a_node_between_dampers_alone_is_a_free_state() {
         spring s: m -- ground { k = 8 N/m }
         damper c: m -- n { c = 1 N*s/m }
         damper d: n -- ground { c = 3 N*s/m }");
-    // In series the two dampers are one of 3/4 N s/m: s^2 + (3/8) s + 4 = 0, and the node has a place of its own.
+    // In series the two dampers are equivalent to one of 3/4 N s/m: s^2 + (3/8) s + 4 = 0, and the node can rest
+    // anywhere.
     let upper = answer.poles.list.iter().find(|pole| pole.im.is_positive()).expect("an oscillation");
     assert!((upper.re.to_f64() + 3.0 / 16.0).abs() < 1e-15);
     assert!(answer.poles.list.iter().any(|pole| pole.re.is_zero() && pole.im.is_zero()));
@@ -160,7 +161,7 @@ fn a_node_between_dampers_alone_is_a_free_state() {
 
 #[test]
 fn massless_links_and_levers_carry_what_is_on_them() {
-    // A bob on a massless link that is pinned to it, kept upright by a spring: the pendulum's frequency is sqrt(g/l).
+    // A bob pinned to a massless link, kept upright by a spring: the pendulum's frequency is sqrt(g/l).
     let pendulum = ask("gravity 9.81 m/s^2
         body link { mass = 0 kg, shape = rod((0, 0), (0, -1 m)) }
         body bob { mass = 2 kg, inertia = 0 kg*m^2, at = (0, -1 m) }
@@ -169,7 +170,7 @@ fn massless_links_and_levers_carry_what_is_on_them() {
         spring s: ground -- bob { k = 2 N*m/rad }");
     assert_eq!((pendulum.modes.list.len(), pendulum.modes.infinite), (1, 1));
     assert!((pendulum.omegas()[0] - 9.81f64.sqrt()).abs() < 1e-15);
-    // A massless lever of ratio 2 on a spring k: the mass at half its length feels 4 k in series with its own spring.
+    // A massless lever of ratio 2 on a spring k: the mass at half its length acts on 4 k in series with its own spring.
     let lever = ask("body lever { mass = 0 kg, shape = rod((0, 0), (2 m, 0)) }
         pivot p: ground@(0, 0) -- lever
         body m { mass = 1 kg, at = (1 m, 1 m), moves y }
@@ -178,7 +179,7 @@ fn massless_links_and_levers_carry_what_is_on_them() {
     assert!((lever.omegas()[0] - (400.0f64 * 1000.0 / 1400.0).sqrt()).abs() < 1e-13);
 }
 
-/// What `analyze` and `simulate` say of a model.
+/// The findings of `analyze` and `simulate` for a model.
 fn refused(text: &str) -> [Vec<Diagnostic>; 2] {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("model.vib", text));
@@ -214,9 +215,10 @@ fn a_body_with_neither_inertia_nor_stiffness_nor_damper_is_named() {
     }
 }
 
-/// Eight bodies of which each is tied to each, six of them without mass: the squares of each step would be as many as the pairs of
-/// those before it, 1e12 and more at the end. All springs have k = 1 N/m, and each of the two heavy bodies is tied to the ground:
-/// by symmetry the massless ones move as the mean of the heavy ones, so these are tied by 1 + 6 / 2 = 4 N/m.
+/// Eight bodies, each connected to each, six of them without mass: every elimination step would square the number of
+/// terms, up to 1e12 and more at the end. All springs have k = 1 N/m, and each of the two heavy bodies is connected to
+/// the ground: by symmetry the massless ones move as the mean of the heavy ones, so these are connected by 1 + 6 / 2 =
+/// 4 N/m.
 #[test]
 fn a_symmetric_dense_net_of_massless_bodies_is_eliminated() {
     let mut text = String::from(
@@ -238,8 +240,8 @@ fn a_symmetric_dense_net_of_massless_bodies_is_eliminated() {
     assert!(found.len() == 2 && (found[0] - 1.0).abs() < 1e-15 && (found[1] - 3.0).abs() < 1e-15, "{found:?}");
 }
 
-/// 24 bodies of which each is tied to each by springs of 15 different stiffnesses, all but two of them without mass, against
-/// Gaussian elimination of the assembled matrix in fractions.
+/// 24 bodies, each connected to each by springs of 15 different stiffnesses, all but two of them without mass, compared
+/// with Gaussian elimination of the assembled matrix in fractions.
 #[test]
 fn a_dense_net_of_massless_bodies_is_their_schur_complement() {
     const N: usize = 24;
@@ -266,7 +268,7 @@ fn a_dense_net_of_massless_bodies_is_their_schur_complement() {
             }
         }
     }
-    // Of 2 and 3 kg: the sum and the product of both omega².
+    // For 2 and 3 kg: the sum and the product of both omega².
     let per = |value: &Rational, by: i64| value * &Rational::new(1, by);
     let sum = &per(&k[0][0], 2) + &per(&k[1][1], 3);
     let product = per(&(&(&k[0][0] * &k[1][1]) - &(&k[0][1] * &k[1][0])), 6);
@@ -281,8 +283,8 @@ fn a_dense_net_of_massless_bodies_is_their_schur_complement() {
 /// A hub without mass between 300 others makes 45,150 squares of different rows.
 #[test]
 fn a_star_of_hundreds_is_condensed() {
-    // Each of n equal masses hangs at the hub by k, and the hub at the ground by n k: all together move on k / 2 each, and
-    // against each other the hub stands still.
+    // Each of n equal masses hangs on the hub by k, and the hub on the ground by n k: moving together, each is on k /
+    // 2; moving against each other, they leave the hub at rest.
     let answer = ask("body hub { mass = 0 kg, moves x }\nspring g: ground -- hub { k = 300 N/m }
         repeat i in 1..300 {
           body m[i] { mass = 1 kg, moves x }
@@ -293,8 +295,8 @@ fn a_star_of_hundreds_is_condensed() {
     assert!((omegas[0] - 0.5_f64.sqrt()).abs() < 1e-15 && omegas[1..].iter().all(|omega| (omega - 1.0).abs() < 1e-15));
 }
 
-/// Where the elimination has no room the limit is named, not a motion that is undetermined: 60 nodes in the plane, each tied to
-/// each by springs along directions that are not rational, so that no two squares are known to be proportional.
+/// If the elimination exceeds its limit, the limit is named instead of an undetermined motion: 60 nodes in the plane,
+/// each connected to each by springs along irrational directions, so that no two squares are known to be proportional.
 #[test]
 fn a_net_without_room_is_refused_as_such() {
     let mut text = String::from("body m[1] { mass = 1 kg, at = (0, 0), moves x y }\n");
@@ -313,7 +315,8 @@ fn a_net_without_room_is_refused_as_such() {
     assert_eq!(found.iter().map(|found| found.code.0).collect::<Vec<_>>(), ["vib::limit::massless"], "{found:?}");
 }
 
-/// Beyond exact arithmetic a node with a damper is refused because its pole is not computed: its motion is determined.
+/// Beyond exact arithmetic a node with a damper is refused because its pole is not computed, although its motion is
+/// determined.
 #[test]
 fn nodes_with_dampers_beyond_exact_arithmetic_are_named() {
     let many = |k: &str| {

@@ -1,5 +1,5 @@
-//! Every measure against its definition: closed forms, dense sampling, quadrature and the simulated motion; published cases; and
-//! what bounds promise.
+//! Every measure compared with its definition: closed forms, dense sampling, quadrature and the simulated motion;
+//! published cases; and the validity of bounds.
 
 use vibc::analysis::grid;
 use vibc::answers::ModalAnswer;
@@ -18,7 +18,7 @@ fn up_to(until: &Number) -> vibc::Study<'_> {
     vibc::Study { until: Some(until), ..vibc::Study::default() }
 }
 
-/// The report of a model whose requirements need not hold.
+/// The report of a model whose requirements may fail.
 fn answer(text: &str) -> ModalAnswer {
     let (sources, file) = sources(text);
     let outcome = vibc::analyze(&sources, file, &Overrides::default());
@@ -28,7 +28,7 @@ fn answer(text: &str) -> ModalAnswer {
     outcome.answer.expect("a report")
 }
 
-/// The enclosures of measures, by requirements that need not hold.
+/// The enclosures of measures, obtained by requirements that may fail.
 fn measured(model: &str, measures: &[&str]) -> Vec<Ball> {
     let requires: String = measures.iter().map(|measure| format!("require {measure}\n")).collect();
     let answer = answer(&format!("{model}{requires}"));
@@ -43,10 +43,10 @@ fn one(model: &str, measure: &str) -> Ball {
     measured(model, &[measure])[0]
 }
 
-/// |true - value| is within the enclosure, and that is narrow.
+/// Asserts that |true - value| is within the enclosure, and that this is narrow.
 fn agrees(value: Ball, truth: f64, width: f64) {
     let off = (value.to_f64() - truth).abs();
-    // What the expected number itself is rounded by.
+    // Rounding error of the expected number itself.
     let rounding = 1e-14 * truth.abs();
     assert!(off <= value.rad + rounding, "{value:?} is not {truth}");
     assert!(value.rad <= width * truth.abs(), "{value:?} is known to less than {width}");
@@ -71,7 +71,7 @@ fn the_peak_after_a_step_is_the_overshoot() {
     }
 }
 
-/// Overdamped, the step's answer creeps up to its rest and is largest at the end of the time.
+/// With overdamping, the step response approaches its rest monotonically and is largest at the end of the time.
 #[test]
 fn the_peak_of_what_creeps_is_at_the_end() {
     let zeta = 2.0f64;
@@ -95,13 +95,13 @@ fn the_peak_after_a_blow() {
     let t = (damped / (10.0 * zeta)).atan() / damped;
     let truth = 2.0 / damped * (-10.0 * zeta * t).exp() * (damped * t).sin();
     agrees(one(&oscillator(zeta, " = impulse(2 N*s, 0.1 s)"), "peak(x) < 1 m"), truth, 1e-11);
-    // The impulse itself accelerates beyond all bounds.
+    // The impulse itself causes an infinite acceleration.
     let answer = answer(&(oscillator(zeta, " = impulse(2 N*s, 0.1 s)") + "require peak(block.ax) < 1 m/s^2\n"));
     assert!(matches!(answer.requirements[0].value, Value::Infinite));
 }
 
-/// Peak and rms of random chains under random signals, against samples of the simulated motion: none lies above the peak,
-/// the nearest comes close to it; Simpson's rule gives the mean square.
+/// Peak and rms of random chains under random signals, compared with samples of the simulated motion: none is above the
+/// peak, and the nearest comes close to it; Simpson's rule gives the mean square.
 #[test]
 fn peak_and_rms_agree_with_dense_samples() {
     let mut random = crate::independent::random_scenes::Random::new(5);
@@ -142,7 +142,7 @@ fn peak_and_rms_agree_with_dense_samples() {
             let largest = samples.iter().map(|x| x.abs()).fold(0.0, f64::max);
             assert!(peak.rad < 1e-9 * peak.to_f64() && rms.rad < 1e-9 * rms.to_f64(), "{signal} {peak:?} {rms:?}");
             assert!(largest <= peak.to_f64() + peak.rad, "{signal} {output}: {largest} above {peak:?}");
-            // Between samples a curve of 30 rad/s rises by (30 h)^2 / 8 at most; a jump of velocity is at a sample.
+            // Between samples a curve of 30 rad/s rises by at most (30 h)^2 / 8; a jump of velocity is at a sample.
             assert!(largest >= peak.to_f64() * (1.0 - 1e-4), "{signal} {output}: {largest} below {peak:?}");
             let sum: f64 = samples.windows(3).step_by(2).map(|w| w[0] * w[0] + 4.0 * w[1] * w[1] + w[2] * w[2]).sum();
             let simpson = (sum / 6.0 / ((samples.len() - 1) / 2) as f64).sqrt();
@@ -152,7 +152,8 @@ fn peak_and_rms_agree_with_dense_samples() {
     }
 }
 
-/// A free swing without damping: the peak is its amplitude, and over whole half-periods the rms is that over sqrt 2.
+/// A free undamped oscillation: the peak is its amplitude, and over whole half-periods the rms is the amplitude over
+/// sqrt 2.
 #[test]
 fn a_free_swing_has_its_amplitude_and_rms() {
     let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\n\
@@ -167,7 +168,7 @@ fn a_free_swing_has_its_amplitude_and_rms() {
     agrees(rms, 5e-3 / 2f64.sqrt(), 1e-10);
 }
 
-/// After the transients the simulated motion swings with the steady amplitude.
+/// After the transients the simulated motion oscillates with the steady amplitude.
 #[test]
 fn the_amplitude_is_what_is_left_after_the_transients() {
     let model = oscillator(0.1, " = harmonic(10 N, 1 Hz) + harmonic(4 N, 2 Hz, 30 deg)");
@@ -207,14 +208,14 @@ fn the_others_by_their_formulas() {
     }
 }
 
-/// A constant load makes the rest; `static` tells what it adds there.
+/// A constant load is part of the rest; `static` is the displacement that further loads add.
 #[test]
 fn a_constant_load_counts_for_static() {
     let constant = one(&oscillator(0.1, " = constant(5 N)"), "static(x) < 1 m");
     agrees(constant, 0.05, 1e-25);
 }
 
-/// Den Hartog's tuned damper (V10 of the published cases): the two peaks of the classic tuning are not quite equal.
+/// Den Hartog's tuned damper (V10 of the published cases): with the classic tuning the two peaks are not quite equal.
 #[test]
 fn den_hartog() {
     let model = "let mu = 0.05\nlet f = 1/(1 + mu)\nlet zeta = sqrt(3*mu/(8*(1 + mu)))\n\
@@ -286,7 +287,7 @@ fn published_amplitudes_and_peaks() {
         assert!((amplitude.to_f64() / truth - 1.0).abs() < 1e-11, "{amplitude:?} {truth}");
     }
     let mass = "body a { mass = 0.5 kg, moves x }\nspring s: ground -- a { k = 200 N/m }\nforce F: a along x";
-    // Free of damping, a step doubles its static value; an impulse swings with J / sqrt(k m).
+    // Without damping, a step doubles its static value; an impulse causes oscillations of J / sqrt(k m).
     agrees(one(&format!("{mass} = step(200 N, 0 s)\n"), "peak(a.x) < 9 m"), 2.0, 1e-10);
     agrees(one(&format!("{mass} = impulse(10 N*s, 0 s)\n"), "peak(a.x) < 9 m"), 1.0, 1e-10);
 }
@@ -303,7 +304,7 @@ fn sensitivities(text: &str) -> Vec<Slopes> {
     use vibc::questions::answer::{Derivative, Slope};
     let relative = |slope: &Option<Slope>| match slope {
         Some(Slope::Smooth { relative: Derivative::Enclosed(ball), .. }) => *ball,
-        // By differences, where the rest moves too.
+        // By differences, if the rest moves too.
         Some(Slope::Smooth { relative: Derivative::Seen(x), .. }) => Ball::from(x.0).widen(1e-13 * x.0.abs()),
         other => panic!("{other:?}"),
     };
@@ -315,9 +316,9 @@ fn sensitivities(text: &str) -> Vec<Slopes> {
     told.collect()
 }
 
-/// Frequencies are homogeneous of degree 1/2 in all stiffnesses together and -1/2 in all masses; damping ratios stay the same
-/// where masses, dampers and stiffnesses are scaled alike, and where dampers are scaled like the roots of stiffnesses (Euler's
-/// theorem). No sum of wrong slopes would do that for each mode.
+/// Frequencies are homogeneous of degree 1/2 in all stiffnesses together and of degree -1/2 in all masses; damping
+/// ratios stay the same if masses, dampers and stiffnesses are scaled by the same factor, and if dampers are scaled by
+/// the root of that of stiffnesses (Euler's theorem). No sum of wrong slopes would satisfy that for each mode.
 #[test]
 fn sensitivities_obey_eulers_theorem() {
     let mut model = String::new();
@@ -346,8 +347,8 @@ fn sensitivities_obey_eulers_theorem() {
     }
 }
 
-/// A rod that a torsional spring with an offset holds at an angle: k q = t - m g (L/2) sin q. Both the stiffness and the rest move
-/// with each parameter; the formula is differentiated by hand.
+/// A rod that a torsional spring with an offset holds at an angle: k q = t - m g (L/2) sin q. Both the stiffness and
+/// the rest depend on each parameter; the formula is differentiated by hand.
 #[test]
 fn sensitivities_follow_the_rest() {
     let model = "param k = 20 N*m/rad\nparam t = 6 N*m\nparam m = 2 kg\nlet L = 1.5 m\ngravity 10 m/s^2\n\

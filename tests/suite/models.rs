@@ -1,4 +1,4 @@
-//! Models run through the library, for the tests of what it says about them.
+//! Runs models through the library, for the tests of findings.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,10 +7,10 @@ use vibc::backend::diagnostics::{HumanStyle, human};
 use vibc::base::{Diagnostic, Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
 
-/// A model that was analysed, and what was found.
+/// A model that was analysed, and its findings.
 ///
-/// Lines in the model's leading comments say how: `// --set k=3` and `// settings: k = "3 N/m"` give overrides, and
-/// `// simulate` asks for its motion over a minute in the place of its modal report. Tables are beside the models.
+/// Lines in the model's leading comments control the run: `// --set k=3` and `// settings: k = "3 N/m"` give overrides,
+/// and `// simulate` asks for its motion over a minute instead of its modal report. Tables are next to the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -37,7 +37,7 @@ impl Run {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics").join(&table);
             let file = match fs::read(path) {
                 Ok(bytes) => SourceFile::decode(SourceKind::Table, table, bytes),
-                // What a platform says of a missing file differs.
+                // The platform's message for a missing file varies.
                 Err(_) => SourceFile::unread(SourceKind::Table, table, "no such file"),
             };
             sources.add(file);
@@ -57,7 +57,7 @@ impl Run {
         self.diagnostics.iter().map(|diagnostic| diagnostic.code.0).collect()
     }
 
-    /// As drawn for people, without colour.
+    /// The findings drawn for people, without colour.
     pub fn drawn(&self) -> String {
         human(&self.sources, &self.diagnostics, HumanStyle::default())
     }

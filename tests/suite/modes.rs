@@ -1,4 +1,4 @@
-//! Undamped modes of linear systems built by hand: frequencies, shapes, shares, and what is refused.
+//! Undamped modes of linear systems built by hand: frequencies, shapes, shares, and refusals.
 
 use super::systems::{Builder, number};
 use vibc::analysis::{self, AnalysisError, ModeKind, Normalise, Stability, normalise};
@@ -49,7 +49,7 @@ fn shares_name_what_moves_and_what_holds() {
     let of =
         |name| modes.list[0].kinetic.iter().find(|share| system.display(share.of) == name).map(|share| share.part.0);
     assert!(of("rod").is_some_and(|rod| (rod + block - 1.0).abs() < 1e-10), "{:?}", modes.list[0].kinetic);
-    // In phase, the rod's weight and the spring both hold; the strain energies are 10 x^2 and 4.905 theta^2.
+    // In phase, the rod's weight and the spring both restore; the strain energies are 10 x^2 and 4.905 theta^2.
     let low = &modes.list[0];
     let spring = 10.0 * x * x / (10.0 * x * x + 4.905 * theta * theta);
     let share = low.strain.iter().find(|share| system.display(share.of) == "k1").expect("the spring has a share");
@@ -86,7 +86,7 @@ fn exactly_at_buckling_the_motion_is_rigid() {
 
 #[test]
 fn a_rigid_motion_in_an_irrational_direction_is_exactly_zero() {
-    // A point with two freedoms held by one spring at 60 degrees: it moves freely across.
+    // A point with two degrees of freedom, held by one spring at 60 degrees: it moves freely across.
     let mut b = Builder::numbered(2);
     (0..2).for_each(|i| b.mass(i, &number("2")));
     let sine = &number("3").sqrt().expect("positive") / &number("2");
@@ -97,7 +97,7 @@ fn a_rigid_motion_in_an_irrational_direction_is_exactly_zero() {
     assert!((modes.list[1].omega.to_f64() - 5.0).abs() < 1e-15);
 }
 
-/// Two arms whose springs pass through the hinges as far as anyone can tell: the stretch is zero, more or less.
+/// Two arms whose springs pass through the hinges to within the accuracy of the numbers: the stretch may be zero.
 #[test]
 fn a_stretch_that_may_be_zero_loses_no_mode() {
     let (sine, cosine) = Number::ONE.sin_cos().expect("an angle");
@@ -118,12 +118,12 @@ fn a_stretch_that_may_be_zero_loses_no_mode() {
         assert_eq!(analysis::stability(&system, &modes, &poles), Stability::Undetermined);
         assert_eq!(modes.list.len(), 2);
         assert_eq!(modes.infinite, 0);
-        // The arm without a spring is rigid for certain; of the other one, zero is only the best guess.
+        // The arm without a spring is certainly rigid; for the other one, zero is only the best estimate.
         let certain = modes.list.iter().filter(|mode| mode.omega.is_zero()).count();
         let unknown = modes.list.iter().filter(|mode| mode.kind == ModeKind::Undetermined).count();
         assert_eq!((certain, unknown), (1, 1), "{:?}", modes.list);
-        // Still, how fast it can be at most is known.
-        // By the lever or the stiffness of 3, each at its largest; the union of enclosures adds midpoints.
+        // Still, its highest possible frequency is known, from the lever or the stiffness of 3, each at its largest;
+        // the union of enclosures adds midpoints.
         let most = (9.0 * nearly_zero.to_ball().magnitude()).sqrt() * 1.01;
         assert!(modes.list.iter().all(|mode| mode.omega.magnitude() < most), "{:?}", modes.list);
     }

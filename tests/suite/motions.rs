@@ -1,6 +1,6 @@
-//! Motions beside closed forms, worked out to forty digits elsewhere: samples with bounds of their own, phases after 1e12 s,
-//! decays over fifty decades, peak and rms with the bounds that are reported for them.
-//! See docs/method/response.md and docs/method/measures.md#peak-and-rms.
+//! Motions compared with closed forms that were evaluated to forty digits elsewhere: samples with individual bounds,
+//! phases after 1e12 s, decays over fifty decades, peak and rms with their reported bounds. See docs/method/response.md
+//! and docs/method/measures.md#peak-and-rms.
 
 use vibc::analysis::{Signal, grid, respond};
 use vibc::base::{Ball, Number, Rounded, SourceFile, SourceKind, Sources};
@@ -27,7 +27,7 @@ fn motion(text: &str, times: &[Number]) -> (Vec<Vec<Ball>>, Vec<&'static str>) {
     (outcome.answer.map(|motion| motion.history.values).unwrap_or_default(), codes)
 }
 
-/// What the requirements measure up to a time, in their order.
+/// The values of the requirements' measures up to a time, in their order.
 fn measures(text: &str, until: &str) -> Vec<Ball> {
     let (sources, file) = sources(text);
     let until = number(until);
@@ -41,7 +41,7 @@ fn measures(text: &str, until: &str) -> Vec<Ball> {
     outcome.answer.expect("a report").requirements.iter().map(|found| of(&found.value)).collect()
 }
 
-/// |value - truth| of what is printed, and the bound that is printed with it; the enclosure itself holds the truth as well.
+/// |value - truth| of the printed number and its printed bound; also checks that the enclosure contains the truth.
 fn compare(what: &str, ball: Ball, truth: &str) -> (f64, f64) {
     let truth = number(truth);
     let off = (&Number::Ball(Ball::exact(ball.mid)) - &truth).to_ball().magnitude();
@@ -56,7 +56,7 @@ fn compare(what: &str, ball: Ball, truth: &str) -> (f64, f64) {
 const HELD: &str = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\n\
                     damper d: ground -- a { c = 4 N*s/m }\noutput x = a.x\n";
 
-/// exp(-2 t) sin(w t) / w, w = sqrt 96: over 52 decades each sample keeps the digits of binary64, on both roads.
+/// exp(-2 t) sin(w t) / w, w = sqrt 96: over 52 decades each sample keeps the digits of binary64, by both methods.
 #[test]
 fn what_decays_keeps_its_digits() {
     let truth = [
@@ -69,7 +69,7 @@ fn what_decays_keeps_its_digits() {
         ("60", "-3.045419004003640185374797249028711695549e-54"),
     ];
     let alone = format!("{HELD}initial a {{ vx = 1 m/s }}\n");
-    // A second body whose damper joins its motions: the road for modes apart is closed to both.
+    // A second body whose damper couples its modes, so that the modal method cannot be used for either.
     let beside = format!(
         "{alone}body b {{ mass = 1 kg, moves x }}\nbody c {{ mass = 2 kg, moves x }}\nspring t: ground -- b {{ k = 90 N/m }}\n\
          spring u: b -- c {{ k = 90 N/m }}\ndamper e: ground -- b {{ c = 5 N*s/m }}\ndamper f: ground -- c {{ c = 9 N*s/m }}\n"
@@ -90,8 +90,8 @@ fn what_decays_keeps_its_digits() {
     }
 }
 
-/// 50 Hz, 30 degrees, on 1 kg, 2 N s/m, 400 N/m: what is left after long times, whose phase is 1/3 of a turn and more than
-/// 3e14 rad.
+/// 50 Hz, 30 degrees, on 1 kg, 2 N s/m, 400 N/m: the motion after long times, with a phase of 1/3 of a turn after more
+/// than 3e14 rad.
 #[test]
 fn phases_after_a_million_million_seconds() {
     let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 400 N/m }\n\
@@ -104,7 +104,7 @@ fn phases_after_a_million_million_seconds() {
     for (most, t, truth) in cases {
         let (values, codes) = motion(model, &[Number::ZERO, number(t)]);
         let (_, bound) = compare(t, values[1][0], truth);
-        // One step over all that time costs digits, and says so.
+        // A single step over all that time loses digits, and reports it.
         assert_eq!(
             codes.contains(&"vib::motion::unsettled"),
             values[1][0].rad > 0.5f64.powi(50) * 7.6e-6,
@@ -114,7 +114,7 @@ fn phases_after_a_million_million_seconds() {
     }
 }
 
-/// Force and motion of a base read at once: no state is between, so the phase alone counts.
+/// Force and motion of a base, read directly: no state is involved, so only the phase matters.
 #[test]
 fn a_base_has_its_phase_at_any_time() {
     let model = "base g { moves x } = harmonic(1 m, 50 Hz, 30 deg)\nbody a { mass = 1 kg, moves x }\n\
@@ -128,8 +128,9 @@ fn a_base_has_its_phase_at_any_time() {
     }
 }
 
-/// Peak and rms of a decay, a swing, a beat, a step and a ramp. What is printed is within a hundred errors of the truth, but
-/// for errors below a hundredth of a unit in the last place; and not all bounds could be a tenth.
+/// Peak and rms of a decay, an oscillation, a beat, a step and a ramp. The printed bound is at most a hundred errors,
+/// except for errors below a hundredth of a unit in the last place; and the bounds as a whole could not be ten times
+/// smaller.
 #[test]
 fn peak_and_rms_are_those_of_the_closed_forms() {
     let free = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 49 N/m }\noutput x = a.x\n";
@@ -176,7 +177,7 @@ fn peak_and_rms_are_those_of_the_closed_forms() {
     assert!(sharpest > 0.5, "bounds of a tenth would do: {sharpest}");
 }
 
-/// sin(2 pi (u + 8 u^2 / 3)) up to 1.5 s: Duhamel's integral.
+/// sin(2 pi (u + 8 u^2 / 3)) up to 1.5 s, by Duhamel's integral.
 #[test]
 fn a_chirp_moves_as_duhamel_says() {
     let model = format!("{HELD}force F: a along x = chirp(1 N, 1 Hz, 9 Hz, 1.5 s)\n");
@@ -200,7 +201,7 @@ fn a_chirp_moves_as_duhamel_says() {
     assert!(bound < 2.5e-16, "{bound:e}");
 }
 
-/// A scene without outputs ends; one that nothing moves says so; so does an output that nothing reaches.
+/// A scene without outputs ends; a scene that nothing moves is reported, and so is an output that nothing reaches.
 #[test]
 fn nothing_moves_in_silence() {
     let still = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 4 N/m }\n";
@@ -218,7 +219,7 @@ fn nothing_moves_in_silence() {
     assert_eq!(codes, ["vib::motion::still"]);
 }
 
-/// Seventy links that hang one under another: the mass matrix joins all of them, and is far from singular.
+/// Seventy links that hang one under another: the mass matrix couples all of them, and is far from singular.
 #[test]
 fn seventy_hanging_links_move() {
     let model = "gravity 9.81 m/s^2\nbody r[1] { mass = 1 kg, shape = rod((0,0),(0,-1 m)) }\npivot p[1]: ground@(0,0) -- r[1]\n\
@@ -230,8 +231,8 @@ fn seventy_hanging_links_move() {
     assert!(half[0].relative_error() < 1e-16 && whole[0].relative_error() < 1e-16, "{half:?} {whole:?}");
 }
 
-/// 500 steps of a force and of a base, each a state of its own before, beside the sum of 500 closed forms; and what follows a
-/// chirp of short pieces: a force that stays is known as well in a long step as without the chirp.
+/// 500 steps of a force and of a base, which once were a state each, compared with the sum of 500 closed forms; and the
+/// time after a chirp of short pieces: a lasting force is as accurate in a long step as without the chirp.
 #[test]
 fn sums_of_signals_cost_no_digits() {
     let jump = |i: i64| ((i * 7919) % 41 - 20, 31 * i);

@@ -1,5 +1,5 @@
-//! Every option of every command, from the table that the program itself reads its command line by: with values that are
-//! right and values that are wrong, each ends with the status it should and one clean message, and none is a defect. An option
+//! Every option of every command, from the table with which the program itself reads its command line: with right and
+//! with wrong values, each run ends with the expected status and one clean message, and none is a defect. An option
 //! without a line in `VALUES` fails the test. See docs/cli.md#streams-and-exit-status.
 
 use clap::{Arg, ArgAction, Command, CommandFactory};
@@ -16,7 +16,7 @@ const SCENE: &str = "model scene\nparam k = 10 N/m\nbody b { mass = 1 kg, moves 
                      require peak(x) > 0 m\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
 
-/// What a value that is right ends with: 0 where nothing else is said.
+/// The expected exit status for a right value.
 #[derive(Clone, Copy)]
 enum Good {
     Done(&'static str),
@@ -24,8 +24,8 @@ enum Good {
 }
 use Good::{Done, Ends};
 
-/// Values of options that clap has no list of: of which command (`*` for all), which option, what is right, what is wrong.
-/// `@` is a folder with the files that are written below.
+/// Values of options for which clap has no list: the command (`*` for all), the option, right values, wrong values. `@`
+/// is a folder with the files that are written below.
 type Values = (&'static str, &'static str, &'static [Good], &'static [&'static str]);
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
@@ -197,7 +197,7 @@ const VALUES: [Values; 40] = [
         &[],
     ),
     ("man", "command", &[Done("analyze"), Done("fmt"), Ends("analyse", 2), Ends("", 2)], &[]),
-    // Of no command: what these say of themselves.
+    // Options of no command.
     ("*", "help", &[Done("")], &[]),
     ("*", "version", &[Done("")], &[]),
     ("lsp", "stdio", &[Ends("", 1)], &["yes"]),
@@ -205,7 +205,7 @@ const VALUES: [Values; 40] = [
     ("fmt", "check", &[Ends("", 1)], &["yes"]),
 ];
 
-/// What a command needs beside the option at hand: the arguments that stand in for it where it is not the one.
+/// The other arguments that a command needs, without the tested option.
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
@@ -222,7 +222,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("simulate", "until") => needed.extend(step),
         ("simulate", "step") => needed.extend(until),
         ("simulate", _) => needed.extend([until, step].concat()),
-        // What is built in has a table of steps to run over.
+        // A built-in signal needs a table of steps.
         ("emit", "program") => needed.extend(["--target", "c", "--until", "1s", "--output", "@/code"]),
         ("emit", "until") => needed.extend(["--target", "c", "--program", "--output", "@/code"]),
         ("emit", "target") => {}
@@ -244,7 +244,7 @@ impl Setting {
         setting
     }
 
-    /// The files as they are before each run.
+    /// Writes the files in their state before each run.
     fn lay_out(&self) {
         let at = |name: &str| self.folder.path().join(name);
         fs::write(at("scene.vib"), SCENE).expect("a file");
@@ -261,7 +261,7 @@ impl Setting {
     }
 }
 
-/// What is wrong with how a run ended.
+/// The fault of a run, if it did not end as expected.
 fn fault(output: &process::Output, status: i32) -> Option<String> {
     let told = String::from_utf8_lossy(&output.stderr);
     let found = output.status.code();
@@ -295,7 +295,7 @@ fn takes_value(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::Set | ArgAction::Append)
 }
 
-/// The line of an option: that of its command before that of all.
+/// The line of an option: that of its command, otherwise that of all commands.
 fn line(command: &str, id: &str) -> Option<&'static Values> {
     let of = |whose: &str| VALUES.iter().find(|(of, option, ..)| *of == whose && *option == id);
     of(command).or_else(|| of("*"))
@@ -305,7 +305,7 @@ fn name(arg: &Arg) -> String {
     arg.get_long().unwrap_or(arg.get_id().as_str()).to_string()
 }
 
-/// Values that are right, with the status, and values that are wrong.
+/// Right values with their exit status, and wrong values.
 fn values(command: &str, arg: &Arg) -> Result<(Vec<Good>, Vec<String>), String> {
     let name = name(arg);
     if let Some((_, _, good, bad)) = line(command, &name) {
@@ -344,7 +344,7 @@ fn every_option_of_every_command_takes_what_is_right_and_refuses_what_is_wrong()
                 }
             };
             let mut tell = |value: &str, status: i32| {
-                // Its runs take seconds each; that they go well is shown in `command_line`.
+                // Its runs take seconds each; `command_line` tests that they succeed.
                 if of == "bench" && status == 0 && name(arg) != "help" {
                     return;
                 }
@@ -357,7 +357,7 @@ fn every_option_of_every_command_takes_what_is_right_and_refuses_what_is_wrong()
             };
             for good in good {
                 match good {
-                    // A language server whose client is gone before it takes leave.
+                    // A language server whose client disconnects without `shutdown`.
                     Done(value) if of == "lsp" && name(arg) != "help" => tell(value, 1),
                     Done(value) => tell(value, 0),
                     Ends(value, status) => tell(value, status),

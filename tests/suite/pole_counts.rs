@@ -1,8 +1,8 @@
-//! Scenes whose poles are known in closed form, against what is reported of them: every pole is there, once, and nothing that
-//! grows is called stable.
+//! Scenes whose poles are known in closed form, compared with the report: every pole is there exactly once, and nothing
+//! that grows is called stable.
 //!
-//! With rows t_j of a regular matrix and Q(s) = sum (m_j s² + c_j s + k_j) t_j t_j^T the determinant is a constant times the
-//! product of the quadratics, so their roots are the poles. The roots are found here on rational numbers.
+//! With rows t_j of a regular matrix and Q(s) = sum (m_j s² + c_j s + k_j) t_j t_j^T the determinant is a constant
+//! times the product of the quadratics, so their roots are the poles. The roots are computed here in rational numbers.
 
 use super::systems::{Builder, Random, number};
 use num_bigint::BigInt;
@@ -20,7 +20,7 @@ struct Quadratic {
     k: BigRational,
 }
 
-/// A root to 260 digits; of a real one im is zero.
+/// A root to 260 digits; im is zero for a real one.
 #[derive(Clone, Debug)]
 struct Root {
     re: BigRational,
@@ -35,7 +35,7 @@ fn ten_to_minus(digits: u32) -> BigRational {
     BigRational::new(BigInt::one(), BigInt::from(10).pow(digits))
 }
 
-/// To 10^-260 of it, or exactly.
+/// The square root to a relative 10^-260, or exactly.
 fn square_root(x: &BigRational) -> BigRational {
     let scale = BigInt::from(10).pow(300);
     let (n, d) = (x.numer().sqrt(), x.denom().sqrt());
@@ -65,7 +65,7 @@ impl Quadratic {
         if discriminant.is_negative() {
             vec![Root { re: middle.clone(), im: -&spread }, Root { re: middle, im: spread }]
         } else {
-            // The root that cancels is the product of both by the other.
+            // The root that cancels is the product of both, divided by the other.
             let far = if middle.is_positive() { &middle + &spread } else { &middle - &spread };
             let near = if far.is_zero() { zero.clone() } else { &self.k / &self.m / &far };
             vec![Root { re: far, im: zero.clone() }, Root { re: near, im: zero }]
@@ -85,7 +85,7 @@ fn exact(x: &BigRational) -> Number {
 }
 
 impl Scene {
-    /// Each row times a factor, which changes no pole.
+    /// Multiplies each row by a factor, which changes no pole.
     fn of(quadratics: &[Quadratic], rows: &[Vec<i64>], factor: &Number) -> Scene {
         let mut builder = Builder::numbered(quadratics.len());
         for (q, row) in quadratics.iter().zip(rows) {
@@ -127,7 +127,7 @@ fn holds(ball: Ball, truth: &BigRational) -> bool {
     (mid - truth).abs() <= rational(ball.rad) + ten_to_minus(250)
 }
 
-/// A pole for the root, others moved where they can be.
+/// Assigns a pole to the root, moving other roots if possible.
 fn seat(root: usize, candidates: &[Vec<usize>], owner: &mut [Option<usize>], seen: &mut [bool]) -> bool {
     for &pole in &candidates[root] {
         if !std::mem::replace(&mut seen[pole], true)
@@ -140,7 +140,7 @@ fn seat(root: usize, candidates: &[Vec<usize>], owner: &mut [Option<usize>], see
     false
 }
 
-/// Every root has a pole of its own whose enclosure holds it (augmenting paths).
+/// Whether each root can be assigned its own pole whose enclosure contains it (augmenting paths).
 fn are_matched(roots: &[Root], poles: &[Pole]) -> bool {
     let is_bounded = |pole: &Pole| pole.re.rad.is_finite() && pole.im.rad.is_finite();
     let candidates = |root: &Root| -> Vec<usize> {
@@ -153,7 +153,7 @@ fn are_matched(roots: &[Root], poles: &[Pole]) -> bool {
         && (0..roots.len()).all(|root| seat(root, &candidates, &mut owner, &mut vec![false; poles.len()]))
 }
 
-/// What was seen over many scenes.
+/// Statistics over many scenes.
 #[derive(Debug, Default)]
 struct Seen {
     counted: usize,
@@ -164,7 +164,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// A count is that of the determinant, and its poles are the roots; a verdict is true.
+    /// Checks that a count is that of the determinant, that its poles are the roots, and that a verdict is true.
     fn check(&mut self, scene: &Scene, name: &str) {
         let Some((poles, verdict)) = scene.solved() else {
             self.refused += 1;
@@ -202,7 +202,7 @@ impl Seen {
     }
 }
 
-/// Small rows of a regular matrix: a lower triangle with unit diagonal times an upper one.
+/// Small integer rows of a regular matrix: a lower triangle with unit diagonal times an upper one.
 fn rows(n: usize, random: &mut Random) -> Vec<Vec<i64>> {
     let mut entry = |i: usize, j: usize| match i.cmp(&j) {
         std::cmp::Ordering::Equal => 1,
@@ -213,7 +213,7 @@ fn rows(n: usize, random: &mut Random) -> Vec<Vec<i64>> {
     (0..n).map(|i| (0..n).map(|j| (0..n).map(|l| lower[i][l] * upper[l][j]).sum()).collect()).collect()
 }
 
-/// Critical to 20 to 89 digits, from either side, or with a root as near to that of others.
+/// Critical to between 20 and 89 digits, from either side, or with a root that close to those of others.
 fn near_critical(random: &mut Random) -> Quadratic {
     let rate = BigRational::new((1 + random.below(4) as i64).into(), (1 + random.below(2) as i64).into());
     let off = ten_to_minus(20 + random.below(70) as u32) * whole([-1, 1][random.below(2)]);
@@ -227,7 +227,7 @@ fn near_critical(random: &mut Random) -> Quadratic {
     }
 }
 
-/// Others that may stand beside: growing, without inertia, free, undamped, far.
+/// Other kinds of quadratics: growing, without inertia, free, undamped, far away.
 fn other(random: &mut Random) -> Quadratic {
     match random.below(9) {
         0 => Quadratic::new(1, whole(-6), whole(3)),
@@ -242,7 +242,7 @@ fn other(random: &mut Random) -> Quadratic {
     }
 }
 
-/// `VIBC_POLE_SCENES` asks for more scenes than the usual.
+/// `VIBC_POLE_SCENES` requests more scenes than usual.
 fn scenes(usual: usize) -> usize {
     std::env::var("VIBC_POLE_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
@@ -266,8 +266,8 @@ fn identity(n: usize) -> Vec<Vec<i64>> {
     (0..n).map(|i| (0..n).map(|j| i64::from(i == j)).collect()).collect()
 }
 
-/// The same where nothing is rational: the polynomial is not at hand. What cannot be separated is a cluster or has no bound,
-/// and then no count is claimed.
+/// Numbers that are not rational, for which the polynomial is not available. Poles that cannot be separated form a
+/// cluster or have no bound, and then no count is claimed.
 #[test]
 fn where_numbers_are_not_exact_no_count_is_claimed_that_is_wrong() {
     let (mut random, mut seen) = (Random::new(7), Seen::default());
@@ -287,7 +287,7 @@ fn where_numbers_are_not_exact_no_count_is_claimed_that_is_wrong() {
     assert!(seen.counted > 0 && seen.counted + seen.refused < scenes(200), "{seen:?}");
 }
 
-/// Ordinary scenes by the discs of all poles at once, some of them growing.
+/// Ordinary scenes, some of them growing, by the method for all poles at once.
 #[test]
 fn poles_of_larger_parts_are_all_there_once() {
     let (mut random, mut seen) = (Random::new(3), Seen::default());
@@ -310,7 +310,7 @@ fn poles_of_larger_parts_are_all_there_once() {
     assert_eq!((seen.counted, seen.refused), (count, 0), "{seen:?}");
 }
 
-/// Two or four masses on springs and dampers that are critical but for the last digits.
+/// Two or four masses on springs and dampers that are critical except for the last digits.
 fn chain(damping: [&str; 3], n: usize, joined: bool) -> LinearSystem {
     let mut chain = Builder::numbered(n);
     let [ground, between, each] = damping.map(number);
@@ -343,7 +343,7 @@ fn is_near(pole: &Pole, re: f64) -> bool {
     (pole.re.to_f64() - re).abs() < 1e-14 * re.abs()
 }
 
-/// (s² + 2 s + 1 - ...)(s² - 6 s + 3): the second factor was lost, and the rest told as stable.
+/// (s² + 2 s + 1 - ...)(s² - 6 s + 3): the second factor was once lost, and the rest reported as stable.
 #[test]
 fn growing_poles_beside_a_nearly_critical_pair_are_told() {
     let nines = "1.99999999999999999999999999999999999999999999999999";
@@ -354,7 +354,7 @@ fn growing_poles_beside_a_nearly_critical_pair_are_told() {
         assert_eq!(found.count(), 1, "{growth}");
     }
     assert_eq!(verdict, Stability::Unstable);
-    // Four masses: +0.0841 and +1.4334 were missing.
+    // Four masses: +0.0841 and +1.4334 were once missing.
     let nines = "3.999999999999999999999999999999999999999999999999999999";
     let (poles, verdict) = solved(&chain([nines, nines, "-2"], 4, false));
     assert_eq!((poles.list.len(), poles.infinite()), (8, Some(0)));
@@ -364,7 +364,7 @@ fn growing_poles_beside_a_nearly_critical_pair_are_told() {
     assert_eq!(verdict, Stability::Unstable);
 }
 
-/// (s + 1)² but for 1e-30, and (s + 1)(s + 3): -3 was lost.
+/// (s + 1)² up to 1e-30, and (s + 1)(s + 3): -3 was once lost.
 #[test]
 fn a_pole_beside_a_nearly_critical_pair_is_told() {
     let (poles, verdict) = solved(&chain(["1.999999999999999999999999999999", "1", "0"], 2, true));
@@ -376,7 +376,7 @@ fn a_pole_beside_a_nearly_critical_pair_is_told() {
     assert_eq!((poles.list.len(), poles.infinite()), (8, Some(0)));
 }
 
-/// Powers of ten near the ends of the range change no pole, or a unit of time alone.
+/// Powers of ten near the ends of the range change no pole, or only the unit of time.
 #[test]
 fn poles_keep_their_bounds_at_the_ends_of_the_range() {
     let system = |unit: &str| {
@@ -402,7 +402,7 @@ fn poles_keep_their_bounds_at_the_ends_of_the_range() {
     }
 }
 
-/// Equal poles of parts that nothing joins are one cluster, as equal frequencies are.
+/// Equal poles of uncoupled parts are one cluster, like equal frequencies.
 #[test]
 fn equal_poles_of_different_parts_are_a_cluster() {
     let mut three = Builder::numbered(3);
@@ -422,7 +422,7 @@ fn equal_poles_of_different_parts_are_a_cluster() {
     }
 }
 
-/// A body on a slant, a damper across its way, and what else is given.
+/// A body that moves on a slant, with a damper across its path, and further declarations.
 fn across(more: &str) -> super::ask::Answer {
     super::ask::ask(&format!(
         "param s = sin(20 deg)\nparam c = cos(20 deg)\n\
@@ -432,7 +432,7 @@ fn across(more: &str) -> super::ask::Answer {
     ))
 }
 
-/// A damper that stands across the motion has a factor whose ball holds zero: it takes nothing, and cannot feed anything in.
+/// A damper across the motion has a factor whose ball contains zero: it takes no energy, and cannot feed any in.
 #[test]
 fn a_damper_across_the_motion_makes_nothing_grow() {
     let verdict =
@@ -442,14 +442,14 @@ fn a_damper_across_the_motion_makes_nothing_grow() {
     assert!(held.poles.list.iter().all(|pole| pole.kind == PoleKind::Oscillation), "{:?}", held.poles.list);
     assert_eq!(verdict(&held), Stability::Stable);
     assert!(held.poles.is_complete());
-    // Without a spring both poles are real, and one of them is not distinguished from zero.
+    // Without a spring both poles are real, and one of them cannot be distinguished from zero.
     let free = across("");
     assert!(free.poles.list.iter().all(|pole| pole.kind != PoleKind::Undetermined), "{:?}", free.poles.list);
     assert_eq!(verdict(&free), Stability::Neutral);
 }
 
-/// Pairs that are critical but for 70 digits, each several times, beside a node without inertia: the common divisor of the
-/// determinant and its derivative has more bits than a dozen primes hold. The scene was refused as singular.
+/// Pairs that are critical to 70 digits, each several times, with a node without inertia: the common divisor of the
+/// determinant and its derivative has more bits than a dozen primes hold. The scene was once refused as singular.
 #[test]
 fn repeated_nearly_critical_pairs_beside_a_massless_node_are_told() {
     let off = ten_to_minus(70);

@@ -138,7 +138,7 @@ fn a_negative_damper_makes_flutter_and_the_rest_unstable() {
     assert_eq!(analysis::stability(&system, &modes, &poles), Stability::Unstable);
 }
 
-/// Two equal masses on equal springs and dampers, joined by a spring and a damper.
+/// Two equal masses on equal springs and dampers, coupled by a spring and a damper.
 fn twins(ground: [&str; 2], between: [&str; 2]) -> LinearSystem {
     let mut pair = Builder::numbered(2);
     for i in 0..2 {
@@ -164,7 +164,7 @@ fn critical_damping_of_both_modes_is_two_double_poles() {
 
 #[test]
 fn a_double_pole_with_two_vectors_is_not_defective() {
-    // The same two masses twice, in coordinates turned by (3, 4)/5: x1, x2 of one and y1, y2 of the other.
+    // The same two masses twice, in coordinates rotated by (3, 4)/5: x1, x2 of one and y1, y2 of the other.
     let mut four = Builder::numbered(4);
     for turn in [["0.6", "0.8"], ["0.8", "-0.6"]] {
         let [p, q] = turn.map(number);

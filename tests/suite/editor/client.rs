@@ -1,5 +1,5 @@
-//! A client of the language server in the same process: writes and reads the protocol's messages as plain JSON, so that
-//! the server's own types are not what they are tested with.
+//! A client of the language server in the same process: it writes and reads the protocol's messages as plain JSON, so
+//! that the tests do not rely on the server's own types.
 
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
@@ -15,14 +15,14 @@ pub struct Client {
     server: Option<JoinHandle<()>>,
     requests: i32,
     version: i32,
-    /// Notifications that came while an answer was waited for.
+    /// Notifications that arrived while waiting for an answer.
     heard: Vec<Notification>,
     pub text: String,
-    /// What the server answered to `initialize`.
+    /// The server's answer to `initialize`.
     pub capabilities: Value,
 }
 
-/// Longer than any answer takes; a server that is silent fails the test.
+/// Longer than any answer takes; a silent server fails the test.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Client {
@@ -67,12 +67,12 @@ impl Client {
         self.connection.sender.send(message.into()).expect("the server listens");
     }
 
-    /// The answer, which has to be there.
+    /// The answer to a request that must succeed.
     pub fn ask(&mut self, method: &str, params: Value) -> Value {
         self.response(method, params).unwrap_or_else(|message| panic!("{method}: {message}"))
     }
 
-    /// The message of the refusal.
+    /// The error message of a request that must fail.
     pub fn refusal(&mut self, method: &str, params: Value) -> String {
         match self.response(method, params) {
             Err(message) => message,
@@ -87,7 +87,7 @@ impl Client {
         self.connection.sender.send(message.into()).expect("the server listens");
         loop {
             match self.next() {
-                // As it is written: `result` or `error`.
+                // As in the protocol: `result` or `error`.
                 Message::Response(response) if response.id == id => {
                     let written = serde_json::to_value(response).expect("JSON");
                     return match written["error"]["message"].as_str() {
@@ -96,7 +96,7 @@ impl Client {
                     };
                 }
                 Message::Notification(notification) => self.heard.push(notification),
-                // The server asks for hints to be asked for again.
+                // The server asks the client to request hints again.
                 Message::Request(_) => {}
                 Message::Response(other) => panic!("an answer to {:?}", other.id),
             }
@@ -107,7 +107,7 @@ impl Client {
         self.connection.receiver.recv_timeout(PATIENCE).expect("the server says something")
     }
 
-    /// Waits for what the server tells by itself.
+    /// Waits for a notification.
     pub fn hear(&mut self, method: &str) -> Value {
         loop {
             if let Some(place) = self.heard.iter().position(|notification| notification.method == method) {
@@ -122,7 +122,7 @@ impl Client {
         }
     }
 
-    /// The findings of the version that is open.
+    /// The findings of the open version.
     pub fn findings(&mut self) -> Vec<Value> {
         loop {
             let told = self.hear("textDocument/publishDiagnostics");
@@ -132,20 +132,20 @@ impl Client {
         }
     }
 
-    /// A request about a place: the first byte of `mark` in the text, its nth time counted from 0.
+    /// A request about a place: the first byte of the nth occurrence of `mark` in the text, counted from 0.
     pub fn ask_at(&mut self, method: &str, mark: &str, nth: usize) -> Value {
         let params = self.at(mark, nth);
         self.ask(method, params)
     }
 
-    /// The parameters of such a request.
+    /// The parameters of a request about a place.
     pub fn at(&self, mark: &str, nth: usize) -> Value {
         let places = self.text.match_indices(mark).nth(nth);
         let (offset, _) = places.unwrap_or_else(|| panic!("`{mark}` is not {nth} times in {}", self.text));
         json!({ "textDocument": { "uri": URI }, "position": self.position(offset) })
     }
 
-    /// The parameters of a request behind `mark`, whose first time in the text it is.
+    /// The parameters of a request about the place after the first occurrence of `mark`.
     pub fn behind(&self, mark: &str) -> Value {
         let offset = self.text.find(mark).unwrap_or_else(|| panic!("`{mark}` is not in {}", self.text)) + mark.len();
         json!({ "textDocument": { "uri": URI }, "position": self.position(offset) })

@@ -1,4 +1,4 @@
-//! Fixes: each mends what it says it mends, and the findings that have an obvious one have it.
+//! Fixes: each one removes its finding, and every finding with an obvious fix has it.
 
 use super::client::{Client, URI};
 use serde_json::{Value, json};
@@ -22,8 +22,8 @@ fn codes(findings: &[Value]) -> Vec<String> {
     findings.iter().map(|finding| finding["code"].as_str().expect("a code").to_string()).collect()
 }
 
-/// The findings of `tests/diagnostics` whose mend is obvious: a unit, a name, a field, a bracket, one of two that are one
-/// too many.
+/// The findings of `tests/diagnostics` with an obvious fix: a unit, a name, a field, a bracket, or one of two of which
+/// one is too many.
 const MENDED: [&str; 39] = [
     "base_no_motion",
     "body_freedom",

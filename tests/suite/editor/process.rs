@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// The program, and both ends of what editors write to it and read from it.
+/// The program, with its standard input and output.
 fn started() -> (Child, ChildStdin, BufReader<ChildStdout>) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
     let mut child =
@@ -41,7 +41,7 @@ fn an_editor_starts_asks_and_says_goodbye() {
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": { "capabilities": {} } }));
     assert_eq!(read(&mut output)["result"]["serverInfo"]["name"], "vibc");
     write(&mut input, json!({ "jsonrpc": "2.0", "method": "initialized", "params": {} }));
-    // A table beside the model is read from the disk, or told to be missing.
+    // A table next to the model is read from the disk, or reported as missing.
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("push.csv"), "0, 0\n1, 2\n").expect("a table");
     let text = |file: &str| {
@@ -71,7 +71,7 @@ fn an_editor_that_is_gone_ends_the_server() {
     assert!(child.wait().expect("it ends").code().is_some());
 }
 
-/// A server that a client has greeted, with the folders that it has open.
+/// An initialised server, with the client's open folders.
 fn greeted(params: Value) -> (Child, ChildStdin, BufReader<ChildStdout>) {
     let (child, mut input, mut output) = started();
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": params }));
@@ -110,7 +110,7 @@ fn a_server_outlives_whatever_it_is_sent() {
     input.write_all(&framed(body.as_bytes())).and_then(|()| input.flush()).expect("the program reads");
     let told = read(&mut output);
     assert_eq!((&told["method"], &told["params"]["version"]), (&json!("textDocument/publishDiagnostics"), &json!(1)));
-    // Requests in the wrong order are refused, each with its own number.
+    // Requests in the wrong order are refused, each with its own id.
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 7, "method": "initialize", "params": {} }));
     assert_eq!(read(&mut output)["error"]["code"], request);
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 8, "method": "shutdown" }));

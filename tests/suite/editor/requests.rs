@@ -121,7 +121,7 @@ fn the_pointer_shows_values_in_their_unit_and_in_si() {
     assert!(hover(&mut client, "0.1 kN/m", 0).contains("1 kN/m = 1000 kg/s^2"));
 }
 
-/// Bodies that move as one share its energy by their masses, whatever coordinate they are reported in.
+/// Bodies that move as one share its energy in proportion to their masses, in whatever coordinate it is reported.
 #[test]
 fn kinetic_energy_is_of_bodies() {
     let mut client = Client::open(
@@ -152,7 +152,7 @@ fn the_pointer_shows_what_a_part_does() {
 
 #[test]
 fn a_spring_tells_its_tension_at_rest() {
-    // 2 kg hang on 100 N/m from a free length of 0.5 m, drawn 0.4 m long.
+    // 2 kg hang on 100 N/m with a free length of 0.5 m, drawn 0.4 m long.
     let text = "gravity 10 m/s^2\nbody b { mass = 2 kg, at = (0, -0.4 m), moves y }\nspring s: ground@(0, 0) -- b { k = 100 N/m, free_length = 0.5 m }\n";
     let mut client = Client::open(text);
     let told = hover(&mut client, "s: ground", 0);
@@ -221,7 +221,7 @@ output y = block.x
         ("output z = wheel.", vec!["angle", "omega", "alpha"], vec!["x"]),
         ("output z = s.", vec!["force", "stretch"], vec!["x"]),
         ("output z = ", vec!["block", "wheel", "s"], vec![]),
-        // Behind a whole operand Enter ends the line: no list may be open that takes it.
+        // After a complete operand, Enter ends the line: no list may be open that captures it.
         ("output z = block.x ", vec![], vec!["block", "sqrt", "k"]),
         ("output z = block.x + ", vec!["block"], vec![]),
         ("param q = 2 * k ", vec![], vec!["k", "pi"]),
@@ -413,7 +413,7 @@ fn what_is_not_known_is_refused_and_the_server_goes_on() {
     assert!(hover(&mut client, "k =", 0).contains("1 N/m"));
 }
 
-/// The poles of a thousand masses with dampers here and there are not computed: their frequencies are shown as undamped ones.
+/// The poles of a thousand masses with a few dampers are not computed: their frequencies are shown as undamped ones.
 #[test]
 fn what_is_not_computed_is_not_shown_as_if_it_were() {
     let chain = "body m[1] { mass = 1 kg, moves x }
@@ -430,7 +430,7 @@ repeat i in 2..1000 {
     assert!(label.starts_with("1000 freedoms, undamped: 0.002499 Hz, ") || label.contains('ζ'), "{label}");
 }
 
-/// Thirty-one damped masses: more than are waited for at a key stroke.
+/// Thirty-one damped masses: more than are analysed between two keystrokes.
 #[test]
 fn damping_of_larger_scenes_comes_when_it_is_there() {
     let chain = "body m[1] { mass = 1 kg, moves x }

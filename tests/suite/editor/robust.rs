@@ -1,4 +1,4 @@
-//! Text as it is while one types: every request is answered, and as much as can be known is.
+//! Incomplete text, as it is while typing: every request is answered, with as much information as possible.
 
 use super::client::{Client, URI};
 use crate::fuzzing::scene_text;
@@ -10,7 +10,7 @@ use vibc::editor::{completion, highlight, hints, hover, mends, names, symbols};
 
 const CART: &str = include_str!("../../../examples/cart.vib");
 
-/// Asks everything about every place of a text.
+/// Sends every request about every place of a text.
 fn ask_everything(text: &str, places: impl Iterator<Item = usize>) {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("model.vib", text));
@@ -73,7 +73,7 @@ fn random_models_are_answered_everywhere() {
     }
 }
 
-/// One line that does not parse takes nothing from the others.
+/// A line that does not parse does not affect the others.
 #[test]
 fn broken_text_keeps_what_is_known() {
     let mut client = Client::open(CART);

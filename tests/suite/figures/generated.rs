@@ -1,8 +1,8 @@
-//! Scenes by chance: chains, trees and nets along x and y and of wheels, with and without coordinates, pendulums.
+//! Random scenes: chains, trees and nets along x and y and of wheels, with and without coordinates, pendulums.
 
 use std::fmt::Write;
 
-/// A small generator (Knuth's MMIX constants); its upper bits.
+/// A small generator (Knuth's MMIX constants), of which the upper bits are used.
 struct Chance(u64);
 
 impl Chance {
@@ -12,7 +12,7 @@ impl Chance {
     }
 }
 
-/// Names of many lengths.
+/// Names of various lengths.
 fn name(chance: &mut Chance, letter: char, number: u64) -> String {
     let tail = ["", "_left", "_of_the_engine", "θ", "_2"][chance.below(5) as usize];
     format!("{letter}{number}{tail}")
@@ -29,7 +29,7 @@ pub fn scene(seed: u64) -> String {
     }
 }
 
-/// Bodies of one kind of motion, each tied to the ground, a base or some that came before.
+/// Bodies with one kind of motion, each connected to the ground, a base or some earlier bodies.
 fn tied(chance: &mut Chance, moves: &str) -> String {
     let turns = moves == "turns";
     let count = 1 + chance.below(9);

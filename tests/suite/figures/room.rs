@@ -1,14 +1,15 @@
-//! Whether names lie over anything, by plain geometry: each label's box beside every line, circle and other label.
+//! Whether labels cover anything, by plain geometry: each label's box is compared with every line, circle and other
+//! label.
 
 use vibc::picture::geometry::{Bounds, Point};
 use vibc::picture::{Figure, Kind, Label, Stroke};
 
 /// Half of a pen's width, px.
 const PEN: f64 = 0.9;
-/// Of capitals and descenders together, px.
+/// Height of capitals and descenders together, px.
 const HIGH: f64 = 12.0;
 
-/// What lies over what.
+/// Descriptions of all overlaps.
 pub fn crowded(figure: &Figure) -> Vec<String> {
     let boxes: Vec<(&Label, Bounds)> = figure.labels.iter().map(|label| (label, set(label))).collect();
     let mut found = Vec::new();
@@ -53,7 +54,7 @@ fn meets(stroke: &Stroke, bounds: &Bounds) -> bool {
     }
 }
 
-/// Whether a segment meets a rectangle: what is left of it between the sides (Liang and Barsky).
+/// Whether a segment meets a rectangle, by clipping (Liang and Barsky).
 fn crosses(a: Point, b: Point, bounds: &Bounds) -> bool {
     let (mut from, mut to) = (0.0f64, 1.0f64);
     for (start, step, low, high) in

@@ -1,9 +1,11 @@
-//! What the second formulation needs beyond `+ - * /` of double-doubles: sine and cosine, dense elimination and the
-//! symmetric eigenvalue problem. Small sizes, no cleverness: every routine is the textbook's, so that it can be judged by eye.
+//! The operations that the second formulation needs beyond `+ - * /` of double-doubles: sine and cosine, dense
+//! elimination and the symmetric eigenvalue problem. For small sizes and without cleverness: every routine is that of a
+//! textbook, so that it can be checked by reading.
 
 use vibc::base::number::Dd;
 
-/// Sine and cosine by Taylor's series of the angle reduced to [-pi/4, pi/4]: 26 terms leave less than 1e-40.
+/// Sine and cosine by Taylor's series of the angle reduced to [-pi/4, pi/4]: the remainder after 26 terms is below
+/// 1e-40.
 pub fn sin_cos(angle: Dd) -> (Dd, Dd) {
     let quarter_turns = (angle.hi / std::f64::consts::FRAC_PI_2).round();
     let rest = angle - Dd::PI.scale(0.5) * quarter_turns;
@@ -96,7 +98,7 @@ impl Matrix {
     }
 }
 
-/// X with A X = B, by elimination with row pivoting; `None` where a pivot is below 1e-20 of its row's largest entry.
+/// X with A X = B, by elimination with row pivoting; `None` if a pivot is below 1e-20 of its row's largest entry.
 pub fn solve(mut a: Matrix, mut b: Matrix) -> Option<Matrix> {
     let n = a.rows;
     assert!(a.columns == n && b.rows == n, "a square system");
@@ -132,8 +134,8 @@ pub fn solve(mut a: Matrix, mut b: Matrix) -> Option<Matrix> {
     Some(b)
 }
 
-/// The eigenvalues of K x = lambda M x, ascending: M = L L^T, then cyclic Jacobi rotations of L^-1 K L^-T
-/// (Golub and Van Loan, *Matrix Computations*, section 8.5). `None` where M is not positive definite.
+/// The eigenvalues of K x = lambda M x, ascending: M = L L^T, then cyclic Jacobi rotations of L^-1 K L^-T (Golub and
+/// Van Loan, *Matrix Computations*, section 8.5). `None` if M is not positive definite.
 pub fn eigenvalues(k: &Matrix, m: &Matrix) -> Option<Vec<Dd>> {
     let l = cholesky(m)?;
     let half = solve(l.clone(), k.clone())?;
@@ -166,7 +168,7 @@ fn cholesky(m: &Matrix) -> Option<Matrix> {
     Some(l)
 }
 
-/// One sweep; whether any rotation was worth making: entries below 1e-30 of the largest are rounding.
+/// One sweep; returns whether any rotation was worthwhile: entries below 1e-30 of the largest are rounding errors.
 fn rotate_all(a: &mut Matrix) -> bool {
     let n = a.rows;
     let negligible = 1e-30 * a.largest();
@@ -204,7 +206,8 @@ fn rotate(a: &mut Matrix, p: usize, q: usize) {
 
 #[test]
 fn sine_and_cosine_of_two_to_thirty_digits() {
-    // OEIS A049469-style decimal expansions of sin 2 and cos 2, split into two doubles by subtraction of the leading one.
+    // Decimal expansions of sin 2 and cos 2 (in the style of OEIS A049469), split into two doubles by subtracting the
+    // leading one.
     let (sine, cosine) = sin_cos(Dd::from(2.0));
     let (sine_of_one, cosine_of_one) = sin_cos(Dd::ONE);
     let doubled = sine_of_one * cosine_of_one * 2.0;

@@ -1,17 +1,19 @@
-//! The second road from a scene to M, C, K, B and P: absolute coordinates, multipliers, numerical derivatives.
+//! An independent way from a scene to M, C, K, B and P: absolute coordinates, multipliers, numerical derivatives.
 //!
-//! Written without a look at `src/lower`. Every part (body or support) has three absolute coordinates: the displacement
-//! of its centre in x and y and its angle. Energies, stretches, constraints, the work of loads and outputs are plain
-//! functions of the displaced parts. What lowering derives by hand is here differentiated by eighth-order central
-//! differences in double-double arithmetic; joints and freedom clauses are constraints g = 0 with multipliers:
+//! Written without looking at `src/lower`. Every part (body or support) has three absolute coordinates: the
+//! displacement of its centre in x and y, and its angle. Energies, stretches, constraints, the work of loads and
+//! outputs are plain functions of the displaced parts. Derivatives that lowering forms by hand are computed here by
+//! eighth-order central differences in double-double arithmetic; joints and freedom clauses are constraints g = 0 with
+//! multipliers:
 //!
 //! rest: grad V + G^T lambda = 0, g = 0 (Newton);
 //! K = N^T (Hess V + sum lambda Hess g) N with G N = 0 and S N = 1, where S picks the coordinates by their names.
 //!
-//! At a rest the gradient of V + lambda g vanishes, so K does not depend on how the coordinates go on to second order.
+//! At a rest the gradient of V + lambda g vanishes, so K does not depend on the second order of the coordinates.
 //!
-//! Errors: a step h of 2^-14 and features (spring lengths over lever arms) no smaller than a tenth leave a truncation
-//! error below 600 (h / 0.1)^8 = 1e-22 and a rounding error of some 1e-31 / h^2 = 3e-23, both relative to the energy's scale.
+//! Errors: with a step h of 2^-14 and features (spring lengths, lever arms) no smaller than a tenth, the truncation
+//! error is below 600 (h / 0.1)^8 = 1e-22 and the rounding error some 1e-31 / h^2 = 3e-23, both relative to the scale
+//! of the energy.
 
 use super::extended::{Matrix, sin_cos, solve};
 use vibc::base::number::Dd;
@@ -51,7 +53,7 @@ impl Pose {
 struct Spot {
     part: Option<usize>,
     drawn: [Dd; 2],
-    /// From the part's centre, as drawn.
+    /// Position relative to the part's centre, as drawn.
     arm: [Dd; 2],
 }
 
@@ -84,7 +86,7 @@ impl<'a> Quantity<'a> {
         Quantity { parts, value: Box::new(value) }
     }
 
-    /// Indices of its variables among all: three a part.
+    /// Indices of its variables among those of all parts: three for each part.
     fn variables(&self) -> Vec<usize> {
         self.parts.iter().flat_map(|part| [3 * part, 3 * part + 1, 3 * part + 2]).collect()
     }
@@ -95,7 +97,7 @@ const FIRST: [(f64, f64); 4] = [(4.0, 5.0), (-1.0, 5.0), (4.0, 105.0), (-1.0, 28
 /// Second derivative: weights of f(k h) + f(-k h) - 2 f(0).
 const SECOND: [(f64, f64); 4] = [(8.0, 5.0), (-1.0, 5.0), (8.0, 315.0), (-1.0, 560.0)];
 
-/// The eight displaced copies of some poses, by turns of known sine and cosine.
+/// The eight displaced copies of some poses, with rotations of known sine and cosine.
 struct Differences {
     /// Sine and cosine of k h for k = -4..4.
     turns: Vec<(Dd, Dd)>,
@@ -162,7 +164,7 @@ impl Differences {
     }
 }
 
-/// What a generalised coordinate is called: a motion of a body.
+/// The identity of a generalised coordinate: a motion of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
     /// Index into the scene's bodies.
@@ -171,18 +173,18 @@ pub struct Chosen {
     pub motion: String,
 }
 
-/// The linear system by the second road; rows and columns in the order of the chosen coordinates.
+/// The linear system of the second formulation; rows and columns in the order of the chosen coordinates.
 pub struct Linearised {
     pub m: Matrix,
     pub c: Matrix,
     pub k: Matrix,
-    /// A column an input: b0, b1, b2.
+    /// One column for each input: b0, b1, b2.
     pub b: [Matrix; 3],
-    /// A row an output: p0, p1, p2.
+    /// One row for each output: p0, p1, p2.
     pub p: [Matrix; 3],
-    /// Feed-through: a row an output, a column an input.
+    /// Feed-through: one row for each output, one column for each input.
     pub d: [Matrix; 3],
-    /// How far Newton's iteration went from where it was started, largest component.
+    /// The distance of Newton's iteration from its start, largest component.
     pub distance: f64,
     /// The rest in the chosen coordinates, measured from the drawing.
     pub rest: Vec<Dd>,
@@ -247,7 +249,7 @@ impl<'a> Formulation<'a> {
         self.scene.bodies.len() + self.scene.bases.len()
     }
 
-    /// Unknowns of a rest: three a body (supports do not move by themselves).
+    /// Unknowns of a rest: three for each body (supports do not move by themselves).
     fn unknowns(&self) -> usize {
         3 * self.scene.bodies.len()
     }
@@ -279,7 +281,7 @@ impl<'a> Formulation<'a> {
         self.spot(end.part, end.at.as_deref())
     }
 
-    /// `turns` alone stands still at the centre, `moves x` keeps y and angle, and so on.
+    /// Constraints of freedom clauses: `turns` alone fixes the centre, `moves x` fixes y and the angle, and so on.
     fn clauses(&mut self) {
         for (i, body) in self.scene.bodies.iter().enumerate() {
             let Freedom::OnGround { translations, turns } = &body.freedom else { continue };
@@ -310,7 +312,7 @@ impl<'a> Formulation<'a> {
                     self.coincide(self.spot(joint.ends[0].part, at), self.spot(joint.ends[1].part, at));
                 }
                 "weld" => {
-                    // Any point will do where the parts turn together.
+                    // Any point is suitable if the parts turn together.
                     let at = Some(Vec3::ZERO);
                     self.coincide(
                         self.spot(joint.ends[0].part, at.as_ref()),
@@ -346,7 +348,7 @@ impl<'a> Formulation<'a> {
         self.constraints.push(Quantity::new([a, b], move |p| angle(p, b) - angle(p, a)));
     }
 
-    /// Sum of coefficient times motion is zero.
+    /// Constraints of couplings: the sum of coefficient times motion is zero.
     fn couples(&mut self) {
         for couple in &self.scene.couples {
             let terms: Vec<(Dd, Quantity<'a>)> =
@@ -358,8 +360,8 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// Keeps constraints whose gradients are independent in the drawing (Gram and Schmidt): the others follow from them
-    /// wherever the drawing can move at all.
+    /// Keeps constraints whose gradients are independent in the drawing (Gram-Schmidt): the others follow from them as
+    /// long as the drawing can move at all.
     fn drop_redundant_constraints(&mut self) {
         let drawn = vec![Pose::drawn(); self.part_count()];
         let mut basis: Vec<Vec<Dd>> = Vec::new();
@@ -373,7 +375,7 @@ impl<'a> Formulation<'a> {
                 row.iter_mut().zip(other).for_each(|(a, b)| *a -= share * *b);
             }
             let size = norm(&row);
-            // Dependent rows leave the differences' 1e-22, independent ones their true distance.
+            // Dependent rows leave only the differences' error of 1e-22, independent ones their true distance.
             if size.to_f64() > 1e-15 * before.to_f64() {
                 basis.push(row.into_iter().map(|a| a / size).collect());
                 kept.push(constraint);
@@ -406,7 +408,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// The length (or angle) as drawn that a `free_length` is compared with.
+    /// The length (or angle) as drawn, with which a `free_length` is compared.
     fn drawn_length(&self, element: &Element) -> Dd {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
@@ -416,7 +418,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// A fixed direction, turned round where the drawing runs against it: a stretch takes the ends apart.
+    /// A fixed direction, reversed if the drawing is opposite to it: a positive stretch moves the ends apart.
     fn first_to_second(&self, element: &Element, direction: &Vec3) -> [Dd; 2] {
         let d = unit(direction);
         let against = match (&element.ends[0].at, &element.ends[1].at) {
@@ -453,7 +455,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// The displacement that a unit of an input does work on.
+    /// The displacement on which a unit of an input does work.
     fn work(&self, kind: &InputKind) -> Quantity<'a> {
         match kind {
             InputKind::Force { ends, direction } => {
@@ -490,7 +492,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// A motion as a function of the poses; forces as the stretch that they belong to.
+    /// A motion as a function of the poses; for a force, the stretch to which it belongs.
     fn motion(&self, motion: &Motion) -> Quantity<'a> {
         match motion {
             Motion::Point { part, at, direction, .. } => {
@@ -507,7 +509,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// Factor and derivative order of a term of an output, beside [`Formulation::motion`].
+    /// Factor and derivative order of a term of an output, in addition to [`Formulation::motion`].
     fn factor(&self, term: &MotionTerm) -> (Dd, usize) {
         let coefficient = dd(&term.coefficient);
         match &term.motion {
@@ -534,7 +536,7 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    /// The motion of a body along the direction of its clause, or along its slide from the other part.
+    /// The motion of a body along the direction of its clause, or along its slide relative to the other part.
     fn oblique(&self, i: usize) -> Quantity<'a> {
         if let Freedom::OnGround { translations, .. } = &self.scene.bodies[i].freedom {
             let d = unit(&translations[0].direction);
@@ -583,7 +585,7 @@ impl<'a> Formulation<'a> {
         panic!("no slide carries body {body}");
     }
 
-    /// For each part a number of what it is welded to; 0 is the ground.
+    /// For each part the number of its welded group; 0 is the ground.
     fn welded(&self) -> Vec<usize> {
         let mut classes: Vec<usize> = (1..=self.part_count()).collect();
         for joint in self.scene.joints.iter().filter(|joint| joint.kind.keyword == "weld") {
@@ -649,8 +651,8 @@ impl<'a> Formulation<'a> {
         None
     }
 
-    /// The multipliers that leave the least force unbalanced: G G^T lambda = -G grad V. Without them a body that hangs on
-    /// a pivot has no stiffness in the first step.
+    /// The multipliers that leave the least unbalanced force: G G^T lambda = -G grad V. Without them a body that hangs
+    /// on a pivot has no stiffness in the first step.
     fn balancing(&self, poses: &[Pose], energies: &[(Dd, &Quantity)], constraints: &[&Quantity]) -> Option<Vec<Dd>> {
         let (gradient, _) = self.assembled(3 * self.part_count(), poses, energies);
         let rows = columns(&self.gradients(poses, constraints), 0, self.unknowns());
@@ -663,7 +665,8 @@ impl<'a> Formulation<'a> {
         Some((0..constraints.len()).map(|i| solved.at(i, 0)).collect())
     }
 
-    /// Newton's iteration on grad V + G^T lambda = 0, g = 0; the poses, the multipliers and how far it went.
+    /// Newton's iteration on grad V + G^T lambda = 0, g = 0; returns the poses, the multipliers and the distance from
+    /// the start.
     fn rest(&self, mut poses: Vec<Pose>) -> Option<(Vec<Pose>, Vec<Dd>, f64)> {
         let (n, m) = (self.unknowns(), self.constraints.len());
         let energies: Vec<(Dd, &Quantity)> = self.energies.iter().map(|e| (Dd::ONE, e)).collect();
@@ -748,7 +751,8 @@ impl<'a> Formulation<'a> {
         scene.inputs.iter().enumerate().filter_map(of_input).collect()
     }
 
-    /// G N = 0 and S N = 1, one column a coordinate and one a support's motion (the coordinates held).
+    /// G N = 0 and S N = 1, one column for each coordinate and one for each support's motion (with the coordinates
+    /// held).
     fn tangent(
         &self,
         poses: &[Pose],

@@ -1,6 +1,6 @@
-//! Physics by two roads: what lowering derives by hand is compared with a second formulation in absolute coordinates,
-//! on models written by hand and on random ones, through the text. The frequencies and poles too: with the eigenvalues
-//! and roots of the second road's own matrices.
+//! Physics by two independent ways: derivatives that lowering forms by hand are compared with a second formulation in
+//! absolute coordinates, on models written by hand and on random ones, starting from the text. The frequencies and
+//! poles too are compared with the eigenvalues and roots of the second formulation's own matrices.
 
 mod extended;
 mod formulation;
@@ -14,8 +14,9 @@ use vibc::base::number::Dd;
 use vibc::base::{Ball, Number};
 use vibc::system::{CoordinateId, Form};
 
-/// Relative to the largest entry of a matrix. The differences are good to 1e-22 of the energies (see `formulation`);
-/// the elimination of the constraints of a chain of joints magnifies that by the lever arms, a factor of 10 a joint at most.
+/// Tolerance relative to the largest entry of a matrix. The differences are accurate to 1e-22 of the energies (see
+/// `formulation`); the elimination of the constraints of a chain of joints magnifies that by the lever arms, by at most
+/// a factor of 10 for each joint.
 const TOLERANCE: f64 = 1e-17;
 
 /// The coordinates that lowering chose, by body and motion.
@@ -72,7 +73,7 @@ fn assert_equal(found: &Matrix, truth: &Matrix, tolerance: f64, what: &str) {
     }
 }
 
-/// M, C, K, B, P, D and the rest by both roads.
+/// Compares M, C, K, B, P, D and the rest of both formulations.
 fn assert_two_roads_meet(answer: &Answer, text: &str) {
     assert_two_roads_meet_within(answer, TOLERANCE, text);
 }
@@ -81,7 +82,7 @@ pub fn assert_two_roads_meet_within(answer: &Answer, tolerance: f64, text: &str)
     let system = &answer.lowered.system;
     let n = system.n();
     let second = second_road(answer, &displacement(answer));
-    // What lowering calls a rest is one: Newton's iteration started there stays.
+    // A rest found by lowering is one: Newton's iteration started there stays.
     assert!(second.distance < tolerance, "moves on by {:e} in\n{text}", second.distance);
     let names = system.coordinate_names();
     for (form, truth, what) in [(&system.m, &second.m, "M"), (&system.c, &second.c, "C"), (&system.k, &second.k, "K")] {
@@ -104,7 +105,7 @@ pub fn assert_two_roads_meet_within(answer: &Answer, tolerance: f64, text: &str)
     spectrum::assert_poles(answer, &second, text);
 }
 
-/// Newton's iteration from the drawing itself reaches the same rest: for scenes whose loads are small.
+/// Newton's iteration from the drawing reaches the same rest, for scenes with small loads.
 fn assert_rest_from_the_drawing(answer: &Answer, text: &str) {
     let start = vec![Dd::ZERO; answer.lowered.system.n()];
     let second = second_road(answer, &start);
@@ -115,7 +116,7 @@ fn assert_rest_from_the_drawing(answer: &Answer, text: &str) {
     }
 }
 
-/// Random trees with springs, dampers, inerters, loads and outputs of every kind; nothing pulls as drawn.
+/// Random trees with springs, dampers, inerters, loads and outputs of every kind, without forces as drawn.
 #[test]
 fn random_trees_at_rest_as_drawn() {
     for seed in 1..=40 {
@@ -134,12 +135,12 @@ fn random_networks() {
     }
 }
 
-/// A ball is as good as the enclosure of a number that is known otherwise.
+/// Whether a ball contains a number that is known independently, up to the error of that.
 fn encloses(ball: &Ball, truth: Dd, truth_error: f64) -> bool {
     (ball.mid - truth).abs().to_f64() <= ball.rad + truth_error
 }
 
-/// The same under weights, preloads and constant forces.
+/// Random trees under weights, preloads and constant forces.
 #[test]
 fn random_trees_under_loads() {
     for seed in 1..=40 {
@@ -169,7 +170,7 @@ output tip = c@(3 m, 2 m).x"
     }
 }
 
-/// Supports that shake what stands on them through springs and dampers of every geometry.
+/// Supports that shake bodies through springs and dampers of every geometry.
 #[test]
 fn supports() {
     let text = "gravity 9.81 m/s^2

@@ -1,7 +1,7 @@
-//! Random models as text, from stated seeds: whatever stands between the text and the matrices is exercised.
+//! Random models as text, from fixed seeds, so that everything between the text and the matrices is exercised.
 //!
-//! A scene is a tree of joints; each body is held to the ground by a spring of its own, stiff against the weights and
-//! preloads, so that a rest lies near the drawing whatever else is drawn.
+//! A scene is a tree of joints; each body is held to the ground by a spring of its own, stiff relative to the weights
+//! and preloads, so that a rest lies near the drawing whatever else the scene contains.
 
 use std::fmt::Write;
 
@@ -21,7 +21,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// One of 0..n.
+    /// A number of 0..n.
     pub fn below(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize
     }
@@ -36,7 +36,7 @@ impl Random {
     }
 }
 
-/// Thousandths.
+/// A number in thousandths.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Decimal(pub i64);
 
@@ -69,14 +69,14 @@ struct Scene {
     /// Centres of the bodies so far.
     centres: Vec<Place>,
     turns: Vec<bool>,
-    /// A motion that the body certainly has: `x` or `y`, empty where only its joints know.
+    /// A motion that the body certainly has: `x` or `y`; empty if it depends on its joints.
     motions: Vec<&'static str>,
     count: usize,
     loaded: bool,
 }
 
-/// A tree of up to `bodies` bodies with everything that may hang on them; `loaded` by weights, preloads and constant
-/// forces, so that its rest is not the drawing.
+/// A tree of up to `bodies` bodies with all kinds of elements; if `loaded`, with weights, preloads and constant forces,
+/// so that its rest differs from the drawing.
 pub fn tree(seed: u64, bodies: usize, loaded: bool) -> String {
     let mut scene = Scene::new(seed);
     scene.loaded = loaded;
@@ -102,7 +102,7 @@ pub fn tree(seed: u64, bodies: usize, loaded: bool) -> String {
     scene.text
 }
 
-/// A tree in which further joints and couplings close one loop or more.
+/// A tree in which further joints and couplings close at least one loop.
 pub fn linkage(seed: u64, bodies: usize, loaded: bool) -> String {
     let mut scene = Scene::new(seed);
     scene.loaded = loaded;
@@ -137,7 +137,7 @@ pub fn network(seed: u64, bodies: usize) -> String {
     for i in 0..n {
         let mass = random.decimal(1, 20);
         let _ = writeln!(text, "body m{i} {{ mass = {mass} kg, moves x }}");
-        // To an earlier one or the ground: the network is coupled.
+        // To an earlier mass or the ground, so that the network is coupled.
         let other = if i == 0 { "ground".into() } else { format!("m{}", random.below(i)) };
         let k = random.decimal(10, 5000);
         let _ = writeln!(text, "spring t{i}: {other} -- m{i} {{ k = {k} N/m }}");
@@ -192,7 +192,7 @@ impl Scene {
         Place(self.random.decimal(-3, 3), self.random.decimal(-3, 3))
     }
 
-    /// Not (0, 0), and not always of rational length.
+    /// A direction other than (0, 0), not always of rational length.
     fn direction(&mut self) -> String {
         ["(1, 0)", "(0, 1)", "(3, 4)", "(1, 1)", "(-2, 1)", "(1, -7)"][self.random.below(6)].into()
     }
@@ -231,7 +231,7 @@ impl Scene {
         ][self.random.below(7)]
     }
 
-    /// Mass, inertia and place in one of the forms of the language; the centre.
+    /// Mass, inertia and place in one of the forms of the language; returns the centre too.
     fn properties(&mut self) -> (String, Place) {
         let mass = self.random.decimal(1, 5);
         let centre = self.place();
@@ -248,7 +248,7 @@ impl Scene {
                 format!("mass = {mass} kg, at = {centre}, shape = box({w} m, {h} m)")
             }
             4 => {
-                // At most 5 kg, at most sqrt(72) m apart: 360 kg m^2.
+                // At most 5 kg, at a distance of at most sqrt(72) m: 360 kg m^2.
                 let (about, inertia) = (self.place(), self.random.decimal(361, 380));
                 format!("mass = {mass} kg, at = {centre}, inertia = {inertia} kg*m^2 about {about}")
             }
@@ -257,7 +257,7 @@ impl Scene {
         (text, centre)
     }
 
-    /// Ties body `i` to something before it; whether it turns.
+    /// Connects body `i` to an earlier part; returns whether it turns.
     fn joint(&mut self, i: usize) -> bool {
         let parent = self.part(i);
         let other = parent.map_or("ground".into(), |p| format!("b{p}"));
@@ -287,7 +287,7 @@ impl Scene {
         }
     }
 
-    /// A joint or coupling between parts that hang on the ground already.
+    /// A joint or coupling between parts that are already connected to the ground.
     fn closure(&mut self) {
         let (c, n) = (self.fresh(), self.centres.len());
         let b = self.random.below(n);
@@ -318,7 +318,7 @@ impl Scene {
         if self.random.chance(50) { format!("{a} -- {b}") } else { format!("{b} -- {a}") }
     }
 
-    /// Springs that hold body `i` against weights and preloads, each in its own way.
+    /// Springs of different kinds that hold body `i` against weights and preloads.
     fn held(&mut self, i: usize) {
         let (from, to) = (self.place_near(i), self.far_from(self.centres[i]));
         let k = self.random.decimal(3000, 9000);
@@ -338,7 +338,7 @@ impl Scene {
         Place(Decimal(c.0.0 + self.random.decimal(-1, 1).0), Decimal(c.1.0 + self.random.decimal(-1, 1).0))
     }
 
-    /// At least 2 m away: the formulation's step is small against it.
+    /// A place at least 2 m away, relative to which the formulation's step is small.
     fn far_from(&mut self, place: Place) -> Place {
         loop {
             let other = Place(self.random.decimal(-6, 6), self.random.decimal(-6, 6));

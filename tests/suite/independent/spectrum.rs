@@ -1,4 +1,5 @@
-//! Modes and poles against the second road's matrices: eigenvalues by Jacobi rotations, poles by Newton steps on det Q(s).
+//! Modes and poles compared with the second formulation's matrices: eigenvalues by Jacobi rotations, poles by Newton
+//! steps on det Q(s).
 
 use super::encloses;
 use super::extended::{Matrix, eigenvalues};
@@ -7,9 +8,10 @@ use crate::ask::Answer;
 use vibc::analysis::{ModeKind, PoleKind};
 use vibc::base::number::Dd;
 
-/// The reported balls of omega^2 hold the eigenvalues of (K, M) of the second road.
+/// Asserts that the reported balls of omega^2 contain the eigenvalues of (K, M) of the second formulation.
 ///
-/// Those are good to the tolerance of the matrices of the largest: K's error over M's smallest eigenvalue, a Rayleigh quotient's worst case.
+/// Their accuracy relative to the largest one is the tolerance of the matrices: K's error over M's smallest eigenvalue,
+/// the worst case of a Rayleigh quotient.
 pub fn assert_modes(answer: &Answer, second: &Linearised, tolerance: f64, text: &str) {
     let truth = eigenvalues(&second.k, &second.m).expect("a positive definite mass matrix");
     let list = &answer.modes.list;
@@ -61,15 +63,15 @@ impl Complex {
     }
 }
 
-/// Each reported pole lies within its bound of a root of det(M s^2 + C s + K), found by Newton's iteration
-/// s <- s - 1 / tr(Q^-1 Q') from the pole itself; and all of them together have the sum of the roots, -tr(M^-1 C).
+/// Asserts that each reported pole lies within its bound of a root of det(M s^2 + C s + K), found by Newton's iteration
+/// s <- s - 1 / tr(Q^-1 Q') from the pole itself; and that the sum of all poles is that of the roots, -tr(M^-1 C).
 pub fn assert_poles(answer: &Answer, second: &Linearised, text: &str) {
     let list = &answer.poles.list;
     assert_eq!(list.len(), 2 * second.m.rows, "two poles a coordinate in\n{text}");
     for pole in list {
         assert!(pole.relative_error.is_finite(), "certified: {pole:?} in\n{text}");
         if pole.kind == PoleKind::Rigid || pole.cluster.is_some() {
-            // A multiple root moves by a root of the error of the matrices: nothing sharp to compare with.
+            // A multiple root moves by a root of the error of the matrices: there is no sharp comparison.
             continue;
         }
         let start = Complex { re: pole.re.mid, im: pole.im.mid };
@@ -98,7 +100,7 @@ fn newton(second: &Linearised, mut s: Complex) -> Complex {
     s
 }
 
-/// d/ds ln det Q = tr(Q^-1 Q'); `None` where Q is singular to the last digit.
+/// d/ds ln det Q = tr(Q^-1 Q'); `None` if Q is singular to the last digit.
 fn log_derivative(second: &Linearised, s: Complex) -> Option<Complex> {
     let n = second.m.rows;
     let at = |matrix: &Matrix, i: usize, j: usize| Complex { re: matrix.at(i, j), im: Dd::ZERO };
