@@ -45,7 +45,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What names stand for: the `let`s, and the names that were made up here.
+    /// The meaning of names: the `let`s, and the names that are introduced here.
     fn names(&self) -> Vec<Item> {
         let used = self.used();
         let mut items = Vec::new();
@@ -84,7 +84,7 @@ impl Writer<'_> {
         symbol.place() == Symbol::new(0, usize::MAX).place()
     }
 
-    /// Names that occur in the energies or equations, those of definitions included.
+    /// Names that occur in the energies or equations, including those in definitions.
     fn used(&self) -> std::collections::BTreeSet<Symbol> {
         let energies = &self.equations.energies;
         let mut used = std::collections::BTreeSet::new();
@@ -106,7 +106,7 @@ impl Writer<'_> {
             look(alpha);
             look(beta);
         }
-        // A `let` may stand on others.
+        // A `let` may refer to other ones.
         for named in self.equations.names.given.iter().rev() {
             if let Some(definition) = named.definition.as_ref().filter(|_| used.contains(&named.symbol)) {
                 definition.names(&mut |symbol| {

@@ -46,7 +46,7 @@ impl Writer<'_> {
             .collect()
     }
 
-    /// `1/2 k (x_2 - x_1)^2`, and the tension that it has besides.
+    /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.
     fn spring_energy(&self, spring: &Element) -> Vec<(bool, Formula)> {
         let build = self.build.in_front();
         let stretched = &spring.stretch.sum() - &spring.free;
@@ -76,7 +76,7 @@ impl Writer<'_> {
         }
     }
 
-    /// c x^2/2: a sum is squared in brackets.
+    /// c x^2/2; a sum is squared in brackets.
     fn half_square(&self, coefficient: &Sum, of: &Sum) -> Option<(bool, Formula)> {
         let build = self.build.in_front();
         if of.is_zero() || coefficient.is_zero() {
@@ -115,7 +115,8 @@ impl Writer<'_> {
         Section { heading: "3 Equations of motion", items }
     }
 
-    /// Accelerations first, then what squares of rates, rates and positions do; what is prescribed stands on the right.
+    /// Accelerations first, then terms with squares of rates, rates and positions; prescribed terms go to the
+    /// right-hand side.
     fn equation(&self, equation: &Equation) -> Formula {
         let plain = self.without_balance(equation);
         let (mut left, mut right) = (Vec::new(), Vec::new());
@@ -124,7 +125,7 @@ impl Writer<'_> {
                 [] => left.push(part),
                 _ => {
                     let whole = &Sum::term(moving, crate::base::Rational::ONE) * &part;
-                    // A prescribed motion that nothing else multiplies.
+                    // A prescribed motion without a free factor goes to the right.
                     if part.mentions(&is_free_motion) { left.push(whole) } else { right.push(-&whole) }
                 }
             }
@@ -142,7 +143,7 @@ impl Writer<'_> {
         Formula::sum(terms).equal(Formula::sum(self.ordered(&right)))
     }
 
-    /// The equation less the forces that balance each other at rest, where these are all that is constant.
+    /// The equation without the forces that balance each other at rest, if these are its only constant terms.
     fn without_balance(&self, equation: &Equation) -> Sum {
         let constant: Vec<_> =
             equation.plain.terms().iter().filter(|(product, _)| !product.mentions(&is_dynamic)).cloned().collect();
@@ -236,7 +237,7 @@ impl Writer<'_> {
     }
 }
 
-/// Accelerations, rates and forces: what coefficients stand before.
+/// Whether a factor is an acceleration, a rate or a force, which coefficients precede.
 fn is_quick(factor: &Factor) -> bool {
     let forces = [class::ACCELERATION, class::PRESCRIBED_ACCELERATION, class::FORCE];
     is_rate(factor) || matches!(factor, Factor::Name(symbol) if forces.contains(&symbol.class()))

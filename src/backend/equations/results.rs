@@ -8,7 +8,7 @@ use crate::equations::Entry;
 use crate::equations::names::class;
 use crate::symbols::Factor;
 
-/// Matrices of more coordinates are not shown as matrices.
+/// For more coordinates, matrices are not shown.
 const MOST_MATRIX: usize = 8;
 
 impl Writer<'_> {
@@ -155,7 +155,7 @@ impl Writer<'_> {
         Section { heading: "6 Values", items }
     }
 
-    /// `11`, or `1,12` where a coordinate has two digits.
+    /// `11`, or `1,12` if a coordinate has two digits.
     fn place(&self, i: usize, j: usize) -> Formula {
         let comma = if self.equations.linear.coordinates.len() > 9 { "," } else { "" };
         Formula::Decimal(format!("{}{comma}{}", i + 1, j + 1))
