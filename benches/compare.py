@@ -220,7 +220,7 @@ def by_expm(case):
     return [(scipy.linalg.expm(a * t) @ z)[: len(case.m)] for t in times]
 
 
-# Longer motions take an integrator hours; vibc answers them too.
+# Longer motions take an integrator hours; vibc computes them too.
 LONGEST = 1000.0
 
 

@@ -284,15 +284,15 @@ fn steps_are_exact_however_long() {
         ("144", "0"),      // 1.2 rad
         ("400", "0"),      // 2 rad: past a quarter turn
         ("841", "1"),      // 2.9 rad
-        ("400", "16"),     // past a quarter turn, with a fifth left
-        ("100", "15"),     // a fifth left, before a quarter turn
+        ("400", "16"),     // past a quarter turn, decayed to a fifth
+        ("100", "15"),     // decayed to a fifth, before a quarter turn
         ("2025", "0.5"),   // 4.5 rad: past half a turn
         ("3600", "0"),     // 6 rad
         ("100", "101"),    // rates 1 / s and 100 / s
-        ("0", "5"),        // free, held back
+        ("0", "5"),        // free, damped
         ("0", "0"),        // free
         ("100", "20"),     // critical
-        ("100000", "400"), // nothing left after a step
+        ("100000", "400"), // decayed after a step
     ];
     let mut b = Builder::numbered(cases.len());
     for (i, (k, c)) in cases.into_iter().enumerate() {

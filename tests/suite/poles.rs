@@ -205,7 +205,7 @@ fn damping_that_is_not_proportional_can_be_critical_too() {
 
 #[test]
 fn dampers_in_series_without_a_mass_between_them() {
-    // 2 and 3 N*s/m in series are 1.2 N*s/m; the point between them may rest anywhere once the mass is still.
+    // 2 and 3 N*s/m in series are 1.2 N*s/m; once the mass is at rest, the point between them may be anywhere.
     let mut chain = Builder::numbered(2);
     chain.mass(0, &number("1"));
     chain.spring(None, 0, &number("4"));
@@ -227,7 +227,8 @@ fn the_report_tells_a_critical_damping() {
     assert!(report.contains("poles 1, 2: one pole with a single shape, exactly: critical damping"), "{report}");
 }
 
-/// A rest that is not isolated leaves stiffnesses which cannot be distinguished from zero, and no elastic motion to start from.
+/// A rest that is not isolated leaves stiffnesses that cannot be distinguished from zero, and no elastic motion to
+/// start from.
 #[test]
 fn poles_that_cannot_be_found_are_refused_not_left_out() {
     let text = "
@@ -245,7 +246,7 @@ spring s4: b0@(3 m, 3 m) -- b1@(0, 0) { k = 40 N/m }
     assert!(complete || outcome.diagnostics.iter().any(|found| found.is_error()));
 }
 
-/// Poles that are within the range of binary64 though their squares are not.
+/// Poles within the range of binary64 whose squares are outside of it.
 #[test]
 fn poles_whose_squares_are_out_of_range_are_certified() {
     let one = |m: &str, c: &str, k: &str| {
@@ -272,7 +273,8 @@ fn poles_whose_squares_are_out_of_range_are_certified() {
     }
 }
 
-/// Masses of 1 kg in a row on springs of 100 N/m, each also dragged on the ground by `dragged` N*s/m, damped by modes.
+/// Masses of 1 kg in a row on springs of 100 N/m, each with an additional damper of `dragged` N*s/m to the ground, and
+/// modal damping.
 fn row_damped_by_modes(count: usize, ratio: &str, dragged: &str) -> vibc::answers::ModalAnswer {
     let text = format!(
         "damping modal {ratio}\nparam c = {dragged} N*s/m\n\
@@ -286,8 +288,8 @@ fn row_damped_by_modes(count: usize, ratio: &str, dragged: &str) -> vibc::answer
     vibc::analyze(&sources, model, &Overrides::default()).answer.expect("an answer")
 }
 
-/// omega_i = 20 sin((2i - 1) pi / 402), and the poles of a mode are omega (-zeta +- sqrt(zeta^2 - 1)): here they span eighteen
-/// decades, which took 17 s where the ratio was first spread over all coordinates.
+/// omega_i = 20 sin((2i - 1) pi / 402), and the poles of a mode are omega (-zeta +- sqrt(zeta^2 - 1)): here they span
+/// eighteen decades, which took 17 s when the ratio was first spread over all coordinates.
 #[test]
 fn ratios_far_beyond_one_have_their_poles_in_closed_form() {
     let answer = row_damped_by_modes(100, "1e9", "0");
@@ -305,8 +307,8 @@ fn ratios_far_beyond_one_have_their_poles_in_closed_form() {
     }
 }
 
-/// The slow modes decay by 0.5 1/s from the ground, less 0.1 omega: those above 5 rad/s grow. Of 500 masses only the
-/// slowest modes are computed, and what is not computed is not called stable.
+/// The ground damps each mode by 0.5 1/s minus 0.1 omega: those above 5 rad/s grow. Only the slowest modes of the 500
+/// masses are computed, and the others are not called stable.
 #[test]
 fn a_negative_ratio_of_modes_that_are_not_computed_is_not_called_stable() {
     assert_eq!(row_damped_by_modes(30, "-10 %", "1").stability, Stability::Unstable);

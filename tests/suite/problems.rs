@@ -1,4 +1,4 @@
-//! The six problems of MIT 2.003's problem set 10: each answer of the sheet, from the example's own text.
+//! The six problems of MIT 2.003's problem set 10: each answer of the sheet, computed from the example's own text.
 
 use std::fs;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn report(name: &str) -> ModalAnswer {
     outcome.answer.expect("a report")
 }
 
-/// A parameter that was solved for, in its own unit: within its bound of the closed form, and the bound is small.
+/// A solved parameter, in its own unit: its value is within its bound of the closed form, and the bound is small.
 fn solved(report: &ModalAnswer, parameter: &str, unit: &str, truth: f64) {
     let found = report.solved.iter().find(|solved| solved.parameter == parameter).expect("solved for");
     let shown = found.shown();
@@ -33,7 +33,7 @@ fn solved(report: &ModalAnswer, parameter: &str, unit: &str, truth: f64) {
     assert!(found.shown_bound().expect("proven") < 1e-20 * truth.abs(), "{parameter}: {found:?}");
 }
 
-/// What a requirement of the example measured.
+/// The measured value of a requirement of the example.
 fn measured(report: &ModalAnswer, measure: &str) -> f64 {
     let found = report.requirements.iter().find(|requirement| requirement.text.starts_with(measure));
     let found = found.expect("a requirement");
@@ -95,7 +95,7 @@ fn stacked_blocks() {
     solved(&report, "F0", "N", 0.35 * 9.81 * 2.0 * 0.05 * 11.0);
 }
 
-/// The motion after firing against its closed form, and the ratio of displacements five damped periods apart.
+/// The motion after firing compared with its closed form, and the ratio of displacements five damped periods apart.
 #[test]
 fn mortar() {
     let report = report("mortar");

@@ -1,7 +1,7 @@
-//! What must not matter: names, order, units, where the drawing lies and how it is turned, how a spring is cut in two.
+//! Invariances: names, order, units, the position and orientation of the drawing, a spring divided in two.
 //!
-//! One scene is written in many ways that mean the same; its frequencies and poles must agree within the error bounds that
-//! are reported with them, since both bounds claim to hold the one true value.
+//! One scene is written in many equivalent ways; its frequencies and poles must agree within their reported error
+//! bounds, because both bounds claim to contain the true value.
 
 use crate::ask::{Answer, ask};
 use vibc::base::Ball;
@@ -74,12 +74,12 @@ fn scene(style: &Style) -> String {
     declarations(style).join("\n")
 }
 
-/// Whether two enclosures of one number can both be right.
+/// Whether two enclosures may contain the same number.
 fn overlap(a: &Ball, b: &Ball) -> bool {
     (a.mid - b.mid).abs().to_f64() <= (a.rad + b.rad) * (1.0 + 1e-15)
 }
 
-/// A bound that holds everything would pass every comparison.
+/// An infinitely wide bound would pass every comparison.
 fn assert_sharp(answer: &Answer) {
     for mode in &answer.modes.list {
         assert!(mode.omega.relative_error() < 1e-12, "{:?}", mode.omega);
@@ -243,7 +243,7 @@ fn two_springs_in_parallel_are_one() {
     assert_same_as_plain(&split.join("\n"), "springs split");
 }
 
-/// The element with a share of its stiffness (or damping) and preload, under a name of its own.
+/// The element with a share of its stiffness (or damping) and preload, under a different name.
 fn share_of(text: &str, share: &str) -> String {
     let named = text.replacen(':', &format!("_{}:", share.replace('.', "_")), 1);
     named
@@ -271,7 +271,7 @@ fn parameters_and_lets_are_their_values() {
     assert_same_as_plain(&text, "with parameters");
 }
 
-/// The same chain written with `repeat` and by hand.
+/// A chain written with `repeat` and by hand.
 #[test]
 fn repeat_is_the_same_as_writing_it_out() {
     let repeated = ask("param n = 6\nbody m[1] { mass = 1 kg, moves x }
@@ -286,7 +286,7 @@ spring wall: ground -- m[1] { k = 70 N/m }\ndamper d: m[3] -- m[n] { c = 2 N*s/m
     assert_same(&repeated, &ask(&written), "written out");
 }
 
-/// The same text gives the same bits, twice.
+/// The same text gives the same bits twice.
 #[test]
 fn the_same_text_gives_the_same_bits() {
     let text = scene(&plain());

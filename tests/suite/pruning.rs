@@ -1,12 +1,12 @@
-//! Only what the scene needs: what is left out is reported and changes no result, to the last bit; parts that do not act on each
-//! other are solved apart, with the same results as together.
+//! Only what the scene needs is computed: anything left out is reported and changes no result, to the last bit;
+//! uncoupled parts are solved separately, with the same results as together.
 
 use super::ask::{Answer, ask};
 use vibc::analysis::{self, Mode, NetForm, Request, nets};
 use vibc::base::{Number, SourceFile, Sources};
 use vibc::model::Overrides;
 
-/// A scene with everything that a scene can do without.
+/// A scene with everything that can be left out.
 const CLUTTERED: &str = "gravity 9.81 m/s^2
     body block { mass = 1 kg, moves x }
     spring s: ground -- block { k = 10 N/m }
@@ -27,7 +27,7 @@ const CLUTTERED: &str = "gravity 9.81 m/s^2
     spring twist: block -- ground { k = 0 N/m }
     force F: block along x";
 
-/// The same without what is left out.
+/// `CLUTTERED` without the parts that are left out.
 const NEEDED: &str = "gravity 9.81 m/s^2
     body block { mass = 1 kg, moves x }
     spring s: ground -- block { k = 10 N/m }
@@ -83,7 +83,8 @@ fn gravity_that_does_no_work_is_told() {
     assert_eq!(explained.account.left_out[0].what, "gravity");
 }
 
-/// Frequencies and shapes of the parts, against those of the scene solved as one: the numbers that are shown are the same.
+/// Frequencies and shapes of the parts, compared with those of the scene solved as one: the displayed numbers are the
+/// same.
 #[test]
 fn parts_solved_apart_are_the_parts_solved_together() {
     let system = &ask(CLUTTERED).lowered.system;
@@ -93,7 +94,8 @@ fn parts_solved_apart_are_the_parts_solved_together() {
     for (a, b) in apart.list.iter().zip(&together.list) {
         assert_eq!(a.omega.to_f64().to_bits(), b.omega.to_f64().to_bits(), "{:?} {:?}", a.omega, b.omega);
         for (x, y) in a.shape.iter().zip(&b.shape) {
-            // A coordinate of another part is exactly still; together it is zero to the rounding of a double-double.
+            // A coordinate of another part is exactly at rest; solved together, it is zero to the rounding of a
+            // double-double.
             assert!((x - y).abs() <= 1e-15 * x.abs().max(1e-13), "{x:e} {y:e}");
         }
     }
@@ -112,8 +114,8 @@ fn parts_are_told_by_their_form() {
     assert_eq!(forms("body puck { mass = 1 kg, moves x }"), [NetForm::Free]);
 }
 
-/// A constraint-free pendulum beside a loaded spring: only what is loaded is searched for, and the rest of the scene rests
-/// exactly as drawn.
+/// A pendulum without constraints beside a loaded spring: only the rest of the loaded part is searched, and the others
+/// rest exactly as drawn.
 #[test]
 fn what_no_load_acts_on_rests_exactly_as_drawn() {
     let answer = ask("body a { mass = 1 kg, moves x }
@@ -126,7 +128,8 @@ fn what_no_load_acts_on_rests_exactly_as_drawn() {
     assert_eq!(rest[0], &Number::ONE / &Number::from(3));
 }
 
-/// Where terms come from is known by what made them: a name says nothing, and keywords are not reserved.
+/// The source of a term is identified by the element that made it: names have no meaning, and keywords are not
+/// reserved.
 #[test]
 fn a_spring_called_gravity_is_not_gravity() {
     let explained = |text: &str| {
@@ -139,7 +142,7 @@ fn a_spring_called_gravity_is_not_gravity() {
     let account = explained(falling);
     let gravity = account.kept.iter().find(|remark| remark.what == "gravity").expect("its weight loads the rest");
     assert!(gravity.why.contains("they add no stiffness"), "nothing turns: {}", gravity.why);
-    // The other way round: gravity's own terms are not those of an idle spring.
+    // Conversely, gravity's own terms are not those of an idle spring.
     let hanging = "gravity 9.81 m/s^2\nbody rod { mass = 1 kg, inertia = 0.1 kg*m^2, at = (0 m, -0.5 m) }\n\
                    pivot hinge: ground@(0 m, 0 m) -- rod\nbody a { mass = 1 kg, moves x }\nspring gravity: ground -- a { k = 100 N/m, along = y }\n\
                    spring s: ground -- a { k = 100 N/m }";

@@ -9,13 +9,13 @@
 
 use crate::ask::{Answer, ask};
 
-/// Within 1e-12 or half a unit of the last digit.
+/// Asserts a relative difference of at most 1e-12, or half a unit of the last digit.
 fn assert_digits(found: f64, digits: &str, what: &str) {
     let truth: f64 = digits.parse().expect("a number");
     let decimals = digits.split(['e', 'E']).next().and_then(|m| m.split('.').nth(1)).map_or(0, str::len);
     let exponent: i32 = digits.split(['e', 'E']).nth(1).map_or(0, |e| e.parse().expect("an exponent"));
     let last_digit = if digits.contains('.') { 0.5 * 10f64.powi(exponent - decimals as i32) } else { 0.0 };
-    // A quotient of two binary64 numbers and a conversion stand between the program's number and this one: 4e-16.
+    // The program's number and this one differ by a quotient of two binary64 numbers and a conversion: 4e-16.
     let allowed = (1e-12 * truth.abs()).max(last_digit) + 4e-16 * truth.abs();
     assert!((found - truth).abs() <= allowed, "{what}: {found:e}, published {digits}");
 }
@@ -53,13 +53,13 @@ fn assert_poles(model: &str, digits: &[(&str, &str)]) {
     }
 }
 
-/// Damping ratios, one a pair, ascending in |s|.
+/// Damping ratios, one for each pair, ascending in |s|.
 fn zetas(answer: &Answer) -> Vec<f64> {
     let pairs = answer.poles.list.iter().filter(|pole| pole.im.to_f64() > 0.0);
     pairs.map(|pole| pole.damping_ratio.expect("not at zero").to_f64()).collect()
 }
 
-/// `count` equal masses in a row on equal springs, held at the first end and, `both`, at the last.
+/// `count` equal masses in a row on equal springs, held at the first end and, if `both`, at the last.
 fn chain(count: usize, mass: &str, k: &str, c: Option<&str>, both: bool) -> String {
     let damper = |name: &str, ends: &str| c.map_or(String::new(), |c| format!("damper {name}: {ends} {{ c = {c} }}\n"));
     let mut text = format!(
@@ -154,7 +154,7 @@ body b { mass = 3 kg, moves x }\nspring kb: ground -- b { k = 1000 N/m }\ndamper
     );
 }
 
-/// V2.01.400: six motions of a bushing, two pairs of them alike.
+/// V2.01.400: six motions of a bushing, with two equal pairs.
 #[test]
 fn bushing_with_repeated_frequencies() {
     let stiffness = [16, 18, 18, 128, 128, 196];
@@ -215,7 +215,7 @@ fn sdld02_eight_masses_between_walls() {
             "31.3474043774231",
         ],
     );
-    // SDLD25: the damping ratios of the same chain. The guide's .04331841 for the sixth is a misprint.
+    // SDLD25: the damping ratios of that chain. The guide's .04331841 for the sixth is a misprint.
     assert_all(
         &zetas(&answer),
         &[
@@ -518,7 +518,7 @@ spring tyre: ground -- wheel { k = 180000 N/m }\nspring ks: wheel -- car { k = 1
 
 // Pivots, gravity, preload.
 
-/// The cart of MIT 2.003 with other numbers; what a formulation without the rod's weight gets wrong.
+/// The cart of MIT 2.003 with other numbers, which a formulation without the rod's weight gets wrong.
 #[test]
 fn cart_with_a_rod() {
     let answer = assert_rad(
@@ -537,7 +537,7 @@ spring k: ground -- cart { k = 40 N/m, along = x }",
     assert_eq!(entries(&system.k), [40.0, 0.0, 0.0, 4.905]);
 }
 
-/// MIT 2.003, problem set 10, problem 1: to the last digit that binary64 shows.
+/// MIT 2.003, problem set 10, problem 1: to the last digit of binary64.
 #[test]
 fn cart_of_the_problem_set() {
     let answer = ask(CART);
@@ -644,7 +644,7 @@ fn hanging_chains() {
     );
 }
 
-/// A demonstration of Project Chrono: a point of 15 kg drawn at 30 degrees; its rest must be found.
+/// A demonstration of Project Chrono: a point of 15 kg drawn at 30 degrees, whose rest must be found.
 #[test]
 fn pendulum_drawn_away_from_its_rest() {
     let answer = assert_rad(
@@ -657,7 +657,7 @@ pivot hinge: ground@(0, 0) -- bob",
     assert!((turned + std::f64::consts::FRAC_PI_6).abs() < 1e-15, "{turned}");
 }
 
-/// VM9: a point between two springs of 1 and 8 lbf/inch, pulled aside by (5, 5) lbf: a rest far from the drawing.
+/// VM9: a point between two springs of 1 and 8 lbf/inch, pulled by (5, 5) lbf: a rest far from the drawing.
 #[test]
 fn vm9_rest_under_a_large_load() {
     let answer = ask("body p { mass = 1 lbf*s^2/inch, at = (0, 0), moves x y }

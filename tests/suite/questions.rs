@@ -1,6 +1,6 @@
-//! What `solve`, `require` and `--sensitivity` claim, against closed forms: every root in a range, touching ones, critical damping,
-//! zero frequencies, several unknowns within their bounds; derivatives beside veering and at repeated frequencies; what is said
-//! of measures of a motion that nothing moves, and that advice is advice that works.
+//! Claims of `solve`, `require` and `--sensitivity`, compared with closed forms: every root in a range, double roots,
+//! critical damping, zero frequencies, several unknowns within their bounds; derivatives near veering and at repeated
+//! frequencies; measures of a motion that nothing moves; and advice that works.
 
 use crate::measures::sources;
 use vibc::answers::ModalAnswer;
@@ -26,7 +26,7 @@ fn finding(text: &str) -> Diagnostic {
     finding.clone()
 }
 
-/// All numbers that stand in a text.
+/// All numbers in a text.
 fn numbers(text: &str) -> Vec<f64> {
     text.split(|c: char| !(c.is_ascii_digit() || ".-e".contains(c))).filter_map(|word| word.parse().ok()).collect()
 }
@@ -54,7 +54,7 @@ fn roots_between_looks_are_found() {
 
 const ROOTS_OF_THE_ABSORBER: [f64; 3] = [8.999811380441198, 8.99999995497475, 51.94358470272428];
 
-/// 10 / (10 + (a - 0.3)^2) is 1 at a = 0.3 and nowhere else: the measure touches what is asked.
+/// 10 / (10 + (a - 0.3)^2) is 1 only at a = 0.3: the measure touches the wanted value.
 #[test]
 fn a_double_root_is_found() {
     let touching = "param a = 0.5\nparam F0 = 10 N\nbody b { mass = 1 kg, moves x }\n\
@@ -62,7 +62,7 @@ fn a_double_root_is_found() {
     let answer = answer(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1 m\n"));
     assert_eq!(answer.solved[0].value, Number::from("0.3"));
     assert!(matches!(answer.solved[0].others, Others::None(_)), "{:?}", answer.solved[0].others);
-    // A little more is never reached, a little less twice.
+    // A slightly larger value is never reached, a slightly smaller one twice.
     let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1.0001 m\n"));
     assert_eq!(said.code.0, "vib::solve::no_root");
     assert!(said.message.starts_with("no `a`"), "{}", said.message);
@@ -70,7 +70,7 @@ fn a_double_root_is_found() {
     assert!(said.message.starts_with("2 values"), "{}", said.message);
 }
 
-/// A double root at a place without a short decimal cannot be distinguished from none.
+/// A double root at a number without a short decimal cannot be distinguished from no root.
 #[test]
 fn what_is_not_settled_is_told_with_a_status_of_its_own() {
     let outcome = run(
@@ -81,7 +81,7 @@ fn what_is_not_settled_is_told_with_a_status_of_its_own() {
     assert_eq!(outcome.failure(), Some(Failure::Limit));
 }
 
-/// c = 2 sqrt(k m), exactly where that is rational; from there on the ratio is one.
+/// c = 2 sqrt(k m), exactly if that is rational; from there on the ratio is one.
 #[test]
 fn critical_damping_is_solved_for() {
     let found = answer(&format!("{BLOCK}solve c in 0.1 N*s/m .. 50 N*s/m: damping(1) = 1\n"));
@@ -103,7 +103,8 @@ fn a_zero_frequency_is_solved_for() {
     assert_eq!(answer(text).solved[0].value, Number::from("39.24"));
 }
 
-/// Each value tried alone says 3 = 3; together they have two solutions, and one where the ranges leave one.
+/// Tried one at a time, each parameter gives 3 = 3; together they have two solutions, and only one if the ranges are
+/// narrower.
 #[test]
 fn several_sets_of_values_are_told() {
     let text = |low: &str| {
@@ -126,12 +127,13 @@ fn several_sets_of_values_are_told() {
         let bound = solved.bound.expect("proven");
         let off = (solved.value.to_ball() - Ball::from(f64::from(truth))).magnitude();
         assert!(off <= bound && bound < 1e-24, "{off:e} {bound:e}");
-        // Nothing proves that these ranges hold no other set.
+        // It is not proved that these ranges contain no other set.
         assert!(matches!(solved.others, Others::Unknown));
     }
 }
 
-/// Bounds of several unknowns against roots of the equations in closed form: w1^2 + w2^2 and w1^2 w2^2 of two masses on three springs.
+/// Bounds of several unknowns, compared with roots of the equations in closed form: w1^2 + w2^2 and w1^2 w2^2 of two
+/// masses on three springs.
 #[test]
 fn bounds_of_several_unknowns_hold() {
     // K = [[k + q, -q], [-q, k + q]], m = 1: w1^2 = k, w2^2 = k + 2 q.
@@ -141,7 +143,7 @@ fn bounds_of_several_unknowns_hold() {
          solve k in 1 N/m .. 30 N/m: frequency(1) = 2 rad/s\nsolve q in 1 N/m .. 30 N/m: frequency(2) = 4 rad/s\n",
     );
     let [k, q] = &found.solved[..] else { panic!("two") };
-    // Trace and determinant of K at the values told: 20 and 64 within what the bounds allow.
+    // Trace and determinant of K at the reported values: 20 and 64 within the bounds.
     let at = |solved: &vibc::questions::Solved| solved.value.to_ball();
     let (k_value, q_value) = (at(k), at(q));
     let tenth = Number::from("0.1").to_ball();
@@ -154,7 +156,8 @@ fn bounds_of_several_unknowns_hold() {
     assert!((determinant - Ball::from(64.0)).magnitude() <= width, "{:?}", determinant);
 }
 
-/// df1/dp of two oscillators with a weak coupling q, beside veering: lambda = (a + b)/2 - sqrt((a - b)^2/4 + q^2), a = p + q, b = 1 + q.
+/// df1/dp of two oscillators with a weak coupling q, near veering: lambda = (a + b)/2 - sqrt((a - b)^2/4 + q^2), a = p
+/// + q, b = 1 + q.
 #[test]
 fn slopes_beside_veering_are_enclosed() {
     for coupling in ["1e-3", "1e-6", "1e-9", "3e-10", "1e-12"] {
@@ -176,7 +179,7 @@ fn slopes_beside_veering_are_enclosed() {
     }
 }
 
-/// The slope of a frequency by the first parameter is enclosed, to so many digits, and holds the truth.
+/// Asserts that the slope of a frequency by the first parameter is enclosed to a relative width and contains the truth.
 fn holds(text: &str, mode: usize, truth: &Number, width: f64) {
     let study = Study { sensitivity: true, ..Study::default() };
     let (sources, file) = sources(text);
@@ -200,7 +203,8 @@ fn sensitivities(text: &str) -> Vec<vibc::questions::Sensitivity> {
     vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study).answer.expect("a report").sensitivities
 }
 
-/// Two alike: a stiffness of both moves both alike; one of them alone parts them, with the slopes of the parts.
+/// Two equal oscillators: a stiffness of both moves both equally; that of one alone splits them, with the slopes of the
+/// branches.
 #[test]
 fn slopes_of_repeated_frequencies() {
     let text = |second: &str| {
@@ -237,7 +241,7 @@ fn slopes_of_damping_ratios_are_enclosed() {
     }
 }
 
-/// What makes an unstable rest stable is found, and works; what `solve` settles is not advised.
+/// The advice that makes an unstable rest stable works; a parameter that `solve` determines is not part of it.
 #[test]
 fn advice_works() {
     let pendulum = |k: &str| {
@@ -259,7 +263,7 @@ fn advice_works() {
     assert!(said.help.as_ref().is_some_and(|help| !help.contains("`k`") && !help.contains("k =")), "{:?}", said.help);
 }
 
-/// Of a motion that nothing moves there is nothing to require.
+/// A requirement for a motion that nothing moves has no value.
 #[test]
 fn a_motion_that_nothing_moves_has_no_measure() {
     let still =
@@ -270,7 +274,7 @@ fn a_motion_that_nothing_moves_has_no_measure() {
     }
 }
 
-/// Undamped at its own frequency, in rad/s: infinite, and told so.
+/// Undamped at its own frequency, in rad/s: infinite, and reported as such.
 #[test]
 fn an_undamped_resonance_is_infinite() {
     let said = finding(
@@ -295,8 +299,8 @@ fn forms_that_are_not_there_are_named() {
     assert_eq!(said.help.as_deref(), Some("did you mean `stable`?"));
 }
 
-/// Models with a parameter `p`, its range, and a measure of it with the unit that it is compared in. Geometry, a rest that moves,
-/// resonances in the range, several coordinates.
+/// Models with a parameter `p`, its range, and a measure with the unit in which it is compared: geometry, a rest that
+/// moves, resonances in the range, several coordinates.
 const FAMILIES: [(&str, f64, f64, &str, &str); 7] = [
     (
         "param p = 6 N*m\ngravity 10 m/s^2\nbody rod { mass = 2 kg, shape = rod((0, 0), (0, -1.5 m)) }\npivot o: ground@(0, 0) -- rod\n\
@@ -332,8 +336,8 @@ const CHAIN: &str = "param p = 100 N/m\nbody a { mass = 1 kg, moves x }\nbody b 
                      spring s: ground -- a { k = 200 N/m }\nspring t: a -- b { k = p }\nspring u: b -- c { k = 150 N/m }\n\
                      damper d: a -- b { c = 1 N*s/m }\ndamper e: b -- c { c = 0.01 * p * 1 s }\nforce F: c = step(3 N, 0 s)\noutput y = c.x\n";
 
-/// What a measure is at a value of the parameter is taken for what it should be: the value is found, or one of several, and never
-/// is it proven that there is none or another one alone.
+/// The value of a measure at some parameter value is taken as the wanted one: then that parameter value is found, or is
+/// one of several; it is never proved that there is no solution or only a different one.
 #[test]
 fn no_root_is_excluded() {
     let mut state = 20261122u64;
@@ -370,7 +374,7 @@ fn no_root_is_excluded() {
     }
 }
 
-/// A resonance without damping in the middle of the range: both values are found and proven to be all.
+/// An undamped resonance in the middle of the range: both values are found and proved to be all.
 #[test]
 fn roots_on_both_sides_of_a_resonance_are_all() {
     let undamped = "param k = 10 N/m\nparam m = 1 kg\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\nforce F: block along x\n";

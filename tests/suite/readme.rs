@@ -1,15 +1,16 @@
-//! What the README and the tutorial print is what the program prints. `UPDATE_DOCS=1 cargo test readme` writes it anew.
+//! The output shown in the README and the tutorial is that of the program. `UPDATE_DOCS=1 cargo test readme` rewrites
+//! it.
 
 use super::documents::{blocks, page, root};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// A piece of a document that its readers follow, in order.
+/// A step of a document that its readers follow, in order.
 enum Step<'a> {
-    /// Text to be saved under a name: a `vib` block behind a comment `file: NAME`.
+    /// Text to be saved under a name: a `vib` block after a comment `file: NAME`.
     Save(&'a str, &'a str),
-    /// A `console` block: commands, each with what it prints.
+    /// A `console` block: commands, each with its output.
     Console(&'a str),
 }
 
@@ -18,7 +19,7 @@ const MODEL: &str = "```vib\n";
 const CONSOLE: &str = "```console\n";
 const FENCE: &str = "```";
 
-/// The steps of a document, each with where its block begins.
+/// The steps of a document, each with the start of its block.
 fn steps(document: &str) -> Vec<(usize, Step<'_>)> {
     let mut steps = Vec::new();
     let mut name = None;
@@ -40,7 +41,7 @@ fn steps(document: &str) -> Vec<(usize, Step<'_>)> {
     steps
 }
 
-/// A console block as the program fills it now.
+/// A console block with the program's current output.
 fn filled(block: &str, folder: &Path) -> String {
     let mut text = String::new();
     for command in block.lines().filter_map(|line| line.strip_prefix("$ ")) {
@@ -58,7 +59,7 @@ fn filled(block: &str, folder: &Path) -> String {
     text
 }
 
-/// Follows a document in a folder, and compares each console block, or writes it anew.
+/// Follows a document in a folder, and compares or rewrites each console block.
 fn follow(path: &str, folder: &Path) {
     let document = page(path);
     let mut written = String::new();
@@ -101,7 +102,7 @@ fn the_model_that_is_shown_is_the_example() {
     assert!(blocks(&page("README.md"), "vib").contains(&cart), "README.md shows examples/cart.vib as it is");
 }
 
-/// Two commands are the whole set-up, and the gate runs the second.
+/// The set-up consists of two commands, and the gate runs the second.
 #[test]
 fn the_gate_runs_the_test_command_of_the_readme() {
     let set_up = blocks(&page("README.md"), "sh");

@@ -1,4 +1,4 @@
-//! What a report says in the cases that matter most: each kind of motion, and each verdict on the rest.
+//! Reports of the most important cases: each kind of motion, and each verdict on the rest.
 
 use vibc::backend::{ReportOptions, report};
 use vibc::base::{SourceFile, Sources};
@@ -26,10 +26,10 @@ macro_rules! shows {
 shows! {
     overdamped: "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ndamper d: ground -- a { c = 10 N*s/m }\n"
 
-    /// A double pole, told as one.
+    /// A double pole, reported as one.
     critically_damped: "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ndamper d: ground -- a { c = 2 N*s/m }\n"
 
-    /// A negative damper feeds the oscillation.
+    /// A negative damper feeds energy into the oscillation.
     flutter: "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ndamper d: ground -- a { c = -0.1 N*s/m }\n"
 
     /// The damping slows the fall: the growth is that of the pole.
@@ -38,7 +38,7 @@ shows! {
     /// One motion diverges, another oscillates.
     half_unstable: "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: a -- b { k = 1 N/m }\nspring t: ground -- a { k = -1e-3 N/m }\n"
 
-    /// Friction, and nothing that brings it back.
+    /// Friction without a restoring force.
     coasting: "body sledge { mass = 1 kg, moves x }\ndamper snow: ground -- sledge { c = 1 N*s/m }\n"
 
     /// The same frequency in both directions.

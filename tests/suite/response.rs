@@ -12,7 +12,7 @@ fn n(text: &str) -> Number {
     number(text)
 }
 
-/// Displacement and velocity of each coordinate as outputs, a force on each as input.
+/// Displacement and velocity of each coordinate as outputs, and a force on each as input.
 fn observed(system: LinearSystem) -> LinearSystem {
     let mut system = with_every_pair(system);
     for i in 0..system.n() {
@@ -23,7 +23,8 @@ fn observed(system: LinearSystem) -> LinearSystem {
     system
 }
 
-/// Checks the references `x[..]@t=` and `v[..]@t=` of a case, with a prefix: digits of the largest at each time.
+/// Checks the references `x[..]@t=` and `v[..]@t=` of a case with a prefix, to `digits` digits of the largest at each
+/// time.
 fn check_case(name: &str, prefix: &str, initial: &[&str], drive: Option<Signal>, digits: f64) {
     let case = HardCase::load(name);
     let mut system = observed(case.system.clone());
@@ -129,7 +130,7 @@ fn a_cart_with_a_pendulum_under_a_harmonic_force() {
     check_case("o29_seed_cart", "", &["0", "0.125"], Some(cosine("3", "6")), 15.0);
 }
 
-/// m x'' + c x' + k x = f, displacement and velocity observed; released from x0 with v0.
+/// m x'' + c x' + k x = f, with displacement and velocity as outputs; released from x0 with v0.
 fn oscillator(m: &str, c: &str, k: &str, x0: &str, v0: &str) -> LinearSystem {
     let mut b = Builder::numbered(1);
     b.mass(0, &n(m));
@@ -178,7 +179,7 @@ fn a_blow() {
     near(motion(&oscillator("0.5", "14", "200", "0", "0"), blow(), &["0.1"])[0][0], 0.341804301226, 1e-11);
 }
 
-/// S09 (VM75): a force that comes on, and then a pulse as the difference of two of them.
+/// S09 (VM75): a ramp force, and then a pulse as the difference of two ramps.
 #[test]
 fn a_force_that_comes_on() {
     let step = |at: &str| Signal::Step { value: n("200"), at: n(at) };
@@ -212,7 +213,7 @@ fn a_pulse_on_two_masses() {
     }
 }
 
-/// C11 (SDLD22): a unit force during a second on the fourth of eight masses, recomputed to 12 digits.
+/// C11 (SDLD22): a unit force on the fourth of eight masses for a second, recomputed to 12 digits.
 #[test]
 fn a_pulse_on_a_chain() {
     let system = observed(super::systems::chain(8, "10", "100000", "50"));
@@ -227,7 +228,8 @@ fn a_pulse_on_a_chain() {
     }
 }
 
-/// Problem 6 of the course: after the shot, five periods leave exp(-10 pi zeta / sqrt(1 - zeta^2)) = 0.73 of the amplitude.
+/// Problem 6 of the course: five periods after the shot, exp(-10 pi zeta / sqrt(1 - zeta^2)) = 0.73 of the amplitude is
+/// left.
 #[test]
 fn the_mortar_swings_out() {
     let x0 = &(&n("25") * &n("9.81")) / &n("15791");
@@ -268,7 +270,7 @@ fn rigid_diverging_and_creeping_motions() {
     near(y[1], 1.5 * (-2.1f64).exp(), 1e-14);
 }
 
-/// A base that jumps kicks the mass through the damper: dv = c J / m; one that rises in a ramp does not.
+/// A base that jumps gives the mass an impulse through the damper: dv = c J / m; one that rises in a ramp does not.
 #[test]
 fn a_base_that_jumps() {
     let mut system = oscillator("2", "3", "8", "0", "0");
@@ -283,7 +285,7 @@ fn a_base_that_jumps() {
     assert!(motion(&system, vec![ramp], &["0.5"])[0][1].is_zero());
 }
 
-/// The same ramp as a signal, as a table, and (on a base) as a spline through points of a line.
+/// A ramp as a signal, as a table, and (on a base) as a spline through points of a line.
 #[test]
 fn a_table_is_what_its_rows_say() {
     let system = oscillator("1", "0.5", "9", "0", "0");
@@ -301,7 +303,7 @@ fn a_table_is_what_its_rows_say() {
     }
 }
 
-/// A chirp is cut into pieces as the samples ask; two ways of cutting agree within their bounds.
+/// A chirp is divided into pieces according to the samples; two divisions agree within their bounds.
 #[test]
 fn a_chirp_is_followed_to_its_bound() {
     let system = oscillator("1", "0.5", "900", "0", "0");
@@ -328,8 +330,8 @@ fn motions_are_printed() {
     ));
 }
 
-/// S10 and S11 of the published cases (VM86, VM88): 10 N at 20 rad/s make 1/12 m. What is printed of it, and of an undamped
-/// oscillator at its own 2 rad/s.
+/// S10 and S11 of the published cases (VM86, VM88): 10 N at 20 rad/s give 1/12 m. Also its printed form, and that of an
+/// undamped oscillator at its own 2 rad/s.
 #[test]
 fn a_steady_state_is_told() {
     let system = oscillator("0.5", "6", "200", "0", "0");
@@ -343,9 +345,9 @@ fn a_steady_state_is_told() {
     let (x, v) = (told[0].outputs[0].disc().expect("finite"), told[0].outputs[1].disc().expect("finite"));
     near(x.gain(), 1.0 / 12.0, 1e-15);
     near(v.gain(), 20.0 / 12.0, 1e-15);
-    // The stiffness and the inertia cancel: a quarter of a turn late.
+    // Stiffness and inertia cancel: the motion is a quarter of a period late.
     assert!(x.value.re.to_f64().abs() < 1e-17 && x.value.im.to_f64() < 0.0);
-    // The motion comes to it: at t = 20 s the transient is below exp(-120).
+    // The motion approaches it: at t = 20 s the transient is below exp(-120).
     let late = &motion(&system, vec![force("0.7")], &["20"])[0];
     let told_late = steady(&system, force("0.7"))[0].outputs[0].disc().expect("finite");
     let (s, c) = Number::from(400).sin_cos().expect("in range");
@@ -364,10 +366,10 @@ fn a_steady_state_is_told() {
 }
 
 /// Random chains with random dampers under a step and a harmonic force: one long step and many short ones agree within
-/// their bounds, and so does the energy balance: what the force did is stored or dissipated, never more.
+/// their bounds. The energy balance holds too: the work of the force is stored or dissipated, and no more.
 #[test]
 fn long_and_short_steps_agree_within_their_bounds() {
-    // A linear congruential generator (Knuth, MMIX) with a fixed start: the same scenes everywhere.
+    // A linear congruential generator (Knuth, MMIX) with a fixed seed: the same scenes everywhere.
     let mut state = 2026u64;
     let mut random = |most: u64| {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -400,9 +402,10 @@ fn long_and_short_steps_agree_within_their_bounds() {
     }
 }
 
-/// Random damped chains, two integrals by Simpson's rule on a fine grid. Energy: what a harmonic force puts in is stored or
-/// dissipated. Parseval: the square of the impulse response over time is |H|^2 over frequency (trapezoids, which are exact
-/// for what has decayed after one turn of the grid's spacing; the tail of |H|^2 is 1 / (m w^2)^2).
+/// Random damped chains, two integrals by Simpson's rule on a fine grid. Energy: the work of a harmonic force is stored
+/// or dissipated. Parseval: the integral of the squared impulse response over time is that of |H|^2 over frequency
+/// (trapezoids, which are exact for a response that has decayed within the period of the grid's spacing; the tail of
+/// |H|^2 is 1 / (m w^2)^2).
 #[test]
 fn energy_is_kept_and_parseval_holds() {
     let mut state = 77u64;

@@ -1,4 +1,4 @@
-//! Where scenes rest: drawings declared to be the rest, rests far from the drawing, published cases drawn turned.
+//! The rest of scenes: drawings declared to be the rest, rests far from the drawing, published cases drawn rotated.
 
 use super::ask::{Answer, ask, try_ask};
 use vibc::analysis::ModeKind;
@@ -35,8 +35,8 @@ fn errors(text: &str) -> Vec<Diagnostic> {
     }
 }
 
-/// A weight of 2 g between two slanted springs and an upright one: with the unit vectors (-+1, 1)/sqrt(2) and (0, 1), the
-/// least squares are t = (1/2, 1/2, 1/sqrt 2) times what balances 19.62 N.
+/// A weight of 2 g between two slanted springs and an upright one: with the unit vectors (-+1, 1)/sqrt(2) and (0, 1),
+/// the least squares are t = (1/2, 1/2, 1/sqrt 2) times the force that balances 19.62 N.
 const HELD: &str = "gravity 9.81 m/s^2
     rest as drawn
     body m { mass = 2 kg, at = (0, 0), moves x y }
@@ -50,8 +50,8 @@ fn the_least_tensions_hold_a_drawing_exactly() {
     let rest = &answer.lowered.rest;
     assert!(rest.is_proven() && rest.residual == 0.0 && rest.displacement.iter().all(Number::is_zero));
     close(&tensions(&answer), &[9.81 / 2f64.sqrt(), 9.81 / 2f64.sqrt(), 9.81], 1e-15);
-    // k/2 of each slanted spring; T/L across: 9.81 (1/2)(1/sqrt 2) N/m of each slanted one along x and y, 9.81 N/m of the
-    // upright one along x. All of it is rational, though the tensions are not.
+    // k/2 of each slanted spring; T/L across: 9.81 (1/2)(1/sqrt 2) N/m of each slanted one along x and y, 9.81 N/m of
+    // the upright one along x. All of these are rational, although the tensions are not.
     let (x, y) = (Rational::new(100_000 + 4905 + 9810, 1000), Rational::new(100_000 + 4905 + 300_000, 1000));
     let expected = |value: &Rational| {
         let (n, d) = value.to_fraction().expect("small numbers");
@@ -60,7 +60,7 @@ fn the_least_tensions_hold_a_drawing_exactly() {
     assert_eq!(entries(&answer.lowered.system.k, 2), [[expected(&x), "0".into()], ["0".into(), expected(&y)]]);
 }
 
-/// The same scene with those tensions as preloads: found as drawn by the ordinary road.
+/// The scene with those tensions as preloads: the general method finds the rest as drawn.
 #[test]
 fn the_tensions_found_are_those_that_preloads_would_be() {
     let preloaded = HELD
@@ -70,7 +70,7 @@ fn the_tensions_found_are_those_that_preloads_would_be() {
     close(&ask(HELD).omegas(), &ask(&preloaded).omegas(), 1e-15);
 }
 
-/// Against the pseudo-inverse of the matrix of unit vectors (singular values, binary64).
+/// Compares with the pseudo-inverse of the matrix of unit vectors (singular values, binary64).
 #[test]
 fn tensions_have_the_least_norm() {
     let anchors = [(3.0, 4.0), (-2.0, 1.0), (0.5, -2.0), (1.0, 1.0), (-4.0, -3.0), (0.25, 2.0)];
@@ -79,7 +79,7 @@ fn tensions_have_the_least_norm() {
     for (i, (x, y)) in anchors.iter().enumerate() {
         text += &format!("spring s{i}: m -- ground@({x} m, {y} m) {{ k = 1000 N/m }}\n");
     }
-    // A tension pulls the mass towards the anchor: the sum of pulls balances the weight.
+    // A tension pulls the mass towards the anchor: the sum of the pulls balances the weight.
     let unit = |i: usize, axis: usize| {
         let (x, y): (f64, f64) = anchors[i];
         [x, y][axis] / x.hypot(y)
@@ -102,8 +102,8 @@ fn a_turning_body_is_held_as_drawn() {
     assert_eq!(entries(&answer.lowered.system.k, 1), [["3"]]);
 }
 
-/// A four-bar under its weight, held by a diagonal: the tension found is the preload that makes the drawing a rest, and the
-/// reactions of the closing joint count alike.
+/// A four-bar linkage under its weight, held by a diagonal: the tension found is the preload that makes the drawing a
+/// rest, and the reactions of the closing joint are included.
 #[test]
 fn a_loop_is_held_as_drawn() {
     let bars = "gravity 9.81 m/s^2
@@ -114,7 +114,7 @@ fn a_loop_is_held_as_drawn() {
         pivot b: left@(0.5 m, 1 m) -- top
         pivot c: top@(2 m, 1.5 m) -- right
         pivot d: right@(2.5 m, 0) -- ground\n";
-    // As long as a fraction: the tension is one too, and as a preload it balances the drawing exactly.
+    // With a rational length the tension is rational too, and as a preload it balances the drawing exactly.
     let spring = "spring s: ground@(1.25 m, 0) -- top@(0.5 m, 1 m) { k = 500 N/m";
     let found = ask(&format!("{bars}rest as drawn\n{spring} }}"));
     let tension = found.lowered.rest.tensions[0].tension.exact().and_then(Rational::to_fraction);
@@ -124,7 +124,7 @@ fn a_loop_is_held_as_drawn() {
     assert!(!found.lowered.system.k.entries(1)[0][0].is_zero());
 }
 
-/// Springs with a tension of their own, constant forces and torques are taken as they are.
+/// Given tensions of springs, constant forces and torques are used unchanged.
 #[test]
 fn given_tensions_and_constant_loads_count() {
     let answer = ask("rest as drawn
@@ -155,8 +155,8 @@ fn a_drawing_with_irrational_numbers_is_held_within_bounds() {
     assert!((tension.to_f64().abs() - truth).abs() < 1e-15 * truth && tension.rad < 1e-28);
 }
 
-/// Three springs at 120 degrees hold a disk alike along every line, K = 3/2 k, and turn it by 3 T (r + r²/L); the drawing is
-/// as exact at 30 degrees as along the axes, and nothing ties x, y and the angle.
+/// Three springs at 120 degrees hold a disk equally along every line, K = 3/2 k, and against rotation by 3 T (r +
+/// r²/L); the drawing is as exact at 30 degrees as along the axes, and x, y and the angle are not coupled.
 #[test]
 fn springs_at_the_angles_of_the_drawing_board_are_exact() {
     for start in [0, 30, 45, 90, 225] {
@@ -167,7 +167,7 @@ fn springs_at_the_angles_of_the_drawing_board_are_exact() {
                 spring s[i]: ground@(3 * A[i]) -- disk@A[i] {{ k = 100 N/m, preload = 20 N }}
             }}"
         ));
-        // Along the line 100, across it T/L = 10: 3/2 of their sum; T r (L + r)/L = 30 for each spring.
+        // 100 along the line, T/L = 10 across it: 3/2 of their sum; T r (L + r)/L = 30 for each spring.
         if start % 30 == 0 {
             let k = entries(&answer.lowered.system.k, 3);
             assert_eq!(k, [["165", "0", "0"], ["0", "165", "0"], ["0", "0", "90"]], "{start}");
@@ -176,7 +176,7 @@ fn springs_at_the_angles_of_the_drawing_board_are_exact() {
     }
 }
 
-/// A rod that stands upright on a torsional spring: K = k - m g l, however its direction is written.
+/// A rod that stands upright on a torsional spring: K = k - m g l, in whatever form its direction is written.
 #[test]
 fn quarter_turns_are_drawn_exactly() {
     for angle in ["90 deg", "pi/2", "2*atan(1)", "acos(0)", "asin(1)", "atan2(3, 0)", "-3*pi/2", "0.25 rev", "450 deg"]
@@ -193,8 +193,8 @@ fn quarter_turns_are_drawn_exactly() {
     }
 }
 
-/// sqrt(2) + sqrt(3) is the root of 5 + 2 sqrt(6), which balls cannot tell: as a place it is as good as zero, as a stiffness it leaves
-/// open whether the body stays, as a mass it is refused.
+/// sqrt(2) + sqrt(3) is the root of 5 + 2 sqrt(6), which balls cannot show: as a position it counts as zero, as a
+/// stiffness it leaves open whether the body stays, as a mass it is refused.
 #[test]
 fn what_cannot_be_told_from_zero_is_not_called_too_small() {
     let scene = |mass: &str, k: &str, at: &str| {
@@ -223,7 +223,7 @@ fn what_no_tension_can_hold_is_named() {
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].code.0, "vib::rest::unbalanced");
     assert!(found[0].message.contains("`rod.angle`") && !found[0].message.contains("box"), "{}", found[0].message);
-    // Two bodies on one spring that nothing holds: what is left on one of them is the weight of both.
+    // Two bodies on a spring that nothing holds: the remaining load on one of them is the weight of both.
     let found = errors(
         "gravity 10 m/s^2
         rest as drawn
@@ -234,20 +234,21 @@ fn what_no_tension_can_hold_is_named() {
     assert!(format!("{:?}", found[0].primary).contains("-30 N"), "{:?}", found[0].primary);
 }
 
-/// Whether sin² + cos² is 1 cannot be seen from its digits.
+/// Whether sin² + cos² is 1 cannot be decided from its digits.
 #[test]
 fn a_force_that_may_be_zero_is_not_told_as_balanced() {
     let pendulum = "gravity 9.81 m/s^2
         body bob { mass = 1 kg, at = ((sin(1)^2 + cos(1)^2) * 2 m, -1 m), inertia = 0 kg*m^2 }
         pivot p: ground@(2 m, 0) -- bob";
     let searched = ask(pendulum).lowered.rest;
-    // Near the drawing, wherever the bob is: that much is proven, and that it is there is not said.
+    // It is proven to be near the drawing, wherever the bob is; that it is exactly there is not claimed.
     assert!(searched.is_proven() && searched.residual > 0.0 && !searched.displacement[0].is_zero());
     let declared = ask(&format!("rest as drawn\n{pendulum}")).lowered.rest;
     assert!(!declared.is_proven() && declared.residual > 0.0 && declared.residual < 1e-28, "{:e}", declared.residual);
 }
 
-/// Each of n springs carries the weights that follow it, pushed together: exact, and no more work than the chain is long.
+/// Each of n springs carries the weights that follow it, in compression: exact, with work in proportion to the length
+/// of the chain.
 #[test]
 fn a_long_chain_is_held_exactly() {
     let n = 20_000;
@@ -268,7 +269,7 @@ fn a_long_chain_is_held_exactly() {
     assert!(found.zip((1..=n).rev()).all(|(found, below)| found == Some(Rational::from(-10 * below))));
 }
 
-/// The linear system alone, for scenes whose modes nobody asks for here.
+/// Only the linear system, for scenes whose modes are not needed.
 fn lowered(text: &str) -> vibc::lower::Lowered {
     let mut sources = vibc::base::Sources::new();
     let file = sources.add(vibc::base::SourceFile::model("scene.vib", text));
@@ -278,7 +279,8 @@ fn lowered(text: &str) -> vibc::lower::Lowered {
     vibc::lower::lower(&scene).lowered.unwrap_or_else(|| panic!("a rest"))
 }
 
-/// A grid of springs under transverse weights has more springs than coordinates: no elimination finds them one by one.
+/// A grid of springs under transverse weights has more springs than coordinates: elimination cannot find their tensions
+/// one by one.
 #[test]
 fn a_large_net_is_held_within_a_residual() {
     let n = 20;
@@ -311,7 +313,7 @@ fn a_large_net_is_held_within_a_residual() {
     assert!((last - 400.0 * 9.81).abs() < 1e-9, "{last}");
 }
 
-/// A net of springs of different lengths, held at its rim: whatever tensions are found, they balance each knot's weight.
+/// A net of springs of different lengths, held at its rim: the tensions that are found balance each knot's weight.
 #[test]
 fn the_tensions_of_a_large_slack_net_balance_its_weights() {
     let n = 16;
@@ -353,9 +355,9 @@ fn the_tensions_of_a_large_slack_net_balance_its_weights() {
     }
 }
 
-// Published cases, drawn turned by 30 degrees about their support: the rest is found, and is the same.
+// Published cases, drawn rotated by 30 degrees about their support: the rest is found, and is the same.
 
-/// A turn by 30 degrees of what is written as (x, y).
+/// A rotation by 30 degrees of the point (x, y).
 const TURN: &str = "param c = cos(30 deg)\nparam s = sin(30 deg)\n";
 
 fn turned(x: f64, y: f64) -> String {
@@ -414,7 +416,7 @@ fn rods_drawn_turned_hang_down() {
         end(-1.0)
     );
     frequencies(&rod, &[14.715f64.sqrt()]);
-    // The hinge spring's own rest is 30 degrees back, where the rod hangs.
+    // The hinge spring is relaxed 30 degrees back, where the rod hangs.
     let hinge = "spring k: ground -- rod { k = 5 N*m/rad, free_length = -30 deg }";
     frequencies(&(rod + hinge), &[29.715f64.sqrt()]);
     let rods = format!(
@@ -437,7 +439,7 @@ fn rods_drawn_turned_hang_down() {
     frequencies(&cart, &[3.0521263999316, 5.2992737442614]);
 }
 
-/// ANSYS VM91: L = 100 inch, g = 386 inch/s^2, drawn where it is let go, at (60, -80).
+/// ANSYS VM91: L = 100 inch, g = 386 inch/s^2, drawn at the point of release, (60, -80).
 #[test]
 fn the_simple_pendulum_hangs_down_from_where_it_is_let_go() {
     frequencies(
@@ -448,8 +450,8 @@ fn the_simple_pendulum_hangs_down_from_where_it_is_let_go() {
     );
 }
 
-/// The resonance library's ball in a channel: its matrices by a coupling. With y = phi - theta, M = mp l^2 phi^2 + mb r^2 y^2
-/// and K = mb g r (2 phi - y)^2 + (mp l - mb r) g phi^2.
+/// The resonance library's ball in a channel: its matrices through a coupling. With y = phi - theta, M = mp l^2 phi^2 +
+/// mb r^2 y^2 and K = mb g r (2 phi - y)^2 + (mp l - mb r) g phi^2.
 #[test]
 fn ball_in_a_channel() {
     let answer =
@@ -463,7 +465,7 @@ fn ball_in_a_channel() {
     close(&answer.omegas(), &[5.43672938835891, 11.7920035853859], 1e-13);
 }
 
-/// VM9 with drawing and load turned: the displacement turns with them.
+/// VM9 with drawing and load rotated: the displacement rotates with them.
 #[test]
 fn vm9_turned() {
     let answer = ask(&format!(
@@ -480,7 +482,8 @@ fn vm9_turned() {
     close(&inches, &[c * x - s * y, s * x + c * y], 1e-12);
 }
 
-/// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is reported.
+/// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is
+/// reported.
 #[test]
 fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
     let strut = |height: &str| {
@@ -490,16 +493,16 @@ fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
             spring b: ground@(1 m, 0) -- m {{ k = 100 N/m, free_length = 1.25 m }}"
         )
     };
-    // Both springs are free of force at heights of +-3/4 m.
+    // Both springs are relaxed at heights of +-3/4 m.
     for (height, rest) in [("0.5 m", 0.25), ("-0.5 m", -0.25), ("0.01 m", 0.74)] {
         let answer = ask(&strut(height));
         close(&[answer.lowered.rest.displacement[0].to_f64()], &[rest], 1e-14);
     }
 }
 
-/// Links with springs between them, drawn out of their rest: more coordinates than a dense inverse is made for. The bound is
-/// proven all the same, and the torques balance: with absolute angles a_i, k (2 a_i - a_(i-1) - a_(i+1)) = what the weights
-/// of the link and of all below it do.
+/// Links with springs between them, drawn away from their rest: more coordinates than a dense inverse is made for. The
+/// bound is still proven, and the torques balance: with absolute angles a_i, k (2 a_i - a_(i-1) - a_(i+1)) is the
+/// torque of the weights of the link and of all below it.
 #[test]
 fn a_long_chain_of_springy_links_finds_its_rest() {
     let n = 350;
@@ -521,15 +524,15 @@ fn a_long_chain_of_springy_links_finds_its_rest() {
     for i in 0..n {
         let next = if i + 1 < n { turned[i + 1] - turned[i] } else { 0.0 };
         let springs = 500.0 * (turned[i] - if i > 0 { turned[i - 1] } else { 0.0 } - next);
-        // The link is drawn along (0.6, -0.8): a turn by a moves its end along x by 0.6 cos a + 0.8 sin a.
+        // The link is drawn along (0.6, -0.8): a rotation by a moves its end along x by 0.6 cos a + 0.8 sin a.
         let lever = 0.6 * turned[i].cos() + 0.8 * turned[i].sin();
         let weights = (n - i) as f64 * 10.0 * lever;
         assert!((springs + weights).abs() < 1e-10 * 3500.0, "link {i}: {springs} and {weights}");
     }
 }
 
-/// A row of links so long that its mass matrix is kept as chained rows: written out they are what a shorter road makes of
-/// them, the sum over links of m (l_1 u_1 + ... + l_i u_i)^2 with u the unit vectors across.
+/// A row of links so long that its mass matrix is kept as chained rows: written out, they are the same as for a shorter
+/// row, the sum over links of m (l_1 u_1 + ... + l_i u_i)^2 with u the unit vectors across.
 #[test]
 fn deep_chains_keep_short_rows() {
     let n = 600usize;
@@ -556,7 +559,7 @@ fn deep_chains_keep_short_rows() {
     assert!(system.clone().flattened(1000).is_err());
 }
 
-/// Links of 1 kg and 1 m one under another.
+/// Links of 1 kg and 1 m, one under another.
 fn links(n: usize, x: &str, y: &str, inertia: &str) -> String {
     format!(
         "gravity 9.81 m/s^2\nparam n = {n}
@@ -577,11 +580,11 @@ fn a_hundred_thousand_links_are_lowered() {
     assert_eq!(lowered.system.n(), n);
     assert!(lowered.rest.displacement.iter().all(Number::is_zero));
     let weight = |place: usize| lowered.system.k.terms()[place].weight.to_f64();
-    // K of the angle i is m g l (n - i): gravity alone, in the order of the bodies.
+    // K of the angle i is m g l (n - i): only gravity, in the order of the bodies.
     assert!((weight(0) - 9.81 * n as f64).abs() < 1e-6 && (weight(n - 1) - 9.81).abs() < 1e-12);
 }
 
-/// A rod drawn hardly off its upright position falls: however little it leans, by itself or tied to another one.
+/// A rod drawn slightly off its upright position falls, however little it leans, alone or connected to another one.
 #[test]
 fn a_rod_that_leans_does_not_stay_upright() {
     let rod = |name: &str, at: &str, lean: &str| {
@@ -603,7 +606,7 @@ fn a_rod_that_leans_does_not_stay_upright() {
         let rods = rod("a", "0 m", lean) + &rod("b", "3 m", lean);
         let tied = ask(&format!("gravity 9.81 m/s^2\n{rods}couple c: a.angle = b.angle"));
         close(&tied.omegas(), &[hangs], 1e-14);
-        // Beside a spring that is stretched by a hundred newtons.
+        // With a spring that is stretched by a hundred newtons.
         let loaded = ask(&format!(
             "gravity 9.81 m/s^2\n{}body m {{ mass = 10 kg, at = (2 m, 0), moves y }}
             spring s: ground -- m {{ k = 1e4 N/m, along = (0, 1) }}
@@ -614,7 +617,7 @@ fn a_rod_that_leans_does_not_stay_upright() {
     }
 }
 
-/// Upright exactly, it stays (docs/method/rest.md#search): nothing pulls at it.
+/// A rod that is exactly upright stays (docs/method/rest.md#search), because no load acts on it.
 #[test]
 fn a_rod_that_is_upright_stays() {
     let text = "gravity 9.81 m/s^2
@@ -624,8 +627,8 @@ fn a_rod_that_is_upright_stays() {
     assert!(answer.lowered.rest.displacement[0].is_zero() && answer.modes.list[0].kind == ModeKind::Divergence);
 }
 
-/// A free body on one stretched spring: any place on a circle about the anchor will do, in any turn. The rest is one of
-/// them, without tension, and the two motions along them are rigid.
+/// A free body on one stretched spring: it can rest at any point of a circle about the anchor, in any orientation. The
+/// rest is one of these, without tension, and the two motions along them are rigid.
 #[test]
 fn a_free_body_on_one_spring_rests_where_the_spring_is_slack() {
     // (mass, inertia, centre, stiffness, anchor on the body, anchor on the base, free length)
@@ -666,13 +669,13 @@ fn a_free_body_on_one_spring_rests_where_the_spring_is_slack() {
         let lever = (arm[0] * line[1] - arm[1] * line[0]) / length;
         let truth = (k * (1.0 / mass + lever * lever / inertia)).sqrt();
         close(&answer.omegas()[2..], &[truth], 1e-13);
-        // Not far away where it could be near: the drawing is off by less than two centimetres or so.
+        // The rest is near if possible: the drawing is off by less than about two centimetres.
         assert!(x.hypot(y) < 0.2 && turn.abs() < 0.2, "{x} {y} {turn}");
     }
 }
 
-/// Two springs of 1 m between supports 2 m apart: V grows as y^4, no derivative tells where the rest is to more than a few
-/// digits, and no proof is found.
+/// Two springs of 1 m between supports 2 m apart: V grows as y^4, so derivatives locate the rest only to a few digits,
+/// and no proof is found.
 #[test]
 fn a_rest_whose_proof_fails_is_told_as_not_proven() {
     let text = "body m { mass = 1 kg, at = (0, 0.1 m), moves y }
@@ -697,8 +700,8 @@ fn a_rest_whose_proof_fails_is_told_as_not_proven() {
     assert_eq!(codes, ["vib::rest::unproven"]);
 }
 
-/// Every bound that JSON has about a rest that is not proven is null, every verdict open, and no measure has a value: a mass
-/// beside the springs of the quartic has a frequency of 1/2pi Hz, certain to 30 digits where the rest is.
+/// For a rest that is not proven, every bound in JSON is null, every verdict open, and no measure has a value. A mass
+/// next to the springs of the quartic has a frequency of 1/2pi Hz, certain to 30 digits if the rest is.
 #[test]
 fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
     let text = "param c = 0.1 N*s/m
@@ -728,7 +731,7 @@ fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
     assert_eq!(held, [None; 2]);
 }
 
-/// The bounds and certain digits of a JSON value, with where they are.
+/// The bounds and certain digits of a JSON value, with their paths.
 fn collect<'a>(value: &'a serde_json::Value, at: &str, bounds: &mut Vec<(String, &'a serde_json::Value)>) {
     let is_bound = at.contains("error_bound") || at.ends_with("_digits");
     match value {
@@ -741,7 +744,7 @@ fn collect<'a>(value: &'a serde_json::Value, at: &str, bounds: &mut Vec<(String,
     }
 }
 
-/// How much relative changes of weights change a frequency does not say how much they change it by way of the rest.
+/// The sensitivity of a frequency to weights does not include their effect through the rest.
 #[test]
 fn conditions_leave_out_no_change_of_the_rest() {
     let conditions = |text: &str| -> Vec<Option<f64>> {
@@ -758,12 +761,12 @@ fn conditions_leave_out_no_change_of_the_rest() {
             spring t: ground@(0, 0) -- m@(1 m, 0) {{ k = 100 N/m }}"
         )
     };
-    // A weight on a spring that is linear moves the rest, and no term with it.
+    // A weight on a linear spring moves the rest, but changes no term.
     let linear = "gravity 9.81 m/s^2\nbody m { mass = 1 kg, moves y }\nspring s: ground -- m { k = 100 N/m }";
     assert_eq!(conditions(linear), [Some(2.0)]);
-    // Where the second spring turns as the body sinks, its stretch and its tension depend on the weight.
+    // If the second spring rotates as the body sinks, its stretch and its tension depend on the weight.
     assert_eq!(conditions(&weight("")), [None]);
-    // Tensions that hold the drawing change with the weights that they hold.
+    // Tensions that hold the drawing change with the weights that they balance.
     let held = "gravity 9.81 m/s^2\nrest as drawn
         body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }
         pivot p: ground@(0, 0) -- rod\nspring s: ground@(0, 1 m) -- rod@(1 m, 0) { k = 100 N/m }";

@@ -1,5 +1,5 @@
-//! The JSON that is printed has the published form: every output of every example is valid, and has no field that
-//! the schema does not describe.
+//! The printed JSON has the published form: every output of every example is valid, and has no field that the schema
+//! does not describe.
 
 use super::documents::root;
 use serde_json::Value;
@@ -7,14 +7,14 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A schema to validate with.
+/// A schema, prepared for validation.
 struct Form {
     schemas: boon::Schemas,
     index: boon::SchemaIndex,
 }
 
 impl Form {
-    /// The published schema, and more: objects have no fields but those that it describes.
+    /// The published schema, made stricter: objects have no other fields than those that it describes.
     fn published(name: &str) -> Form {
         let path = root().join("schema").join(format!("{name}.schema.json"));
         let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -57,7 +57,7 @@ fn printed(arguments: &[&str]) -> (String, String) {
     (String::from_utf8(output.stdout).expect("UTF-8"), String::from_utf8(output.stderr).expect("UTF-8"))
 }
 
-/// Validates what a command prints of each example; where it prints nothing, it has to say why.
+/// Validates the output of a command for each example; if there is none, the command must say why.
 fn validate(command: &str, options: &[&str]) {
     let form = Form::published(command);
     for model in examples() {

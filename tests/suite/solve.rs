@@ -1,5 +1,5 @@
-//! `solve` and `require`: roots against closed forms, what is said where there is none or several, bounds that hold, several
-//! unknowns, and that everything else in a run uses what was found.
+//! `solve` and `require`: roots compared with closed forms, reports if there is no root or several, valid bounds,
+//! several unknowns, and the use of the results in the rest of a run.
 
 use crate::measures::sources;
 use vibc::answers::ModalAnswer;
@@ -32,7 +32,7 @@ fn refused(lines: &str) -> Diagnostic {
     finding.clone()
 }
 
-/// Within the bound that is reported, which is narrow.
+/// Asserts that the value is within its reported bound, and that this is narrow.
 fn is(solved: &Solved, truth: f64, width: f64) {
     let off = (solved.value.to_f64() - truth).abs();
     assert!(
@@ -70,7 +70,8 @@ fn each_measure_is_solved_for() {
     }
 }
 
-/// A residual is what the measure misses by at the number told, and the slope says how far that is from the root.
+/// The residual is the error of the measure at the reported number, and the slope relates it to the distance from the
+/// root.
 #[test]
 fn residual_and_slope_are_those_of_the_measure() {
     let found = &solved("solve k in 1 N/m .. 1000 N/m: frequency(1) = 2 Hz")[0];
@@ -98,7 +99,7 @@ fn several_unknowns_are_solved_together() {
     is(&found[0], 50.0 / 16.0, 1e-20);
     is(&found[1], 0.2 * (50.0f64 * 50.0 / 16.0).sqrt(), 1e-20);
     is(&found[2], 50.0, 1e-20);
-    // Two that need each other: k/m = 16 and |k - m w^2 + i w c| = 10 at 1 Hz, with k the smaller.
+    // Two coupled unknowns: k/m = 16 and |k - m w^2 + i w c| = 10 at 1 Hz, with k the smaller.
     let found = solved(
         "solve k in 1 N/m .. 60 N/m: frequency(1) = 4 rad/s\nsolve m in 0.1 kg .. 3 kg: gain(F -> x, 1 Hz) = 0.1 m/N",
     );
@@ -117,12 +118,12 @@ fn what_was_seen_is_told_where_there_is_no_root() {
     assert!(finding.primary.text.contains("0.711763 Hz at k = 20 N/m"), "{}", finding.primary.text);
     let finding = refused("solve c in 0 .. 4 N*s/m: frequency(1) = 5 Hz");
     assert_eq!(finding.code.0, "vib::solve::independent");
-    // Without damping the phase jumps by half a turn; it never is a quarter.
+    // Without damping the phase jumps by half a turn and is never a quarter.
     let finding = refused("solve k in 1 N/m .. 100 N/m: phase(F -> x, 1 Hz) = 90 deg");
     assert_eq!(finding.code.0, "vib::solve::no_root");
 }
 
-/// Both sides of a resonance that lies between two of the first looks: each is seen.
+/// Both sides of a resonance that lies between two of the first evaluations are found.
 #[test]
 fn several_roots_are_all_seen() {
     let finding = refused("solve k in 1 N/m .. 100000 N/m: gain(F -> x, 1 Hz) = 0.31 m/N");
@@ -135,12 +136,12 @@ fn conditions_that_settle_nothing_are_told() {
     let twice =
         "solve k in 1 N/m .. 60 N/m: frequency(1) = 4 rad/s\nsolve k in 1 N/m .. 50 N/m: frequency(1) = 3 rad/s";
     assert_eq!(refused(twice).code.0, "vib::solve::twice");
-    // Both depend on k/m alone.
+    // Both depend only on k/m.
     let same = "solve k in 1 N/m .. 60 N/m: frequency(1) = 4 rad/s\nsolve m in 0.1 kg .. 3 kg: frequency(1) = 4 rad/s";
     assert_eq!(refused(same).code.0, "vib::solve::singular");
 }
 
-/// Analysis, transfer, simulation, emitted code and the check are all about the model with the value that was found.
+/// Analysis, transfer, simulation, emitted code and the check all use the model with the value that was found.
 #[test]
 fn everything_uses_what_was_found() {
     let text = format!("{BLOCK}solve k in 1 N/m .. 1000 N/m: frequency(1) = 2 Hz\nrequire frequency(1) > 1.9 Hz\n");
@@ -160,7 +161,7 @@ fn everything_uses_what_was_found() {
     assert!(text.contains("\"requirements\":[{\"text\":\"frequency(1) > 1.9 Hz\",\"holds\":true,\"value\":2.0,\"limit\":1.9,\"margin\":0.05"), "{text}");
 }
 
-/// A limit beside the value by less than binary64 can tell is decided; one within the bound is not.
+/// A limit closer to the value than binary64 can show is decided; one within the bound is not.
 #[test]
 fn requirements_are_decided_as_far_as_the_bound_goes() {
     let stand = |line: &str| run(line).answer.expect("a report").requirements[0].holds;
@@ -173,19 +174,19 @@ fn requirements_are_decided_as_far_as_the_bound_goes() {
     assert_eq!(run("require frequency(1) < 4 rad/s").failure(), None);
 }
 
-/// The parameter that is named moves the measure most, and the value that is advised would do.
+/// The named parameter has the largest effect on the measure, and the advised value satisfies the requirement.
 #[test]
 fn advice_would_do() {
     let outcome = run("require frequency(1) > 1 Hz");
     let help = outcome.diagnostics[0].help.clone().expect("advice");
     assert!(help.starts_with("`k` moves it most: 0.5 %"), "{help}");
     let wanted = help.split("with k = ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a value");
-    // (2 pi)^2 = 39.478: three digits, on the side that holds.
+    // (2 pi)^2 = 39.478: three digits, rounded to the side that satisfies the requirement.
     let wanted = wanted.parse::<f64>().expect("a number");
     assert!(wanted > 39.478 && wanted < 39.6, "{wanted}");
 }
 
-/// At its very limit a rational measure is decided on rational numbers.
+/// Exactly at its limit, a rational measure is decided in rational numbers.
 #[test]
 fn a_rational_measure_at_its_limit_is_decided() {
     let stand = |line: &str| run(line).answer.expect("a report").requirements[0].holds;

@@ -21,7 +21,7 @@ fn numbers(answer: &Value, list: &str, field: &str) -> Vec<f64> {
     answer[list].as_array().expect("a list").iter().map(|item| item[field].as_f64().expect("a number")).collect()
 }
 
-/// A chain that is held at its first mass, if at all; masses and springs of many sizes.
+/// A chain whose first mass may be held, with masses and springs of many magnitudes.
 fn chain(n: usize, held: bool, more: &str) -> String {
     let first = if held { "spring k[1]: ground -- m[1] { k = 977 N/m }" } else { "" };
     format!(
@@ -51,7 +51,7 @@ fn the_lowest_modes_of_a_small_scene_are_the_first_of_all() {
 fn a_band_has_its_modes_and_counts_the_others() {
     let (all, _) = asked(&chain(9, false, ""), Which::All);
     let omega = numbers(&all, "modes", "omega");
-    // The ends count as inside.
+    // The ends are included.
     let (some, text) = asked(&chain(9, false, ""), Which::Within(Band { from: omega[3], to: omega[5] }));
     assert_eq!(numbers(&some, "modes", "omega"), omega[3..=5]);
     assert_eq!(numbers(&some, "modes", "mode"), [4.0, 5.0, 6.0]);
@@ -69,7 +69,7 @@ fn a_band_has_its_modes_and_counts_the_others() {
     assert_eq!(rigid["modes"].as_array().map(Vec::len), Some(2));
 }
 
-/// The road for large trees against the road for all modes.
+/// Compares the method for large trees with the method for all modes.
 #[test]
 fn large_trees_give_the_same_lowest_modes_and_bands() {
     for held in [true, false] {
@@ -123,7 +123,7 @@ fn poles_of_large_scenes_are_followed_from_their_modes() {
     }
 }
 
-/// With a damper too weak to matter the damping is not proportional any more, and another road leads to the same poles.
+/// With a damper too weak to matter, the damping is no longer proportional, and another method gives the same poles.
 #[test]
 fn followed_poles_are_those_of_the_closed_form() {
     let rayleigh = "damping rayleigh(0.1 /s, 1e-4 s)";
@@ -148,7 +148,7 @@ fn followed_poles_are_those_of_the_closed_form() {
     }
 }
 
-/// Above 400 coordinates `damping modal` stays a ratio of each mode.
+/// Above 400 coordinates `damping modal` is still the ratio of each mode.
 #[test]
 fn damping_by_modes_of_large_scenes_is_the_ratio_itself() {
     let (light, text) = asked(&chain(500, true, "damping modal 2 %"), Which::Lowest(4));
@@ -159,14 +159,14 @@ fn damping_by_modes_of_large_scenes_is_the_ratio_itself() {
     assert!(text.contains("not computed: 992 poles of other modes"), "{text}");
     let (critical, _) = asked(&chain(500, true, "damping modal 100 %"), Which::Lowest(2));
     assert!(critical["poles"].as_array().expect("a list").iter().all(|pole| pole["kind"] == "overdamped"));
-    // A rigid motion gets nothing of it.
+    // A rigid motion is not damped by it.
     let (free, _) = asked(&chain(500, false, "damping modal 2 %"), Which::Lowest(3));
     assert_eq!(free["poles"].as_array().map(Vec::len), Some(6));
     assert_eq!(free["poles"][0]["kind"], "rigid");
     assert_eq!(free["poles"][1]["kind"], "rigid");
 }
 
-/// A square membrane of masses, tied to the ground all round: its omega^2 are 4 k/m (sin^2 + sin^2), many of them twice.
+/// A square membrane of masses, held at its edges: its omega^2 are 4 k/m (sin^2 + sin^2), many of them double.
 #[test]
 fn a_membrane_has_its_repeated_frequencies_as_groups() {
     let (side, k) = (22, 4096.0);
@@ -190,7 +190,7 @@ fn a_membrane_has_its_repeated_frequencies_as_groups() {
     let found = numbers(&some, "modes", "omega");
     assert_eq!(found.len(), 11);
     for (found, known) in found.iter().zip(&known) {
-        // The closed form in binary64 rounds a few times.
+        // The closed form in binary64 has a few rounding errors.
         assert!((found - known).abs() <= 2e-15 * known, "{found} {known}");
     }
     assert!(numbers(&some, "modes", "omega_error_bound").iter().all(|bound| *bound < 1e-12));
@@ -202,7 +202,8 @@ fn a_membrane_has_its_repeated_frequencies_as_groups() {
     assert_eq!(band["not_computed"]["modes_below"], 3);
 }
 
-/// Points of 1 kg on links of 1 m without mass, one under another, turning in rows too long to be written out.
+/// Points of 1 kg on links of 1 m without mass, one under another, whose rows in the angles are too long to be written
+/// out.
 fn hanging(n: usize, more: &str) -> String {
     format!(
         "gravity 9.81 m/s^2\nbody m[1] {{ mass = 1 kg, at = (0, -1 m), inertia = 0 kg*m^2 }}\n\
@@ -212,8 +213,8 @@ fn hanging(n: usize, more: &str) -> String {
     )
 }
 
-/// The k-th root of Laguerre's polynomial of degree n, by Newton's method on its recurrence in double-double from the zeros
-/// of J0 that it tends to.
+/// The k-th root of Laguerre's polynomial of degree n, by Newton's method on its recurrence in double-double, starting
+/// from its limit, the zeros of J0.
 fn laguerre_root(n: u32, k: usize) -> f64 {
     let b = (k as f64 - 0.25) * std::f64::consts::PI;
     let mut x = Dd::from((b + 1.0 / (8.0 * b)).powi(2) / (4.0 * f64::from(n) + 2.0));
@@ -256,7 +257,7 @@ fn a_pendulum_of_many_links_has_its_lowest_modes() {
     assert_eq!(numbers(&usual, "modes", "omega"), found);
 }
 
-/// Shorter rows, which are written out for all modes, have their lowest ones by the same road, and they are the same modes.
+/// Shorter rows, which are written out for all modes, get their lowest modes by the same method, with the same results.
 #[test]
 fn a_pendulum_of_some_links_has_the_lowest_of_all_its_modes() {
     let model = hanging(150, "spring s: m[40] -- m[41] { k = 2 kN*m/rad }");
@@ -275,7 +276,7 @@ fn damping_of_a_pendulum_of_many_links_is_told() {
     let (some, _) = asked(&hanging(600, "damper d: m[1] -- m[2] { c = 3 N*m*s/rad }"), Which::Lowest(3));
     assert_eq!(some["not_computed"]["poles"], 1194);
     assert!(numbers(&some, "poles", "error_bound").iter().all(|bound| *bound < 1e-12));
-    // One damper among 600 links, where they hardly turn against each other.
+    // One damper among 600 links, which hardly rotate relative to each other there.
     for zeta in numbers(&some, "poles", "damping_ratio").chunks(2) {
         assert!(zeta[0] > 0.0 && zeta[0] == zeta[1] && zeta[0] < 1e-6, "{zeta:?}");
     }
@@ -288,8 +289,8 @@ fn damping_of_a_pendulum_of_many_links_is_told() {
     }
 }
 
-/// The bounds of a chain are those of the same chain in other units: masses and stiffnesses of any size in the range of
-/// binary64 (spec.md#numbers). A factor of both moves no frequency.
+/// The bounds of a chain do not depend on its units: masses and stiffnesses of any magnitude in the range of binary64
+/// (spec.md#numbers). A common factor changes no frequency.
 #[test]
 fn chains_of_tiny_and_huge_numbers_keep_their_bounds() {
     let n = 150;
@@ -323,15 +324,15 @@ fn chains_of_tiny_and_huge_numbers_keep_their_bounds() {
         for (mode, plain) in of("1", masses, springs).iter().zip(&plain) {
             let scale = 10f64.powi(power);
             assert!((mode.omega.to_f64() / scale - plain.omega.to_f64()).abs() < 1e-14 * plain.omega.to_f64());
-            // omega² of 1e-304 has its last bits at 1e-324.
+            // The last bits of an omega² of 1e-304 are at 1e-324.
             let known = if power < 0 { 1e-15 } else { 1e-25 };
             assert!(mode.omega.rad <= known * mode.omega.to_f64(), "{power}: {:e}", mode.omega.rad);
         }
     }
 }
 
-/// Two oscillators apart by 1e-14 and joined by 1e-14, among stiff ones: x_b / x_a = (sqrt 5 - 1) / 2 in the first mode,
-/// whether two modes are asked for, one, or all.
+/// Two oscillators that differ by 1e-14 and are coupled by 1e-14, among stiff ones: x_b / x_a = (sqrt 5 - 1) / 2 in the
+/// first mode, whether one mode, two or all are requested.
 #[test]
 fn shapes_of_close_frequencies_are_told_apart() {
     let text = "body a { mass = 1 kg, moves x }

@@ -1,5 +1,5 @@
-//! Every code that the program can report has one page in docs/diagnostics, in one form, with an example that shows it;
-//! every keyword has its entry in the manual.
+//! Every code that the program can report has one page in docs/diagnostics, in a fixed form, with an example that shows
+//! it; every keyword has its entry in the manual.
 
 use super::models::{Run, codes_in_sources};
 use std::collections::BTreeSet;
@@ -10,8 +10,8 @@ use vibc::base::{SourceFile, Sources};
 use vibc::kinds::DECLARATIONS;
 use vibc::syntax;
 
-/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no model gives): their
-/// pages describe the example in words.
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
+/// model gives): their pages describe the example in words.
 const IN_WORDS: [&str; 19] = [
     "vib::equations::defect",
     "vib::equations::no_form",

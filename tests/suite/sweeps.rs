@@ -1,8 +1,8 @@
-//! Random systems by kind, from stated seeds, and what a sweep over them finds: bounds that do not hold, bounds over errors,
-//! numbers without a bound. The tests take few of each, `cargo bench --bench bounds` takes ten thousand.
+//! Random systems by kind, from fixed seeds, and the results of a sweep over them: violated bounds, ratios of bounds to
+//! errors, numbers without a bound. The tests take few of each kind, `cargo bench --bench bounds` takes ten thousand.
 //!
-//! Truth is exact arithmetic: the k-th enclosure holds the k-th eigenvalue (counted by signs of leading minors), and the
-//! error of a pole is Newton's correction |p / p'| of the exact determinant.
+//! The truth is computed in exact arithmetic: the k-th enclosure must contain the k-th eigenvalue (counted by signs of
+//! leading minors), and the error of a pole is Newton's correction |p / p'| of the exact determinant.
 
 use super::exact::{ExactPencil, Quadratic, binary, value};
 use super::systems::{Builder, Random};
@@ -11,7 +11,7 @@ use vibc::analysis::{self, ModeKind, PoleKind};
 use vibc::base::{Ball, Dd, Number};
 use vibc::system::{CoordinateId, Form, LinearSystem, Nature};
 
-/// A kind of system, by name; the number that goes with it varies size and range.
+/// The name of a kind of system, and its generator; the number varies size and range.
 pub type Kind = (&'static str, fn(&mut Random, usize) -> LinearSystem);
 
 /// Undamped systems.
@@ -41,16 +41,16 @@ pub const DAMPED: [Kind; 8] = [
     ("beyond exact arithmetic: 13 to 16", |random, i| damped_net(random, 13 + i % 4, [1.0, 6.0][i % 2], 0.0, false)),
 ];
 
-/// What a sweep saw.
+/// The statistics of a sweep.
 #[derive(Default)]
 pub struct Figures {
     pub numbers: usize,
     pub violations: Vec<String>,
-    /// Numbers whose relative bound is above 1e-12, or infinite; systems that are refused.
+    /// Numbers whose relative bound is above 1e-12 or infinite, and systems that are refused.
     pub uncertified: Vec<String>,
-    /// Numbers that are certified together only.
+    /// Numbers that are certified only together.
     pub clustered: usize,
-    /// Bounds over errors of the others.
+    /// Ratios of bounds to errors for the others.
     pub ratios: Vec<f64>,
     pub worst_bound: f64,
     /// Coordinates, summed over the numbers.
@@ -78,7 +78,7 @@ impl Figures {
         }
     }
 
-    /// An error that is exactly zero says nothing about how sharp a bound is.
+    /// An exact zero error gives no information about the sharpness of a bound.
     fn error(&mut self, error: f64, bound: f64, what: impl Fn() -> String) {
         if error.is_nan() || error > bound * (1.0 + 1e-6) {
             self.violations.push(format!("{}: error {error:e}, bound {bound:e}", what()));
@@ -88,7 +88,7 @@ impl Figures {
     }
 }
 
-/// All frequencies of one system; `truth` has the same ones, and rational numbers.
+/// Checks all frequencies of one system; `truth` has the same frequencies, but rational numbers.
 pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Figures, what: &str) {
     let (exact, quadratic) = (ExactPencil::of(truth), Quadratic::of(truth));
     let modes = match analysis::modes(system) {
@@ -100,7 +100,7 @@ pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
         figures.bound(mode.omega.relative_error(), system.n(), what);
         let square = mode.omega_squared;
         let room = if mode.kind == ModeKind::Rigid { 1e-300 } else { square.rad };
-        // Motions without inertia leave a degree that the counts by leading minors of K - s M know as well.
+        // With motions without inertia, the leading minors of K - s M can still be counted.
         if modes.infinite == 0 && square.rad.is_finite() && !encloses(&exact, square, k, room) {
             figures.violations.push(format!("{}: not the {}-th eigenvalue", what(), k + 1));
         }
@@ -116,7 +116,7 @@ pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
     }
 }
 
-/// All poles of one system; `truth` has the same ones, and rational numbers.
+/// Checks all poles of one system; `truth` has the same poles, but rational numbers.
 pub fn check_poles(system: &LinearSystem, truth: &LinearSystem, figures: &mut Figures, what: &str) {
     let poles = analysis::modes(system).and_then(|modes| analysis::poles(system, &modes));
     let poles = match poles {
@@ -139,8 +139,8 @@ pub fn check_poles(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
     }
 }
 
-/// The same system in coordinates of which each two are turned by 30 degrees: cos 30 is no rational number, so that nothing
-/// of the structure can be decided exactly any more.
+/// The system in coordinates that are rotated in pairs by 30 degrees: cos 30° is not rational, so that no structure can
+/// be decided exactly.
 pub fn turned(system: &LinearSystem) -> LinearSystem {
     let cos = &Number::from(3).sqrt().expect("positive") / &Number::from(2);
     let half = Number::from("0.5");
@@ -169,11 +169,12 @@ pub fn turned(system: &LinearSystem) -> LinearSystem {
     LinearSystem { m: turn(&system.m), c: turn(&system.c), k: turn(&system.k), ..system.clone() }
 }
 
-/// The k-th eigenvalue (from 0) is within `radius` of the ball's midpoint.
+/// Whether the k-th eigenvalue (from 0) is within `radius` of the ball's midpoint.
 fn encloses(exact: &ExactPencil, ball: Ball, k: usize, radius: f64) -> bool {
     let (mid, radius) = (value(ball.mid), binary(radius));
     let (low, high) = (&mid - &radius, mid + radius);
-    // A leading minor that vanishes exactly at a bound would make the count fail; a nudge outwards by 2^-900 does not matter.
+    // A leading minor that vanishes exactly at a bound would make the count fail; moving outwards by 2^-900 does not
+    // matter.
     let nudge = binary(2f64.powi(-900));
     let count = |s: &BigRational, step: &BigRational| {
         (0..4).scan(s.clone(), |s, _| Some(std::mem::replace(s, &*s + step))).find_map(|s| exact.below(&s))
@@ -183,7 +184,8 @@ fn encloses(exact: &ExactPencil, ball: Ball, k: usize, radius: f64) -> bool {
     below <= k && beyond > k
 }
 
-/// A connected network of n masses with decimal springs over so many decades, `extra` more springs that close cycles.
+/// A connected network of n masses with decimal springs over this many decades, and `extra` more springs that close
+/// cycles.
 pub fn network(random: &mut Random, n: usize, decades: f64, extra: usize, grounded: bool) -> LinearSystem {
     let mut b = Builder::numbered(n);
     (0..n).for_each(|i| b.mass(i, &random.decimal(decades)));
@@ -203,7 +205,7 @@ pub fn network(random: &mut Random, n: usize, decades: f64, extra: usize, ground
     b.finish()
 }
 
-/// Rows and coupled masses of any coefficients, signs included if `mixed`.
+/// Rows and coupled masses with arbitrary coefficients, with both signs if `mixed`.
 pub fn levers(random: &mut Random, n: usize, decades: f64, mixed: bool) -> LinearSystem {
     let mut b = Builder::numbered(n);
     for i in 0..n {
@@ -229,7 +231,7 @@ fn near_buckling(random: &mut Random, n: usize, margin: usize) -> LinearSystem {
         let (from, row) = (i.checked_sub(1), |sign: i64| (i, Number::from(sign)));
         let row: Vec<(usize, Number)> = [row(1)].into_iter().chain(from.map(|j| (j, Number::from(-1)))).collect();
         b.stiffness(&format!("k{i}"), Nature::Property, &k, &row);
-        // -k (1 - 10^-margin), but for the first hinge, which holds what the others lean on, half of it.
+        // -k (1 - 10^-margin), except for the first hinge, which also supports the others: half of it.
         let left = if i == 0 { Number::from("0.5") } else { Number::from(format!("1e-{margin}").as_str()) };
         b.stiffness(&format!("g{i}"), Nature::Geometric, &-&(&k * &(&Number::ONE - &left)), &row);
     }
@@ -263,8 +265,8 @@ fn with_massless_nodes(random: &mut Random, n: usize) -> LinearSystem {
     b.finish()
 }
 
-/// A net of n masses with springs and dampers over so many decades, some of them to the ground, the dampers 10^level times
-/// as strong.
+/// A net of n masses with springs and dampers over this many decades, some of them to the ground; the dampers are
+/// 10^level times as strong.
 pub fn damped_net(random: &mut Random, n: usize, decades: f64, level: f64, negative: bool) -> LinearSystem {
     let mut b = Builder::numbered(n);
     for i in 0..n {
@@ -288,7 +290,7 @@ pub fn damped_net(random: &mut Random, n: usize, decades: f64, level: f64, negat
     b.finish()
 }
 
-/// Nothing holds the whole by springs; dampers drag one or two masses along the ground.
+/// No spring holds the system as a whole; dampers drag one or two masses along the ground.
 fn dragged(random: &mut Random, n: usize) -> LinearSystem {
     let mut b = Builder::numbered(n);
     for i in 0..n {
@@ -324,7 +326,7 @@ fn symmetric(random: &mut Random, n: usize) -> LinearSystem {
     b.finish()
 }
 
-/// Oscillators with c = 2 sqrt(k m) (1 + 10^-d), or exactly, that a damper between them may couple.
+/// Oscillators with c = 2 sqrt(k m) (1 + 10^-d), or exactly critical, possibly coupled by a damper.
 fn critical(random: &mut Random, n: usize, d: usize) -> LinearSystem {
     let mut b = Builder::numbered(n);
     for i in 0..n {

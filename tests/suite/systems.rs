@@ -1,11 +1,11 @@
-//! Linear systems built by hand, and the hard cases read from their terms.
+//! Linear systems built by hand, and the hard cases read from files with their terms.
 
 use num_rational::BigRational;
 use std::cmp::Ordering;
 use vibc::base::{Ball, FileId, Name, Number, Rational, Span, Words};
 use vibc::system::{Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature};
 
-/// A linear system in the making: coordinates by name, terms by their rows.
+/// A linear system under construction: coordinates by name, terms by their rows.
 pub struct Builder {
     words: Words,
     coordinates: Vec<Coordinate>,
@@ -128,8 +128,8 @@ impl Random {
         (self.next() % n as u64) as usize
     }
 
-    /// A positive decimal of four digits (powers of two would make plain elimination exact), its exponent spread over so
-    /// many decades about 1.
+    /// A positive decimal of four digits (powers of two would make plain elimination exact), with its exponent spread
+    /// over this many decades about 1.
     pub fn decimal(&mut self, decades: f64) -> Number {
         let mantissa = 1000 + self.below(9000);
         let exponent = self.below(decades as usize + 1) as i64 - decades as i64 / 2;
@@ -151,8 +151,9 @@ pub fn number(text: &str) -> Number {
     }
 }
 
-/// The number of which a case gives 40 digits: sums of binary64 numbers have few bits, so one of 75 bits that agrees in
-/// all the digits given is the number itself. (Cut off at 40 digits, rows of o08 would not be exactly dependent any more.)
+/// The binary number of which a case gives 40 digits: sums of binary64 numbers have few bits, so a number of 75 bits
+/// that agrees in all given digits is the number itself. (Cut off at 40 digits, rows of o08 would no longer be exactly
+/// dependent.)
 fn binary(text: &str) -> Number {
     let cut = number(text);
     let size = cut.abs().to_f64();
@@ -177,14 +178,14 @@ pub struct HardCase {
 }
 
 impl HardCase {
-    /// What the case's file says.
+    /// The content of the case's file.
     pub fn json(name: &str) -> serde_json::Value {
         let path = format!("{}/tests/hardcases/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
         serde_json::from_str(&text).expect("a case is JSON")
     }
 
-    /// The case with the literals as rounded to binary64, for which the references' `value` is given.
+    /// The case with its literals rounded to binary64, for which the references' `value` is given.
     pub fn load(name: &str) -> HardCase {
         let json = HardCase::json(name);
         let names: Vec<&str> = texts(&json["dofs"]).collect();

@@ -1,5 +1,5 @@
-//! Tables as signals, through the program: what a CSV file drives, and what is reported of one that is no table.
-//! See docs/method/response.md#signals.
+//! Tables as signals, in whole runs of the program: the motion that a CSV file drives, and the report for a file that
+//! is not a table. See docs/method/response.md#signals.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn scene(signal: &str, table: &str) -> TempDir {
     folder
 }
 
-/// The program, started elsewhere than beside the model.
+/// Runs the program in another directory than the model's.
 fn simulate(folder: &Path, more: &[&str]) -> Output {
     let model = folder.join("m.vib");
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
@@ -40,7 +40,7 @@ fn a_table_of_a_force_is_lines_between_its_rows() {
     assert_eq!(ramp, table);
 }
 
-/// The natural spline through (0, 0), (1, 1), (2, 0) in closed form; it stays at 0 from then on.
+/// The natural spline through (0, 0), (1, 1), (2, 0) in closed form; it stays at 0 afterwards.
 #[test]
 fn a_table_of_a_base_is_a_natural_spline() {
     let points = "0,0\n1,1\n2,0\n";
@@ -50,8 +50,8 @@ fn a_table_of_a_base_is_a_natural_spline() {
     assert_ne!(model, driven);
     fs::write(table.path().join("m.vib"), driven).expect("a file");
     let moved = rows(&simulate(table.path(), &[]));
-    // The spline is u = 1.5 t - t^3 / 2 up to 1, then its mirror image, then 0: forces k u + c u' as a second road, in
-    // small steps of Runge and Kutta.
+    // The spline is u = 1.5 t - t^3 / 2 up to 1, then its mirror image, then 0. An independent computation applies the
+    // forces k u + c u' in small Runge-Kutta steps.
     let rise = |t: f64| (1.5 * t - 0.5 * t.powi(3), 1.5 - 1.5 * t * t);
     let drive = |t: f64| match t {
         t if t < 1.0 => rise(t),
@@ -69,7 +69,7 @@ fn a_table_of_a_base_is_a_natural_spline() {
         let k1 = slope(t, state);
         let k2 = slope(t + 0.5 * h, at(k1, 0.5 * h));
         let k3 = slope(t + 0.5 * h, at(k2, 0.5 * h));
-        // The end of a step belongs to the piece that it ends.
+        // The end of a step belongs to the piece that ends there.
         let k4 = slope(t + h - 1e-12, at(k3, h));
         for i in 0..2 {
             state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);

@@ -8,7 +8,7 @@ use vibc::backend::report;
 use vibc::base::{Number, Rational};
 use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
 
-/// A force on and the displacement of each coordinate.
+/// The system with a force on each coordinate, and its displacement as output.
 pub fn with_every_pair(mut system: LinearSystem) -> LinearSystem {
     let names: Vec<Label> = system.coordinates.iter().map(|coordinate| coordinate.name).collect();
     for (i, &name) in names.iter().enumerate() {
@@ -20,7 +20,7 @@ pub fn with_every_pair(mut system: LinearSystem) -> LinearSystem {
     system
 }
 
-/// Checks every reference `frf[out/in]@w=omega` of a case: 15 digits, and the bound kept.
+/// Checks every reference `frf[out/in]@w=omega` of a case to 15 digits, and that its bound holds.
 fn check_case(name: &str) {
     let case = HardCase::load(name);
     let names = case.system.coordinate_names();
@@ -45,7 +45,7 @@ fn check_case(name: &str) {
     assert!(checked >= 8, "{name} has {checked} values");
 }
 
-/// A load as the cases write it: `x1`, `x1+x3`, or the parameter F, a force of so many newtons on the first coordinate.
+/// A load in the notation of the cases: `x1`, `x1+x3`, or the parameter F, a force in newtons on the first coordinate.
 fn load(case: &HardCase, text: &str, index: impl Fn(&str) -> usize) -> Input {
     let column = match case.json["parameters"][text].as_str() {
         Some(force) => vec![(CoordinateId(0), number(force))],
@@ -63,11 +63,11 @@ fn check(what: &str, gain: Gain, truth: &(Number, Number)) {
     let (re, im) = (truth.0.to_ball().mid, truth.1.to_ball().mid);
     let error = (disc.value - vibc::analysis::numeric::complex::Complex::new(re, im)).to_f64().abs();
     let size = (re * re + im * im).sqrt().to_f64();
-    // The references have 36 digits; as double-double numbers they keep 31.
+    // The references have 36 digits, of which double-double keeps 31.
     assert!(error <= disc.radius + 4e-32 * size, "{what}: error {error:e}, bound {:e}", disc.radius);
     assert!(error <= 1e-15 * size, "{what}: {} digits", -(error / size).log10());
-    // Ten significant units of double-double numbers times a condition of 1e17, half a unit in the last place off a pole
-    // (o26); a bound of an exact zero is an absolute one.
+    // Ten units in the last place of double-double numbers times a condition number of 1e17, half a unit in the last
+    // place away from a pole (o26); the bound of an exact zero is absolute.
     let allowed = if size == 0.0 { 1e-30 } else { 1e-14 * size };
     assert!(disc.radius <= allowed, "{what}: bound {:e}", disc.radius / size);
 }
@@ -102,7 +102,7 @@ fn the_cart_with_a_pendulum() {
     check_case("o29_seed_cart");
 }
 
-/// Where the pole is not cancelled, the same frequency is infinite.
+/// If the pole is not cancelled, H is infinite at that frequency.
 #[test]
 fn an_undamped_system_at_its_own_frequency_is_infinite() {
     let system = with_every_pair(HardCase::load("o26_pole_zero_cancel").system);
@@ -112,7 +112,7 @@ fn an_undamped_system_at_its_own_frequency_is_infinite() {
     assert!(matches!(gains[1][1], Gain::Finite(_)));
 }
 
-/// A free body under a steady force diverges; two forces that hold each other stretch the spring between them.
+/// A free body under a steady force diverges; two forces in balance stretch the spring between them.
 #[test]
 fn at_rest_a_free_pair_answers_forces_in_balance() {
     let mut b = Builder::numbered(2);
@@ -154,7 +154,7 @@ fn with_output(mut system: LinearSystem, name: Label) -> LinearSystem {
 }
 
 /// C09 of the published cases (SDLD21): eight masses of 10 kg between nine springs of 1e5 N/m with 50 N*s/m each, the
-/// receptance of the fourth mass; printed with 14 digits there, reproduced to 9e-8 by its own statement.
+/// receptance of the fourth mass; printed there with 14 digits, reproduced to 9e-8 by its own statement.
 #[test]
 fn a_chain_of_eight_masses_has_its_published_receptance() {
     let system = with_every_pair(super::systems::chain(8, "10", "100000", "50"));
@@ -184,12 +184,12 @@ fn table_of(system: &LinearSystem, input: usize, output: usize) -> Table {
     analysis::table(&Roads::of(system, &modes), &poles, &sweep)
 }
 
-/// Those of a table of one pair.
+/// The extrema of a table of one pair.
 fn extrema(table: &Table) -> &Extrema {
     &table.extrema.as_ref().expect("the default grid")[0][0]
 }
 
-/// An antiresonance nine decades deep between two peaks of damping ratio 2e-10, none of them on a grid.
+/// An antiresonance nine decades deep between two peaks of damping ratio 2e-10, none of them on a grid point.
 #[test]
 fn the_default_table_misses_nothing() {
     let system = with_every_pair(HardCase::load("o25_absorber_antiresonance").system);
@@ -238,11 +238,11 @@ fn undamped_peaks_are_infinite() {
         peaks.map(|extremum| extremum.gain).collect::<Vec<_>>()
     };
     assert_eq!(peaks(0, 0), [Gain::Infinite; 3]);
-    // The middle mass sees nothing of the second mode.
+    // The second mode does not move the middle mass.
     assert_eq!(peaks(1, 1), [Gain::Infinite; 2]);
 }
 
-/// Enough work for all cores is cut into a piece for each; a few frequencies are not. Not a bit differs.
+/// Enough work for all cores is divided into a piece for each; a few frequencies are not. The results are identical.
 #[test]
 fn pieces_for_several_cores_give_the_same_bytes() {
     let system = with_every_pair(chain(60, "2", "1000", "0.3"));
@@ -254,8 +254,8 @@ fn pieces_for_several_cores_give_the_same_bytes() {
     assert!(at_once.len() == 4 * 6000 && few.eq(at_once));
 }
 
-/// Three springs at angles of 120 degrees: by symmetry a force along x moves nothing along y, which the enclosed sines of
-/// the drawing leave open by 1e-24. What is left is rounding, and rounding has no peaks.
+/// Three springs at angles of 120 degrees: by symmetry a force along x moves nothing along y, although the enclosed
+/// sines of the drawing leave 1e-24 open. The rest is rounding error, which must have no peaks.
 #[test]
 fn what_may_be_zero_has_neither_peaks_nor_antiresonances() {
     let answer = ask("body drum { mass = 40 kg, shape = disk(0.25 m), at = (0, 0), free }
@@ -274,7 +274,7 @@ fn what_may_be_zero_has_neither_peaks_nor_antiresonances() {
     assert!(extrema(&along).list.iter().any(|extremum| extremum.kind == FeatureKind::Peak));
 }
 
-/// What a user sees of the absorber: text, and the form of the CSV and the JSON.
+/// The output for the absorber: text, and the format of the CSV and the JSON.
 #[test]
 fn tables_are_printed() {
     let system = with_every_pair(HardCase::load("o25_absorber_antiresonance").system);
@@ -312,7 +312,7 @@ fn tables_are_printed() {
     ));
 }
 
-/// All three roads to the receptances of a proportionally damped chain agree within their bounds.
+/// Three methods for the receptances of a proportionally damped chain agree within their bounds.
 #[test]
 fn sums_over_modes_agree_with_solutions() {
     let system = with_every_pair(super::systems::chain(8, "10", "100000", "50"));
@@ -337,7 +337,8 @@ fn sums_over_modes_agree_with_solutions() {
     }
 }
 
-/// From one end to the other and back: the same value, in a band full of resonances; and at rest the springs' sum.
+/// From one end to the other and back, H has the same value, in a band full of resonances; at rest it is that of the
+/// springs.
 #[test]
 fn a_chain_of_two_thousand_answers_both_ways_alike() {
     let n = 2000;
@@ -348,13 +349,13 @@ fn a_chain_of_two_thousand_answers_both_ways_alike() {
     let back = transfer.between(&frequency, &[1700], &[100])[0][0].disc().expect("finite");
     assert!((there.value - back.value).to_f64().abs() <= there.radius + back.radius);
     assert!(there.relative_error() < 1e-15, "{:e}", there.relative_error());
-    // At rest: k (n + 1) u = n - i + 1 springs on one side, i on the other.
+    // At rest: n - i + 1 springs on one side, i on the other.
     let rest = transfer.between(&Frequency::hertz(&Number::ZERO), &[499], &[499])[0][0].disc().expect("finite");
     let expected = 500.0 * 1501.0 / 2001.0 / 1000.0;
     assert!((rest.value.re.to_f64() / expected - 1.0).abs() < 1e-15);
 }
 
-/// What is too small for binary64 is not told as zero, nor is the size of a value whose square is.
+/// A value too small for binary64 is not reported as zero, nor is one whose square is too small.
 #[test]
 fn a_value_below_the_range_is_no_zero() {
     let table = |text: &str, hertz: &str| {

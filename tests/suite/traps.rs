@@ -1,5 +1,5 @@
-//! Traps of numerical vibration analysis into which other programs have fallen, each by its name: what goes wrong there, and
-//! that it does not here. (That two readings of one literal are both right is in `literals`.)
+//! Pitfalls of numerical vibration analysis in which other programs have been caught, each with its name: what goes
+//! wrong, and a test that it does not happen here. (`literals` shows that both readings of a literal are correct.)
 
 use super::exact::{binary, value};
 use super::systems::{Builder, HardCase, Random, number};
@@ -20,8 +20,8 @@ fn chain(n: usize, stiffness: impl Fn(usize) -> Number) -> LinearSystem {
     b.finish()
 }
 
-/// Inverse iteration from a vector that is linear in the index never meets the modes that are orthogonal to it. Damped, so
-/// that poles are found by such iterations: 2 sin(i pi / 2 (n + 1)) for unit masses and springs.
+/// Inverse iteration from a vector that is linear in the index never finds the modes that are orthogonal to it. With
+/// damping, so that poles are found by such iterations: 2 sin(i pi / 2 (n + 1)) for unit masses and springs.
 #[test]
 fn a_nice_start_vector_misses_no_symmetric_mode() {
     let n = 9;
@@ -41,7 +41,7 @@ fn a_nice_start_vector_misses_no_symmetric_mode() {
     }
 }
 
-/// Stiffnesses that are powers of two are added without rounding, and plain elimination looks exact: a sweep over such
+/// Stiffnesses that are powers of two are added without rounding, so plain elimination looks exact: a sweep over such
 /// numbers tests nothing. Those of the sweeps have decimal mantissas, and their sums round.
 #[test]
 fn random_stiffnesses_are_no_powers_of_two() {
@@ -54,8 +54,8 @@ fn random_stiffnesses_are_no_powers_of_two() {
     assert!(rounded > 300, "{rounded} of 400 sums round");
 }
 
-/// At the frequency of a branch its impedance is infinite: a recursion over the tree divides by zero just at the
-/// antiresonance that the branch was built for. The driven mass stands still there, exactly.
+/// At the frequency of a branch its impedance is infinite: a recursion over the tree divides by zero exactly at the
+/// antiresonance for which the branch was built. There the driven mass is exactly at rest.
 #[test]
 fn an_antiresonance_of_a_branch_is_no_division_by_zero() {
     let mut b = Builder::numbered(2);
@@ -68,11 +68,12 @@ fn an_antiresonance_of_a_branch_is_no_division_by_zero() {
     let standing = gains[0][0].disc().expect("finite");
     assert_eq!(standing.value.re.to_f64().abs() + standing.value.im.to_f64().abs(), 0.0);
     assert!(standing.radius < 1e-28);
-    // The branch takes the force: x2 = -F / k2.
+    // The branch carries the force: x2 = -F / k2.
     assert!((gains[1][0].disc().expect("finite").value.re.to_f64() + 0.25).abs() < 1e-16);
 }
 
-/// Double-double looks safe on assembled matrices and keeps 8 digits of this chain: 1e-12 beside 1e12 N/m leaves no more.
+/// Double-double seems safe for assembled matrices, but keeps only 8 digits of this chain, with springs of 1e-12 and
+/// 1e12 N/m.
 #[test]
 fn terms_hold_what_assembled_matrices_lose_even_in_double_double() {
     let case = HardCase::load("o02_chain_zigzag");
@@ -93,8 +94,8 @@ fn terms_hold_what_assembled_matrices_lose_even_in_double_double() {
     }
 }
 
-/// Squaring exp(A h) - 1 to the end leaves no digit of what has decayed. Critically damped at 2/s, 40 s after:
-/// (1 + 80) exp(-80), 1e-33 of where it was, to digits of itself.
+/// Squaring exp(A h) - 1 to the end leaves no digit of a motion that has decayed. Critically damped at 2/s, after 40 s:
+/// (1 + 80) exp(-80), 1e-33 of the start, must have correct digits.
 #[test]
 fn what_has_decayed_keeps_its_digits() {
     let mut b = Builder::numbered(1);
@@ -110,13 +111,13 @@ fn what_has_decayed_keeps_its_digits() {
     assert!(difference <= 1e-13 * truth.mid.hi, "{found:?}, {truth:?}");
 }
 
-/// A shift mu m added to a stiff diagonal is gone before signs are counted: of 120 masses in stiff pairs on soft springs, the
-/// lowest modes are those of 60 double masses, and none is missed.
+/// A shift mu m added to a stiff diagonal is lost before signs are counted: for 120 masses in stiff pairs on soft
+/// springs, the lowest modes are those of 60 double masses, and none is missed.
 #[test]
 fn a_shift_is_kept_apart_from_stiff_diagonals() {
     let n = 120;
     let system = chain(n, |i| number(if i % 2 == 1 { "1e17" } else { "1" }));
-    // Accurate enough to be compared with the closed form in binary64, whose own rounding is a few 1e-16.
+    // Accurate enough for comparison with the closed form in binary64, whose own rounding error is a few 1e-16.
     let request = Request { which: Which::Lowest(6), tolerance: 1e-14, ..Request::default() };
     let modes = analysis::modes_as(&system, &request).expect("modes");
     for (i, mode) in (1..).zip(modes.list.iter()) {
@@ -129,7 +130,8 @@ fn a_shift_is_kept_apart_from_stiff_diagonals() {
     assert_eq!(modes.list.len(), 6);
 }
 
-/// A fused multiply-add that rounds twice (as some run-time libraries emulate it) breaks every double-double product.
+/// A fused multiply-add that rounds twice (as some run-time libraries emulate it) invalidates every double-double
+/// product.
 #[test]
 fn products_have_no_error_that_is_not_known() {
     let mut random = Random::new(8);

@@ -42,7 +42,7 @@ class Coupled:
             left.remove(tie)
         return t
 
-    # --- what the oracles ask of a net
+    # --- the quantities of a net that the oracles compute
 
     @property
     def outputs(self):

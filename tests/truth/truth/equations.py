@@ -10,7 +10,7 @@ import sympy
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 DIGITS = 50
-# Differences are rounding alone below this.
+# Differences below this are rounding errors.
 SMALL = sympy.Float("1e-35", DIGITS)
 TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
 FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2}
@@ -180,7 +180,7 @@ def links(rng, scene):
             line(rng, scene, i, top, drawn)
         carrier, place, before = f"r{i}", f"P{i}", q
     if rng.random() < 0.5:
-        # Not M: where a model has that name, the program gives the mass matrix another.
+        # Not M: if a model uses that name, the program renames the mass matrix.
         scene.rows.append(f"torque Q3: {carrier}")
         scene.Q[before] = scene.Q.get(before, 0) + sympy.Symbol("Q3", real=True)
 

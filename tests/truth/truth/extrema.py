@@ -92,7 +92,7 @@ class Curve:
     def crossing(self, high, low, half):
         """Where the monotone piece between a peak and its neighbour crosses half of the peak."""
         high, low = high.mid(), low.mid()
-        # Towards the peak the place is looked for on a scale of ratios of the distance, then by halves.
+        # Near the peak, search on a scale of ratios of the distance, then bisect.
         for _ in range(BITS - 60):
             middle = ((high + low) / 2).mid()
             if self.gain_squared(middle) > half:

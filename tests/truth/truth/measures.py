@@ -203,7 +203,7 @@ def overlap(p, gs, q, hs, length):
 def powers(a, length, count):
     """The integrals of t^n e^(a t) from 0 to the length, n below count."""
     if a.contains(0):
-        # A pole and its mirror image on the axis, or zero with itself: the sum is zero.
+        # For a pole and its mirror image, both on the axis, or for a zero pole with itself, the sum is zero.
         return [length ** (n + 1) / (n + 1) for n in range(count)]
     e = (a * length).exp()
     found = [(e - 1) / a]

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import tempfile
 
-# Processor seconds of one run, so that other work on the machine makes no run too long; and seconds, for one that hangs.
+# Processor seconds of one run, so that other work on the machine does not count; and wall-clock seconds, for one that hangs.
 TIME_LIMIT = 10
 PATIENCE = 600.0
 

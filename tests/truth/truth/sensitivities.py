@@ -46,7 +46,7 @@ def derivatives(net, poly_of, places):
     p = decimal(net.parameters["p"].split()[0])
     degree = sum("@" in v for _, _, v in net.springs + net.dampers)
     polys = [poly_of(p + j) for j in range(degree + 1)]
-    # The derivative by p of the polynomial in p through these places, at the first of them.
+    # The derivative with respect to p of the polynomial in p through these points, at the first of them.
     slope = polys[0] * 0
     difference = list(polys)
     for order in range(1, degree + 1):

@@ -5,9 +5,9 @@ from array import array
 
 from flint import arb, acb, fmpq
 
-# Half of the last place of a binary64 number, relative to it: an error below this is rounding alone.
+# Half a unit in the last place of a binary64 number, relative to it: a smaller error is only rounding.
 ROUNDING = arb(2) ** -54
-# The smallest positive binary64 number: what lies below it can only be told as zero.
+# The smallest positive binary64 number: anything below it can only be reported as zero.
 TINY = arb(2) ** -1074
 
 
@@ -96,7 +96,7 @@ class Tally:
             self.violate(kind, told, text(truth), bound)
             return
         if not error <= allowed:
-            # The error cannot be told from zero with more digits than any bound has, or the oracle had too few.
+            # Undecided: the error is zero to more digits than any bound has, or the oracle had too few digits.
             if not error.upper() <= (size if unit is None else unit) * arb(2) ** -150:
                 self.undecided += 1
                 self.open[kind] = self.open.get(kind, 0) + 1
