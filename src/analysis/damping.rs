@@ -13,7 +13,7 @@ use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Name, Number};
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 
-/// Sums of magnitudes are rounded upwards.
+/// Covers the rounding errors of sums of magnitudes.
 const UP: f64 = 1.0 + 1e-9;
 
 /// Adds alpha M + beta K, term by term; exact if the terms are.
@@ -36,8 +36,8 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
     }
 }
 
-/// Adds the damping ratio to every oscillation. The rows are enclosures of numbers that give exactly this C: what is
-/// uncertain in the modes is uncertain in C, and so in every bound that is computed from it.
+/// Adds the damping ratio to every oscillation. The rows are enclosures of numbers that give exactly this C: the
+/// uncertainty of the modes is in C, and so in every bound that is computed from it.
 ///
 /// The modes keep the shapes that were refined for this, which are those of the damped system too.
 pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
@@ -71,14 +71,14 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
     Ok(())
 }
 
-/// 2 zeta omega (M x)(M x)^T without its ratio.
+/// 2 zeta omega (M x)(M x)^T for a mode, without the factor zeta.
 #[derive(Clone)]
 struct Term {
     omega: Ball,
     row: Vec<(CoordinateId, Ball)>,
 }
 
-/// The modes that move a part.
+/// The modes in which a part moves.
 fn of_part(part: &Part, modes: &[Mode]) -> Vec<usize> {
     let moves = |mode: &Mode| part.coordinates.iter().any(|&c| mode.shape[c as usize] != 0.0);
     (0..modes.len()).filter(|&i| moves(&modes[i])).collect()
@@ -100,7 +100,7 @@ struct Basis {
 }
 
 impl Basis {
-    /// `None` where its massless motions are not known exactly, or the modes not well enough for a bound.
+    /// `None` if its massless motions are not known exactly, or the modes are not accurate enough for a bound.
     fn of(system: &LinearSystem, part: &Part, modes: &[Mode]) -> Option<Basis> {
         let n = part.coordinates.len();
         let mut place = vec![0u32; system.n()];
@@ -129,14 +129,14 @@ impl Basis {
         Term { omega, row: row.map(|(&c, &x)| (CoordinateId(c), x)).collect() }
     }
 
-    /// The refined shape over the coordinates of the part; `None` where some of them have no inertia.
+    /// The refined shape over the coordinates of the part; `None` if some of them have no inertia.
     fn shape(&self, mode: usize) -> Option<&[Dd]> {
         (self.form.shapes.rows() == self.momenta.rows()).then(|| self.form.shapes.column(mode))
     }
 }
 
-/// The modes of a part some of whose motions have no inertia, on the coordinates that are left when these are eliminated
-/// exactly, and the motions of the part that M sees: those of the coordinates that are left, the others at rest.
+/// The modes of a part with motions without inertia, on the coordinates that remain after eliminating these exactly;
+/// and the motions of the part that M sees: those of the remaining coordinates, with the others at rest.
 fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Option<(ModalForm, Matrix<Dd>)> {
     let condensed = condense(m, k, n, &structure::null_space(m, n).vectors).ok()?;
     if condensed.kept.len() != modes.len() {

@@ -1,11 +1,11 @@
-//! Damping of the whole system by its modes, beside closed forms and sums over the modes in 60 digits.
+//! Damping of the whole system by its modes, compared with closed forms and with sums over the modes in 60 digits.
 
 use std::process::Command;
 
-/// A number as the sum of two of binary64: some 32 digits.
+/// A number as the sum of two binary64 numbers: some 32 digits.
 type Wide = (f64, f64);
 
-/// Frequencies in Hz with the two parts of H.
+/// Frequencies in Hz with the real and imaginary parts of H.
 fn keeps_its_bounds(model: &str, truth: &[(&str, Wide, Wide)]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("model.vib");
@@ -21,18 +21,19 @@ fn keeps_its_bounds(model: &str, truth: &[(&str, Wide, Wide)]) {
     assert_eq!(rows.len(), truth.len(), "{table}");
     for (row, (hertz, re, im)) in rows.iter().zip(truth) {
         let number = |field: &str| row[field].as_f64().unwrap_or_else(|| panic!("{hertz} Hz: no {field}"));
-        // Printed numbers are so near to the first word that the difference is exact.
+        // Printed numbers are so close to the leading word that the difference is exact.
         let error = |printed: f64, truth: &Wide| (printed - truth.0) - truth.1;
         let (bound, size) = (number("error_bound"), re.0.hypot(im.0));
         let distance = error(number("re"), re).hypot(error(number("im"), im)) / size;
-        // The distance itself is computed to 15 digits.
+        // The difference itself is computed to 15 digits.
         assert!(distance <= bound * (1.0 + 1e-14), "{hertz} Hz: off by {distance:e}, bound {bound:e}");
         assert!(bound < 1e-15, "{hertz} Hz: the bound is {bound:e}");
     }
 }
 
-/// `damping modal` at 200 coordinates, whose modes come in binary64, beside the closed form: the shapes of a chain that is
-/// fixed at one end are sines. Values to 32 digits by mpmath, each as the sum of two binary64 numbers.
+/// `damping modal` with 200 coordinates, whose modes are computed in binary64, compared with the closed form: the
+/// shapes of a chain that is fixed at one end are sines. Values to 32 digits by mpmath, each as the sum of two binary64
+/// numbers.
 #[test]
 fn damping_by_modes_keeps_its_bounds_in_a_long_chain() {
     let model = "model c\n\

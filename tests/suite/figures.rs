@@ -405,8 +405,8 @@ fn figures_of_the_documents_are_fresh() {
     assert!(readme.contains("docs/figures/cart.svg"));
 }
 
-/// Parts without coordinates beside some that have them are a figure of their own: what moves along y stands in a column, its
-/// elements run along y, and nothing lies over a body.
+/// Parts without coordinates form a separate figure if other parts have coordinates: those that move along y are in a
+/// column, its elements run along y, and nothing covers a body.
 #[test]
 fn parts_without_coordinates_beside_others_are_laid_out() {
     for (name, column, elements) in [
@@ -434,13 +434,13 @@ fn parts_without_coordinates_beside_others_are_laid_out() {
                 assert!(!body(part).grown(-4.0).overlaps(&bounds), "{name}: {element} lies over {part}");
             }
         }
-        // Nothing of the column lies over what has coordinates.
+        // The column covers nothing that has coordinates.
         let lever = figured.of_kind(Kind::Rod).next().expect("a rod").bounds();
         assert!(!lever.overlaps(&body("raft")) && !lever.overlaps(&body("deck")), "{name}");
     }
 }
 
-/// The force in an element is an arrow beside it.
+/// The force in an element is an arrow next to it.
 #[test]
 fn the_force_in_an_element_stands_beside_it() {
     let figured = Figured::of("m.vib", &example("inerter_table.vib"), AS_DRAWN).expect("a figure");

@@ -112,7 +112,7 @@ impl Condensed {
         whole
     }
 
-    /// What coordinate i does in q', the part of the motion x that M sees.
+    /// The component of coordinate i in q', the part of the motion x that M sees.
     pub fn seen_by_inertia(&self, i: usize, x: &[Dd]) -> Dd {
         let parts = self.vectors.iter().filter(|(_, v)| !v[i].is_zero());
         parts.fold(x[i], |sum, (at, v)| sum - v[i].to_ball().mid * x[*at])

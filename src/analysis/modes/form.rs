@@ -45,7 +45,7 @@ impl ModalForm {
         Some(ModalForm::refined(shapes(&modes.list), &kinds(&modes.list), &m, &k, gram))
     }
 
-    /// From shapes as they were computed, a column a mode, and the kinds of these modes.
+    /// The form from shapes as computed, one column for each mode, and the kinds of these modes.
     pub fn refined(
         shapes: Matrix<Dd>,
         kinds: &[ModeKind],
@@ -86,10 +86,11 @@ impl ModalForm {
         })
     }
 
-    /// A bound of the entries of a G with sum 2 zeta omega_i (M x_i)(M x_i)^T = (M X + M X G) W (M X + M X G)^T exactly, where
-    /// the sum is over the true oscillations, and W is diagonal: 2 zeta sqrt k_i for the oscillations, else 0. `None` where the
-    /// basis is too far from one of modes. Close and repeated frequencies need no care: the sum does not depend on the choice
-    /// of shapes within them. The proof is in docs/method/response.md#damping-by-modes.
+    /// A bound of the entries of a G with sum 2 zeta omega_i (M x_i)(M x_i)^T = (M X + M X G) W (M X + M X G)^T
+    /// exactly, where the sum is over the true oscillations, and W is diagonal: 2 zeta sqrt k_i for the oscillations,
+    /// otherwise 0. `None` if the basis is too far from one of modes. Close and repeated frequencies need no special
+    /// treatment, because the sum does not depend on the choice of shapes within them. The proof is in
+    /// docs/method/response.md#damping-by-modes.
     pub fn uncertainty(&self, kinds: &[ModeKind]) -> Option<f64> {
         let k = self.stiffnesses();
         let least = least_stiffness(kinds, &k);
@@ -116,7 +117,7 @@ impl ModalForm {
     }
 }
 
-/// The shapes of modes as they were computed, a column a mode.
+/// The shapes of modes as computed, one column for each mode.
 pub(in crate::analysis) fn shapes(modes: &[Mode]) -> Matrix<Dd> {
     let n = modes.first().map_or(0, |mode| mode.shape.len());
     Matrix::from_fn(n, modes.len(), |i, j| {

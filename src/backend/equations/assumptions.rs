@@ -1,4 +1,4 @@
-//! Section 1: assumptions, coordinates with a sentence each, and what names stand for.
+//! Section 1: assumptions, coordinates with a sentence each, and the meaning of names.
 
 use super::document::{DIGITS, Inline, Item, Section, Writer, paragraph, words};
 use super::formula::Formula;

@@ -1,4 +1,4 @@
-//! Equations in MathML, which browsers show without any script: a page of its own, or sections for a report.
+//! Equations in MathML, which browsers display without scripts: a page of its own, or sections for a report.
 
 use super::document::{Document, Inline, Section};
 use super::formula::{Formula, Running, greek_letter};
@@ -16,8 +16,8 @@ pub fn mathml(document: &Document) -> String {
     format!("{head}{}</body>\n</html>\n", write::document(&MathMl, document))
 }
 
-/// The items of one section without its heading: paragraphs, and each formula as a `math` element. Text is escaped; there is no
-/// script, no style and no reference to anything outside.
+/// The items of one section without its heading: paragraphs, and each formula as a `math` element. Text is escaped;
+/// there is no script, no style and no reference to anything outside the page.
 pub fn section(section: &Section) -> String {
     section.items.iter().map(|item| write::item(&MathMl, item)).collect()
 }

@@ -54,7 +54,7 @@ impl Language for Text {
         "pi"
     }
 
-    /// `x_block''`, `m[3]`: primes belong to the letter, but stand where they are read, at the end.
+    /// `x_block''`, `m[3]`: primes belong to the letter, but are written at the end.
     fn name(&self, label: &Label) -> String {
         format!("{}{}", readable(&label.plain()), "'".repeat(usize::from(label.dots)))
     }

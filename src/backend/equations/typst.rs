@@ -107,7 +107,7 @@ impl Language for Typst {
         format!("{left} = {right}")
     }
 
-    /// Text that steers nothing.
+    /// Escapes text so that it contains no commands.
     fn prose(&self, text: &str) -> String {
         let mut escaped = String::new();
         for c in text.chars() {

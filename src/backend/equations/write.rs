@@ -1,11 +1,11 @@
-//! The one walk over a formula and a document that every form shares: where brackets are needed, where signs stand. A form of output is a
-//! [`Language`]; it says how each part is spelled and nothing else.
+//! The traversal of a formula and a document that all output formats share: it decides where brackets are needed and
+//! where signs are written. An output format is a [`Language`], which only defines how each part is written.
 
 use super::document::{Document, Inline, Item};
 use super::formula::{Formula, Running, Shown, shown};
 use crate::equations::names::Label;
 
-/// How tightly a formula holds together; what holds less than its place asks for gets brackets.
+/// The binding strength of a formula; a formula that binds less tightly than its position requires gets brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tight {
     Sum,
@@ -14,40 +14,40 @@ pub enum Tight {
     Power,
 }
 
-/// A formula that is written, and how tightly it holds together.
+/// The text of a formula, and its binding strength.
 pub type Piece = (String, Tight);
 
-/// How one form of output spells the parts of formulas and of the document around them.
+/// How an output format writes the parts of formulas and of the document around them.
 pub trait Language {
     /// A whole number or a short decimal.
     fn number(&self, digits: &str) -> String;
-    /// A rounded number, with a power of ten perhaps.
+    /// A rounded number, possibly with a power of ten.
     fn decimal(&self, text: &str) -> Piece;
-    /// A quotient; both sides come without brackets.
+    /// A quotient; both sides are given without brackets.
     fn quotient(&self, over: Piece, under: Piece) -> Piece;
     fn imaginary(&self) -> &'static str;
     fn pi(&self) -> &'static str;
     fn name(&self, label: &Label) -> String;
-    /// The sign of a term, the first of its sum or a later one.
+    /// The sign of a term, which is the first of its sum or a later one.
     fn sign(&self, first: bool, negative: bool) -> &'static str;
-    /// What stands between factors.
+    /// The separator between factors.
     fn times(&self) -> &'static str;
     fn brackets(&self, inner: &str) -> String;
     fn power(&self, base: &str, exponent: u32) -> String;
     fn root(&self, inside: &str) -> String;
-    /// A function of arguments; `single` where the one argument is a name.
+    /// A function of arguments; `single` means that there is one argument, a name.
     fn call(&self, function: &str, arguments: &[String], single: bool) -> Piece;
-    /// The power of a function, where the form puts the exponent behind the function's name.
+    /// The power of a function, if the format puts the exponent after the function's name.
     fn call_power(&self, _function: &str, _arguments: &[String], _exponent: u32) -> Option<String> {
         None
     }
-    /// A capital with an index perhaps: `Q_theta`.
+    /// A capital letter, possibly with an index: `Q_theta`.
     fn indexed(&self, letter: &str, index: Option<Piece>) -> String;
     /// A sum over an index.
     fn series(&self, span: &Running, term: &str) -> String;
     fn matrix(&self, rows: &[Vec<String>]) -> String;
     fn equal(&self, left: &str, right: &str) -> String;
-    /// What keeps the parts of a sum or product together, for forms with elements.
+    /// Groups the parts of a sum or product, for formats with elements.
     fn group(&self, inner: String) -> String {
         inner
     }
@@ -60,7 +60,7 @@ pub trait Language {
     fn title(&self, text: &str) -> String;
     fn heading(&self, text: &str) -> String;
     fn paragraph(&self, inner: &str) -> String;
-    /// A formula on a line of its own, with the note behind it.
+    /// A formula on a line of its own, followed by its note.
     fn display(&self, formula: &Formula, note: &[Inline]) -> String;
     fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String;
 }
@@ -180,7 +180,7 @@ fn split(word: &str) -> (String, String) {
     if letter.is_empty() { (word, String::new()) } else { (letter.to_string(), index.to_string()) }
 }
 
-/// A part of an index that stands as it is: a number, or a running index with what is added to it (`i-1`).
+/// A part of an index that is kept unchanged: a number, or a running index with an offset (`i-1`).
 pub fn is_plain_index(part: &str) -> bool {
     let running = part.split_once(['+', '-']).is_some_and(|(letter, by)| letter.len() == 1 && is_digits(by));
     is_digits(part) || running
