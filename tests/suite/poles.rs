@@ -307,8 +307,8 @@ fn ratios_far_beyond_one_have_their_poles_in_closed_form() {
     }
 }
 
-/// The ground damps each mode by 0.5 1/s minus 0.1 omega: those above 5 rad/s grow. Only the slowest modes of the 500
-/// masses are computed, and the others are not called stable.
+/// Dampers to the ground make each mode decay at 0.5 1/s, from which a negative ratio takes 0.1 omega: those above
+/// 5 rad/s grow. Only the slowest modes of the 500 masses are computed, and the others are not called stable.
 #[test]
 fn a_negative_ratio_of_modes_that_are_not_computed_is_not_called_stable() {
     assert_eq!(row_damped_by_modes(30, "-10 %", "1").stability, Stability::Unstable);

@@ -100,7 +100,8 @@ pub fn check_modes(system: &LinearSystem, truth: &LinearSystem, figures: &mut Fi
         figures.bound(mode.omega.relative_error(), system.n(), what);
         let square = mode.omega_squared;
         let room = if mode.kind == ModeKind::Rigid { 1e-300 } else { square.rad };
-        // With motions without inertia, the leading minors of K - s M can still be counted.
+        // Counts by leading minors of K - s M include the infinite eigenvalues of motions without inertia: these are not
+        // compared.
         if modes.infinite == 0 && square.rad.is_finite() && !encloses(&exact, square, k, room) {
             figures.violations.push(format!("{}: not the {}-th eigenvalue", what(), k + 1));
         }

@@ -1,7 +1,7 @@
 //! Tiny and huge numbers: forms scaled by powers of two on the way into the methods, eigenpairs scaled back.
 //!
-//! The bounds of the methods hold if no product leaves the range of binary64; the methods for trees report an overflow
-//! ([`forest`](super::tree::forest)), the others lose digits. With M' = 2^m M and K' = 2^k K the vectors stay the same
+//! The bounds of the methods hold if no product leaves the range of binary64; the method for trees refuses other
+//! numbers ([`forest`](super::tree::forest)), the others lose digits. With M' = 2^m M and K' = 2^k K the vectors stay the same
 //! and the eigenvalues are multiplied by 2^(k-m). A power of two causes no rounding on the way in, because the numbers
 //! of the model are scaled before they are rounded; the bound contains the rounding on the way back. See
 //! docs/method/modes.md#certificate.

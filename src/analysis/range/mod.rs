@@ -49,8 +49,8 @@ impl<'a> Family<'a> {
         few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
     }
 
-    /// The direction of the eigenvalues of K - sigma M, from the weights of the squares alone: if no weight decreases,
-    /// no eigenvalue does (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
+    /// The direction of the eigenvalues of K - sigma M, from the weights of the squares alone: if no weight of K
+    /// decreases and none of M increases, no eigenvalue decreases (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
     pub fn course(system: &LinearSystem, lost: bool) -> Option<Course> {
         if lost {
             return None;

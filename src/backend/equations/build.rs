@@ -225,7 +225,7 @@ impl<'a> Builder<'a> {
         if exponent == 1 { base } else { Formula::Power(Box::new(base), exponent) }
     }
 
-    /// Fractions in arguments of functions have their number in the denominator.
+    /// The builder for arguments of functions, in which numerical fractions are written as `x/2`.
     fn inner(&self) -> Builder<'a> {
         Builder { fractions: Fractions::Below, ..*self }
     }
