@@ -374,3 +374,43 @@ fn a_value_below_the_range_is_no_zero() {
     let (gain, error) = table(stiff, "1e-3").expect("a value");
     assert!(error < 1e-20 && (gain.to_f64() * 3e290 - 1.0).abs() < 1e-15, "{gain:?}");
 }
+
+/// The receptance of a model at a frequency, with its bound; references have 40 digits.
+fn receptance(text: &str, hertz: &str, truth: (&str, &str)) {
+    let mut sources = vibc::base::Sources::new();
+    let model = sources.add(vibc::base::SourceFile::model("modal.vib", text));
+    let dynamics = vibc::dynamics(&sources, model, &Default::default()).answer.expect("a system");
+    let gain = Transfer::of(&dynamics.system).at(&Frequency::hertz(&number(hertz)))[0][0];
+    check(hertz, gain, &(number(truth.0), number(truth.1)));
+}
+
+/// 1e13 of an acceleration reaches the far mass: what the computed mode shapes are off by is in the bound. References:
+/// sums over the modes in mpmath with 120 digits.
+#[test]
+fn damping_by_modes_is_within_the_bound_between_weakly_joined_masses() {
+    let text = "body b0 { mass = 0.5 kg, moves x }\nbody b1 { mass = 0.003 kg, moves x }\n\
+        body b2 { mass = 40 kg, moves x }\nbody b3 { mass = 300 kg, moves x }\n\
+        spring k0: b0 -- b1 { k = 1000 N/m }\nspring k1: b1 -- b2 { k = 0.04 N/m }\n\
+        spring k2: b2 -- b3 { k = 0.0014 N/m }\nspring k3: ground -- b0 { k = 690 N/m }\n\
+        spring k4: ground -- b3 { k = 0.4 N/m }\nforce F: b1 along x\noutput y = b3.ax\ndamping modal 1\n";
+    let near =
+        ("2.79105839299219143395795052848672904987264442e-17", "-5.73509240032692042890836360053761187714585846e-13");
+    receptance(text, "92.1663583350", near);
+    let far =
+        ("9.0911842387486996974927679588019877936245283e-14", "-1.76378252360261424875718972787631449424252876e-11");
+    receptance(text, "3", far);
+}
+
+/// Beyond 128 coordinates the modes come in binary64: a chain between a wall and a free end, whose modes are sines. Reference:
+/// their sum in mpmath with 80 digits.
+#[test]
+fn damping_by_modes_of_a_long_chain_is_within_the_bound() {
+    let text = "body m[1] { mass = 1 kg, moves x }\nspring k[1]: ground -- m[1] { k = 1000 N/m }\n\
+        repeat i in 2..130 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1000 N/m }\n}\n\
+        force f: m[1] along x\noutput y = m[130].x\ndamping modal 0.05\n";
+    receptance(
+        text,
+        "12",
+        ("-1.119868050500674966307494973970603145972e-75", "0.000000000008190673436793059118912727836927830937891"),
+    );
+}
