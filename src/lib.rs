@@ -372,9 +372,9 @@ pub struct Dynamics {
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
-        let WrittenOut { lowered, modes } = dynamics::for_transfer(&reading.scene, diagnostics)?;
-        let spectrum = modes.map_or_else(|| analysis::modes(&lowered.system), Ok).and_then(|modes| {
-            let poles = analysis::poles(&lowered.system, &modes)?;
+        let (system, modes) = dynamics::for_transfer(&reading.scene, diagnostics)?.into_parts();
+        let spectrum = modes.map_or_else(|| analysis::modes(&system), Ok).and_then(|modes| {
+            let poles = analysis::poles(&system, &modes)?;
             Ok((modes, poles))
         });
         let spectrum = match spectrum {
@@ -382,7 +382,7 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
             Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => None,
             Err(error) => return refused(&error, diagnostics),
         };
-        Some(Dynamics { model: reading.name(), system: lowered.system, spectrum })
+        Some(Dynamics { model: reading.name(), system, spectrum })
     })
 }
 
@@ -420,9 +420,8 @@ pub struct Motion {
 pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: &[Number]) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, times.last(), diagnostics)?;
-        let WrittenOut { lowered, modes } = dynamics::written_out(&reading.scene, diagnostics)?;
+        let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
-        let system = lowered.system;
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
         let history = history.or_else(|error| refused(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();
@@ -481,13 +480,13 @@ pub fn discrete(
 ) -> Outcome<Emission> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, options.until.as_ref(), diagnostics)?;
-        let WrittenOut { lowered, modes } = dynamics::written_out(&reading.scene, diagnostics)?;
+        let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let mut options = options.clone();
         if options.built_in {
             options.internal = dynamics::drives(&reading.scene, diagnostics)?;
         }
-        let modes = modes.map_or_else(|| analysis::modes(&lowered.system), Ok);
-        let system = modes.and_then(|modes| analysis::discretise(&lowered.system, &modes, &options));
+        let modes = modes.map_or_else(|| analysis::modes(&system), Ok);
+        let system = modes.and_then(|modes| analysis::discretise(&system, &modes, &options));
         let system = system.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         Some(Emission { model: reading.name(), system })
     })
@@ -510,7 +509,7 @@ pub fn parameterised(
 pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<(String, LinearSystem)> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
-        let system = dynamics::written_out(&reading.scene, diagnostics)?.lowered.system;
+        let (system, _) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         Some((reading.name(), system))
     })
 }
@@ -564,7 +563,7 @@ pub fn bench(
 ) -> Outcome<(String, bench::Bench)> {
     Outcome::of(|diagnostics| {
         let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
-        let system = dynamics::written_out(&reading.scene, diagnostics)?.lowered.system;
+        let (system, _) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
         let rounded = Overrides { literals: base::Literals::Binary64, ..*overrides };
         let rounded = linear(sources, model, &rounded).answer.map(|(_, system)| system);
@@ -613,7 +612,7 @@ pub fn draw(
         if !drawn.rest && drawn.mode.is_none() {
             return Some(figure(picture::Shown::AsDrawn));
         }
-        let Lowered { system, mechanism, .. } = dynamics::lowered(&reading.scene, diagnostics)?;
+        let Lowered { system, mechanism, rest } = dynamics::lowered(&reading.scene, diagnostics)?;
         let Some(wanted) = drawn.mode else {
             return Some(figure(picture::Shown::AtRest(&mechanism.poses(None))));
         };
@@ -626,7 +625,7 @@ pub fn draw(
         let shape = analysis::normalise(mode, analysis::Normalise::Translation);
         let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();
         let poses = mechanism.poses(Some(&shape));
-        let caption = backend::draw::mode_caption(wanted, mode);
+        let caption = backend::draw::mode_caption(wanted, mode, rest.is_proven());
         let does = |name| backend::draw::energy_of(mode, name);
         Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))
     })

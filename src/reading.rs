@@ -165,8 +165,8 @@ impl<'a> Reading<'a> {
             let value = &(si * &Number::from(*a)) / &Number::from(*b);
             let setting = (name.to_string(), Quantity { si: value, ..parameter.value.clone() });
             let checked = model::check_with(self.sources, &self.tree, self.overrides, &[setting]);
-            let found = checked.scene.and_then(|scene| dynamics::written_out(&scene, &mut Diagnostics::new()));
-            Ok(found.ok_or("the model has errors at other values of it")?.lowered.system)
+            let found = checked.scene.and_then(|scene| dynamics::about_rest(&scene, &mut Diagnostics::new()));
+            Ok(found.ok_or("the model has errors, or no rest that is proven, at other values of it")?.into_parts().0)
         };
         let systems: Result<Vec<LinearSystem>, String> = MULTIPLES.iter().map(system).collect();
         parameterised(name, si, &systems?)

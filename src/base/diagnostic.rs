@@ -189,6 +189,14 @@ impl Diagnostics {
         self.list.extend(other);
     }
 
+    /// Turns warnings of this code into errors with this help: what they say leaves nothing to go on with.
+    pub fn refuse(&mut self, code: Code, help: &str) {
+        for found in self.list.iter_mut().filter(|found| found.code == code) {
+            found.severity = Severity::Error;
+            found.help = Some(help.into());
+        }
+    }
+
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(Diagnostic::is_error)
     }

@@ -43,6 +43,14 @@ pub struct WrittenOut {
     pub modes: Option<Modes>,
 }
 
+/// The linear system of a scene about a rest that is proven, its rows written out: what is computed from it holds for the
+/// scene. Made by [`WrittenOut::about_rest`] alone.
+#[derive(Clone, Debug)]
+pub struct AboutRest {
+    system: LinearSystem,
+    modes: Option<Modes>,
+}
+
 /// Lowers a scene and adds its damping. `None` after an error, which is among the diagnostics.
 pub fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
     let lowered = lowered(scene, diagnostics)?;
@@ -54,15 +62,20 @@ pub fn written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Optio
     damped(scene, diagnostics)?.written_out(diagnostics)
 }
 
-/// Like [`written_out`], for a transfer function, whose matrices are summed from products of entries of rows: an error if
+/// Like [`written_out`], about a rest that is proven.
+pub fn about_rest(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
+    written_out(scene, diagnostics)?.about_rest(diagnostics)
+}
+
+/// Like [`about_rest`], for a transfer function, whose matrices are summed from products of entries of rows: an error if
 /// there are too many.
-pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
     let damped = damped(scene, diagnostics)?;
     if let Some(refusal) = too_long_rows(&damped.lowered.system) {
         diagnostics.push(refusal);
         return None;
     }
-    damped.written_out(diagnostics)
+    damped.written_out(diagnostics)?.about_rest(diagnostics)
 }
 
 /// Limit on the products of row entries that the matrices of a transfer function are summed from: some ten seconds of work.
@@ -133,6 +146,31 @@ fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {
 /// The signals that drive each input of a scene.
 pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec<Vec<Signal>>> {
     lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
+impl WrittenOut {
+    /// Refused if the rest is not proven: a bound of a number about it would say nothing about the scene.
+    pub fn about_rest(self, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
+        let WrittenOut { lowered: Lowered { system, rest, .. }, modes } = self;
+        if !rest.is_proven() && system.n() > 0 {
+            let help = "no number about this place would have a bound that holds for the scene; `vibc analyze` shows where it is. \
+                        Draw the scene nearer to its rest, or hold what hardly any spring holds there";
+            diagnostics.refuse(lower::error::UNPROVEN, help);
+            return None;
+        }
+        Some(AboutRest { system, modes })
+    }
+}
+
+impl AboutRest {
+    pub fn system(&self) -> &LinearSystem {
+        &self.system
+    }
+
+    /// The system, and all undamped modes where the damping needed them.
+    pub fn into_parts(self) -> (LinearSystem, Option<Modes>) {
+        (self.system, self.modes)
+    }
 }
 
 impl Damped {

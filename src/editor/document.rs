@@ -129,8 +129,8 @@ impl Document {
         let motions =
             inspection.lowered.take().and_then(|Lowered { system, rest, mechanism }| match analyse(&system) {
                 Ok(found) => found.map(|(modes, modal)| {
-                    let proven = rest.is_proven();
-                    let modal = modal.map(|modal| Modal { stability: modal.stability.of_rest(proven), ..modal });
+                    // About a rest that is not proven there is no room for saying that a number has no bound.
+                    let (modes, modal) = if rest.is_proven() { (modes, modal) } else { (Modes::default(), None) };
                     Motions { system, rest, mechanism, modes, modal }
                 }),
                 Err(error) => {

@@ -55,6 +55,7 @@ fn line_of(motions: &Motions) -> String {
         list.push("...".into());
     }
     let verdict = match motions.modal.as_ref().map(|modal| modal.stability.kind()) {
+        _ if !motions.rest.is_proven() => ", rest not proven",
         Some(Stability::Unstable) => ", UNSTABLE",
         Some(Stability::Undetermined) => ", stability undetermined",
         _ if motions.modal.as_ref().is_some_and(|modal| modal.poles.is_uncounted()) => {

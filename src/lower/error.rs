@@ -273,8 +273,8 @@ pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
         }
     };
     Diagnostic::warning(UNPROVEN, span, message).label(label).help(
-        "results are about the scene linearised at this place, and their bounds say nothing about another one; draw the scene \
-         nearer to its rest, or hold what hardly any spring holds there",
+        "results are about the scene linearised at this place, and have no bounds; draw the scene nearer to its rest, or hold \
+         what hardly any spring holds there",
     )
 }
 

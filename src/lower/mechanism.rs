@@ -36,8 +36,12 @@ impl Mechanism {
         Mechanism { kinematics, reduction, state }
     }
 
-    /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it.
+    /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it, and
+    /// the list is empty if that is not proven.
     pub fn springs_at_rest(&self, scene: &Scene, rest: &Rest) -> Vec<SpringAtRest> {
+        if !rest.is_proven() {
+            return Vec::new();
+        }
         let (mut between, mut reach) = (Between::default(), Reach::default());
         let mut list = Vec::new();
         for (index, element) in (0..).zip(&scene.elements) {

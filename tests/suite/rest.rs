@@ -1,6 +1,7 @@
 //! The rest of scenes: drawings declared to be the rest, rests far from the drawing, published cases drawn rotated.
 
 use super::ask::{Answer, ask, try_ask};
+use vibc::Outcome;
 use vibc::analysis::ModeKind;
 use vibc::backend::{ReportOptions, json, report};
 use vibc::base::{Diagnostic, Number, Rational, SourceFile, Sources};
@@ -729,6 +730,63 @@ fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
     assert!(tables.contains(" ? ") && !tables.contains("e-1") && !tables.contains("e-2"), "{report}");
     let held: Vec<Option<bool>> = answer.requirements.iter().map(|line| line.holds).collect();
     assert_eq!(held, [None; 2]);
+}
+
+/// Transfer functions, motions, code and benchmarks have no place for saying that a number has no bound: they are refused by
+/// one finding, as a limit; the caption of a drawn mode has no digits.
+#[test]
+fn nothing_goes_on_from_a_rest_that_is_not_proven() {
+    let text = "param k = 1 N/m
+        body m { mass = 1 kg, at = (0, 0.1 m), moves y }
+        spring a: ground@(-1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
+        spring b: ground@(1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
+        body n { mass = 1 kg, moves x }
+        spring s: ground -- n { k = k }
+        force f: n along x = step(1 N, 0 s)
+        output x = n.x";
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("quartic.vib", text));
+    let none = Overrides::default();
+    let times = vibc::times(&Number::ONE, &Number::ONE);
+    let refused: [Outcome<()>; 5] = [
+        nothing(vibc::dynamics(&sources, file, &none)),
+        nothing(vibc::simulate(&sources, file, &none, &times)),
+        nothing(vibc::discrete(&sources, file, &none, &discrete_options())),
+        nothing(vibc::bench(&sources, file, &none, &mut || 0.0)),
+        nothing(vibc::linear(&sources, file, &none)),
+    ];
+    for outcome in refused {
+        assert!(outcome.answer.is_none());
+        let said: Vec<_> = outcome.diagnostics.iter().map(|found| (found.code.0, found.is_error())).collect();
+        assert_eq!(said, [("vib::rest::unproven", true)]);
+        assert_eq!(outcome.failure(), Some(vibc::Failure::Limit));
+    }
+    let over = vibc::parameterised(&sources, file, &none, "k").answer.expect("a model without errors").1;
+    assert!(over.is_err_and(|reason| reason.contains("no rest that is proven")));
+    let drawn = vibc::Drawn { mode: Some(2), ..vibc::Drawn::default() };
+    let figure = vibc::draw(&sources, file, &none, &drawn).answer.expect("an answer").expect("a figure");
+    let captions: Vec<&str> = figure.notes.iter().map(|note| note.text.as_str()).collect();
+    assert!(
+        captions.iter().any(|text| text.contains("not proven")) && !captions.concat().contains("Hz"),
+        "{captions:?}"
+    );
+}
+
+fn nothing<T>(outcome: Outcome<T>) -> Outcome<()> {
+    Outcome { answer: outcome.answer.map(|_| ()), diagnostics: outcome.diagnostics }
+}
+
+fn discrete_options() -> vibc::DiscreteOptions {
+    vibc::DiscreteOptions {
+        step: Number::from("0.001"),
+        hold: vibc::Hold::Zero,
+        precision: vibc::Precision::Double,
+        tolerance: None,
+        unpruned: false,
+        built_in: false,
+        internal: Vec::new(),
+        until: None,
+    }
 }
 
 /// The bounds and certain digits of a JSON value, with their paths.

@@ -400,17 +400,3 @@ fn damping_by_modes_is_within_the_bound_between_weakly_joined_masses() {
         ("9.0911842387486996974927679588019877936245283e-14", "-1.76378252360261424875718972787631449424252876e-11");
     receptance(text, "3", far);
 }
-
-/// Beyond 128 coordinates the modes come in binary64: a chain between a wall and a free end, whose modes are sines. Reference:
-/// their sum in mpmath with 80 digits.
-#[test]
-fn damping_by_modes_of_a_long_chain_is_within_the_bound() {
-    let text = "body m[1] { mass = 1 kg, moves x }\nspring k[1]: ground -- m[1] { k = 1000 N/m }\n\
-        repeat i in 2..130 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1000 N/m }\n}\n\
-        force f: m[1] along x\noutput y = m[130].x\ndamping modal 0.05\n";
-    receptance(
-        text,
-        "12",
-        ("-1.119868050500674966307494973970603145972e-75", "0.000000000008190673436793059118912727836927830937891"),
-    );
-}

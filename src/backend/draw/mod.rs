@@ -66,9 +66,12 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     text
 }
 
-/// `mode 2: 0.5964 Hz (3.747 rad/s)`
-pub fn mode_caption(number: u32, mode: &Mode) -> String {
+/// `mode 2: 0.5964 Hz (3.747 rad/s)`; without digits about a rest that is not proven.
+pub fn mode_caption(number: u32, mode: &Mode, proven: bool) -> String {
     const DIGITS: usize = 4;
+    if !proven {
+        return format!("mode {number}, about a rest that is not proven");
+    }
     let omega = certain(&mode.omega, DIGITS);
     match mode.kind {
         ModeKind::Oscillation => {

@@ -179,6 +179,21 @@ fn hints_show_frequencies_damping_and_values() {
     );
 }
 
+/// No digit of what moves about a rest that is not proven, and no tension there.
+#[test]
+fn a_rest_that_is_not_proven_has_no_hints_of_numbers() {
+    let text = "body m { mass = 1 kg, at = (0, 0.1 m), moves y }\n\
+        spring a: ground@(-1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }\n\
+        spring b: ground@(1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }\n\
+        body n { mass = 1 kg, moves x }\nspring s: ground -- n { k = 1 N/m }\n";
+    let mut client = Client::open(text);
+    assert_eq!(hints(&mut client), [(0, "2 freedoms, rest not proven".to_string())]);
+    let position = json!({ "line": 1, "character": 7 });
+    let hover = client.ask("textDocument/hover", json!({ "textDocument": { "uri": URI }, "position": position }));
+    let shown = hover["contents"]["value"].as_str().expect("a page");
+    assert!(shown.contains("k = 100 N/m") && !shown.contains("tension") && !shown.contains("Hz"), "{shown}");
+}
+
 #[test]
 fn hints_show_what_was_solved_and_how_requirements_stand() {
     let mut client = Client::open(OSCILLATOR);
