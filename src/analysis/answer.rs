@@ -57,9 +57,9 @@ pub struct Modes {
     pub list: Vec<Mode>,
     /// Number of motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
     pub infinite: usize,
-    /// Modes below those of the list that were not asked for: counted, not computed.
+    /// Modes below those of the list that were not requested: counted, not computed.
     pub before: Before,
-    /// Modes above those of the list that were not asked for: counted, not computed.
+    /// Modes above those of the list that were not requested: counted, not computed.
     pub after: usize,
 }
 
@@ -157,7 +157,8 @@ pub struct Share<T> {
     pub part: Unproven,
 }
 
-/// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; complex pairs both.
+/// The poles of M s^2 + C s + K, ascending in |s|, then in the real part, then in the imaginary part; both
+/// of a complex pair.
 #[derive(Clone, Debug, Default)]
 pub struct Poles {
     pub list: Vec<Pole>,

@@ -5,7 +5,7 @@ use super::sweeps::{DAMPED, Figures, Kind, UNDAMPED, check_modes, check_poles, t
 use super::systems::Random;
 use vibc::system::LinearSystem;
 
-/// Systems of each kind; of the large ones, which exact arithmetic takes long for, fewer.
+/// The number of systems of each kind; fewer of the large ones, for which exact arithmetic takes long.
 const FEW: usize = 16;
 const LARGE: usize = 3;
 

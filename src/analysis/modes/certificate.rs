@@ -3,7 +3,7 @@
 //! In: the stiffness and the inertia in the basis of the approximate modes, K^ = X^T K X and M^ = X^T M X, with error bounds
 //! ([`Gram`]). Out: for each k an interval that contains the k-th eigenvalue.
 //!
-//! For a real s let T = K^ - s M^. Where X is regular, T has as many negative eigenvalues as there are lambda < s
+//! For a real s let T = K^ - s M^. If X is regular, T has as many negative eigenvalues as there are lambda < s
 //! (Sylvester). Take the modes near s as group C and the rest as R, and let g_j > 0 bound |T_jj| from below for j in R.
 //! Scaled by g^-1/2 the rest is a diagonal of magnitude at least 1 plus an off-diagonal part of Frobenius norm q; for q < 1
 //! it has the signs of its diagonal and an inverse of norm at most 1/(1-q). So the Schur complement of the group differs from
@@ -351,7 +351,7 @@ mod tests {
         }
     }
 
-    /// Two coordinates as pairs of what a term adds: (w, coordinate, other end).
+    /// The squares whose weighted sum is a form: (w, coordinate, other end).
     type Squares<'a> = &'a [(&'a str, usize, Option<usize>)];
 
     /// Checks that every radius encloses the eigenvalue at its position, or that nothing is reported.

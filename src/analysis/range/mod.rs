@@ -69,7 +69,7 @@ impl<'a> Family<'a> {
         }
     }
 
-    /// A number that is zero exactly where omega^2 is an eigenvalue of K, M.
+    /// A number that is zero exactly if omega^2 is an eigenvalue of K, M.
     pub fn resonance(&self, omega_squared: &Number) -> Option<Jet> {
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(omega_squared * &self.m[i][j]);
         let n = self.system.n();

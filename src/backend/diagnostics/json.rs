@@ -1,4 +1,4 @@
-//! Diagnostics for programs: one JSON object a line. Lines and columns from 1, columns in characters.
+//! Diagnostics for programs: one JSON object per line. Lines and columns from 1, columns in characters.
 
 use super::places::Places;
 use super::severity_name;

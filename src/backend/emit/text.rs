@@ -33,7 +33,7 @@ pub trait Words {
     fn lane(&self, width: usize) -> String;
 }
 
-/// Statements, a line each, indented.
+/// Statements, one per line, indented.
 pub fn statements(words: &impl Words, list: &[Statement], depth: usize) -> String {
     list.iter().map(|statement| written(words, statement, depth)).collect()
 }
@@ -193,7 +193,7 @@ pub fn decimal(x: f64, precision: Precision) -> String {
     }
 }
 
-/// A list of numbers, a few a line.
+/// A list of numbers, a few per line.
 pub fn numbers(values: &[f64], depth: usize, number: impl Fn(f64) -> String) -> String {
     let lines = values.chunks(4).map(|chunk| {
         let numbers: Vec<String> = chunk.iter().map(|&x| number(x)).collect();
