@@ -7,10 +7,10 @@
 
 use std::io::Write;
 use std::time::Instant;
-use vibc::analysis::numeric::{dense::Matrix, symmetric};
 use vibc::analysis::{Mode, Request, Which, modes_as};
 use vibc::base::source::{SourceFile, Sources};
 use vibc::base::{Number, Rational};
+use vibc::kernel::{dense::Matrix, symmetric};
 use vibc::model::Overrides;
 use vibc::system::LinearSystem;
 

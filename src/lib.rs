@@ -66,6 +66,8 @@ mod equations;
 #[cfg(not(feature = "program"))]
 mod joints;
 #[cfg(not(feature = "program"))]
+mod kernel;
+#[cfg(not(feature = "program"))]
 mod kinds;
 #[cfg(not(feature = "program"))]
 mod lower;
@@ -112,6 +114,9 @@ pub mod equations;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod joints;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod kernel;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod kinds;

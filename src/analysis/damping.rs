@@ -9,7 +9,7 @@ use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::modes::squares::Squares;
 use crate::analysis::modes::structure;
-use crate::analysis::numeric::dense::Matrix;
+use crate::kernel::dense::Matrix;
 use crate::base::{Ball, Dd, Name, Number};
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 

@@ -12,7 +12,6 @@ pub mod measures;
 pub mod modal;
 pub mod modes;
 pub mod nets;
-pub mod numeric;
 pub mod peak;
 mod poles;
 pub mod range;

@@ -5,9 +5,9 @@
 //! It is the motion that remains after damping has removed all others; without damping a motion from rest never reaches
 //! it.
 
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
+use crate::kernel::complex::Complex;
 use crate::system::Signal;
 
 /// The motion of one frequency.

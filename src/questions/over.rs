@@ -3,9 +3,9 @@
 //! docs/method/measures.md.
 
 use super::probe::Probe;
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::range::{Course, Family, Phasor};
 use crate::base::{Ball, Jet, Number};
+use crate::kernel::complex::Complex;
 use crate::model::scene::Question;
 use crate::system::Signal;
 

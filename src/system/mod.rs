@@ -7,8 +7,6 @@
 //! assembled matrix does not (a principle also found in Demmel et al., LAA 299 (1999) 21-80).
 
 pub mod chain;
-pub mod ldl;
-pub mod order;
 pub mod signal;
 
 pub use signal::Signal;

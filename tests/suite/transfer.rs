@@ -61,7 +61,7 @@ fn id_omega(id: &str) -> &str {
 fn check(what: &str, gain: Gain, truth: &(Number, Number)) {
     let disc = gain.disc().unwrap_or_else(|| panic!("{what}: {gain:?}"));
     let (re, im) = (truth.0.to_ball().mid, truth.1.to_ball().mid);
-    let error = (disc.value - vibc::analysis::numeric::complex::Complex::new(re, im)).to_f64().abs();
+    let error = (disc.value - vibc::kernel::complex::Complex::new(re, im)).to_f64().abs();
     let size = (re * re + im * im).sqrt().to_f64();
     // The references have 36 digits, of which double-double keeps 31.
     assert!(error <= disc.radius + 4e-32 * size, "{what}: error {error:e}, bound {:e}", disc.radius);

@@ -11,8 +11,8 @@ use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::{DiscreteSystem, Measured};
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
 
 /// A cell before rounding: w' = F w + the contributions of signals.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 //! the factors of u, u' and u'', and the rows that read w and w'. Out: the same motion without derivatives of u (w = xi
 //! + E0 u + E1 u'). See docs/method/emit.md.
 
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
 
 /// An independent group of states.
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ pub fn product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     for j in 0..b.columns() {
         for (k, &factor) in b.column(j).iter().enumerate() {
             if !factor.is_zero() {
-                crate::analysis::numeric::dense::add_scaled(c.column_mut(j), factor, a.column(k));
+                crate::kernel::dense::add_scaled(c.column_mut(j), factor, a.column(k));
             }
         }
     }

@@ -8,8 +8,8 @@ use crate::analysis::discrete::lift::{Lift, lift};
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
 use crate::analysis::discrete::signals::Chain;
 use crate::analysis::discrete::turn::{Turn, turn};
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
 
 /// The factor that a coefficient multiplies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

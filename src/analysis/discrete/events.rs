@@ -9,8 +9,8 @@ use crate::analysis::discrete::hold::moved;
 use crate::analysis::discrete::pieces::Seen;
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::signals::{MOST_EVENTS, Signals};
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
 use std::collections::BTreeSet;
 
 /// Why the events could not be computed.

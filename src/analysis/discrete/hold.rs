@@ -3,10 +3,10 @@
 //! double-double. They are blocks of the exponential of one larger matrix (Van Loan, IEEE Trans. AC-23 (1978) 395). See
 //! docs/method/emit.md.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::enclosure::norm_bound;
 use crate::analysis::response::exponential::Generator;
 use crate::base::{Ball, Dd};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::norm_bound;
 
 /// The matrices of one step.
 #[derive(Clone, Debug)]

@@ -11,10 +11,10 @@ use crate::analysis::discrete::block::{
     Block, NOTHING, Split, add, clean_product, inverse, product, sum, without_derivatives,
 };
 use crate::analysis::error::AnalysisError;
-use crate::analysis::numeric::complex::{Complex, Real};
-use crate::analysis::numeric::dense::{Matrix, dot};
 use crate::analysis::response::propagator::{Exogenous, StateSpace};
 use crate::base::{Ball, Dd};
+use crate::kernel::complex::{Complex, Real};
+use crate::kernel::dense::{Matrix, dot};
 use crate::system::LinearSystem;
 use std::ops::Div;
 

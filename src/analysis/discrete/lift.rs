@@ -9,8 +9,8 @@
 
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::turn::Turn;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
 
 /// The step of a pair of states.
 #[derive(Clone, Copy, Debug, PartialEq)]

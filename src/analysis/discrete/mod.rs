@@ -40,9 +40,9 @@ use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
 use crate::analysis::discrete::events::Fault;
 use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::poles;
 use crate::base::{Dd, Number};
+use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateKind, LinearSystem, Signal};
 
 /// The course of an input between samples.

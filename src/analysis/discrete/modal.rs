@@ -6,8 +6,8 @@ use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
 use crate::analysis::modes::form::{ModalForm, gram};
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// Off-diagonal entries below this, relative to the geometric mean of the diagonal ones, are rounding errors of

@@ -11,9 +11,9 @@
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::{coupled, moved};
 use crate::analysis::discrete::signals::{Chain, MOST_EVENTS, scales};
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::signal::{self, Piece, Source};
 use crate::base::{Dd, Number};
+use crate::kernel::dense::Matrix;
 use std::cmp::Ordering;
 
 /// A time between samples.

@@ -4,9 +4,9 @@
 
 use crate::analysis::discrete::Options;
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 
 /// A block that is not emitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ fn share(block: &Block, sizes: &Matrix<f64>, frequencies: &[f64]) -> Option<f64>
 /// -C A^-1 B
 fn static_part(block: &Block) -> Option<Matrix<Dd>> {
     let exact = |m: &Matrix<Dd>| m.map(crate::base::Ball::exact);
-    let x = crate::analysis::numeric::enclosure::solve(&exact(&block.a), &exact(&block.b))?;
+    let x = crate::kernel::dense::enclosure::solve(&exact(&block.a), &exact(&block.b))?;
     Some(product(&block.c, &x.mid()).map(|x| -x))
 }
 

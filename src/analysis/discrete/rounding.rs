@@ -10,9 +10,9 @@ use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::pieces::Spread;
 use crate::analysis::discrete::precision::Precision;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::enclosure::norm_bound;
 use crate::base::{Dd, larger};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::norm_bound;
 
 /// A bound of the relative error of any output after N steps.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,9 +7,9 @@
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::coupled;
 use crate::analysis::discrete::pieces::{self, Knot, When};
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::signal::Source;
 use crate::base::{Dd, Number, Rational};
+use crate::kernel::dense::Matrix;
 use crate::system::{LinearSystem, Signal};
 
 /// The states of one signal.

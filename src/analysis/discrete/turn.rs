@@ -5,8 +5,8 @@
 //! minus or plus one. See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::exp_minus_one;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::Matrix;
 
 /// F = sign (1 + change), with the minus sign if the motion turns by more than a quarter of a period.
 #[derive(Clone, Debug)]

@@ -18,9 +18,9 @@
 
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::scale::{by_power, exponent};
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::{Ball, Dd};
+use crate::kernel::dense::Matrix;
+use crate::kernel::triple::Triple;
 use std::cmp::Ordering;
 
 /// The k-th eigenvalue of a pencil.

@@ -13,8 +13,8 @@
 //! doubled; if exact squares still outnumber the entries of a symmetric matrix, Lagrange's reduction rewrites their sum
 //! with at most one square for each coordinate. See docs/method/modes.md#motions-without-inertia.
 
-use crate::analysis::numeric::triple::{Precise, Triple};
-use crate::base::{Dd, Number, Rational};
+use crate::base::{Number, Rational};
+use crate::kernel::triple::{Precise, Triple};
 use crate::system::{CoordinateId, Form, Nature};
 use std::collections::{BTreeMap, BTreeSet};
 

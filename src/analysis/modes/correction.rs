@@ -10,10 +10,10 @@
 //! among themselves until their block is diagonal. See docs/method/modes.md#refinement.
 
 use crate::analysis::modes::gram::Gram;
-use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
-use crate::analysis::numeric::jacobi;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use crate::kernel::dense::jacobi;
+use crate::kernel::dense::{Matrix, add_scaled, dot};
+use crate::kernel::triple::Triple;
 
 /// A step larger than this is not small: such modes are treated as a group.
 const SMALL: f64 = 1e-4;

@@ -18,9 +18,9 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::{Dd, larger};
+use crate::kernel::dense::Matrix;
+use crate::kernel::triple::Triple;
 use crate::system::Form;
 use std::cmp::Ordering;
 

@@ -8,9 +8,9 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
-use crate::analysis::numeric::fused::fused;
 use crate::base::{Ball, Dd, larger};
+use crate::kernel::dense::{Matrix, add_scaled};
+use crate::kernel::fused::fused;
 use crate::system::LinearSystem;
 
 /// The system in modal coordinates.

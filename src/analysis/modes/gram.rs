@@ -11,9 +11,9 @@
 //! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. See docs/method/modes.md#certificate.
 
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::{Matrix, dot};
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
+use crate::kernel::dense::{Matrix, dot};
+use crate::kernel::triple::{Precise, Triple};
 
 /// Covers the rounding errors of sums of up to a million non-negative binary64 numbers.
 pub const SLACK: f64 = 1.0 + 1e-9;

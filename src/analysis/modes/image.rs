@@ -2,8 +2,8 @@
 //! and a number known only by its enclosure to an independent unknown (equal ones to the same unknown).
 //! See docs/method/modes.md#rigid-body-modes.
 
-use crate::analysis::numeric::residues::{Field, PRIMES, scramble};
 use crate::base::{Ball, Number, Rational};
+use crate::kernel::residues::{Field, PRIMES, scramble};
 use crate::system::Form;
 
 /// One way to read a form's numbers modulo a prime.

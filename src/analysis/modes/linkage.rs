@@ -412,7 +412,7 @@ mod tests {
         Linkage::of(system).expect("short rows").system
     }
 
-    fn dense(system: &LinearSystem) -> Vec<(crate::analysis::numeric::triple::Triple, f64)> {
+    fn dense(system: &LinearSystem) -> Vec<(crate::kernel::triple::Triple, f64)> {
         let flat = system.clone().flattened(u64::MAX).expect("small");
         let pairs = eigenpairs(&flat.k, &flat.m, flat.n(), 1e-20).expect("a regular system");
         let value = |eigenvalue: Eigenvalue| match eigenvalue {

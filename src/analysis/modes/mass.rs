@@ -1,8 +1,8 @@
 //! The factor of M = L L^T, and coordinates in which M is the unit matrix.
 
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
 use crate::base::Dd;
+use crate::kernel::dense::{Matrix, add_scaled, dot};
 
 /// sum w a a^T in double-double.
 pub fn assembled(terms: &Terms, n: usize) -> Matrix<Dd> {

@@ -40,8 +40,8 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::{Ball, Number, Unproven};
+use crate::kernel::triple::Triple;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// Dense matrices of more coordinates than this would take minutes and gigabytes.

@@ -9,8 +9,8 @@
 use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Number, Rational};
+use crate::kernel::triple::{Precise, Triple};
 use crate::system::Form;
 
 /// Squares between 2^-PLAIN and 2^PLAIN are not scaled.

@@ -7,7 +7,7 @@ use crate::analysis::modes::mesh;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::modes::tree::{self, forest::Forest};
-use crate::analysis::numeric::triple::Triple;
+use crate::kernel::triple::Triple;
 
 /// Consecutive modes: those computed, ascending, and how many come before them.
 pub struct Found {

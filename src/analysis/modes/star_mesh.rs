@@ -10,8 +10,8 @@
 //! pivot that is exactly zero. (Alfa, Xue and Ye, Math. Comp. 71 (2002) 217.) See docs/method/modes.md#starting-modes.
 
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::triple::Triple;
+use crate::kernel::dense::Matrix;
+use crate::kernel::triple::Triple;
 
 /// A network of positive springs.
 #[derive(Clone, Debug)]

@@ -17,10 +17,10 @@ use crate::analysis::modes::mass;
 use crate::analysis::modes::star_mesh::Network;
 use crate::analysis::modes::structure::NullSpace;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::{Matrix, Real, add_scaled, dot};
-use crate::analysis::numeric::triple::Triple;
-use crate::analysis::{numeric::jacobi, numeric::pivoted_qr};
 use crate::base::Dd;
+use crate::kernel::dense::{Matrix, Real, add_scaled, dot};
+use crate::kernel::dense::{jacobi, pivoted_qr};
+use crate::kernel::triple::Triple;
 
 /// A basis to start from.
 pub struct Start {

@@ -9,8 +9,8 @@
 //! See docs/method/modes.md#rigid-body-modes.
 
 use super::image::{Image, identity};
-use crate::analysis::numeric::residues::Field;
 use crate::base::{Ball, Number, Rational};
+use crate::kernel::residues::Field;
 use crate::system::{Form, Term};
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -340,8 +340,8 @@ impl Unknowns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::numeric::residues::PRIMES;
     use crate::base::{Name, Words};
+    use crate::kernel::residues::PRIMES;
     use crate::system::{CoordinateId, Label, Nature};
 
     fn form(terms: &[(Number, &[(u32, Number)])]) -> Form {

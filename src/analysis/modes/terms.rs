@@ -3,8 +3,8 @@
 //! The computation of undamped modes starts from these. Any uncertainty in the model (a root, a sine, the part of a
 //! decimal that does not fit into three words) is in the radii and so in every bound.
 
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::{Dd, Number, Rational};
+use crate::kernel::triple::{Precise, Triple};
 use crate::system::Form;
 
 /// The squares `w a a^T` of a form.

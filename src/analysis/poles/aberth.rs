@@ -3,10 +3,10 @@
 //! the polynomial with the other values divided out, so no two converge to the same simple pole. In: the basis and
 //! rough values. Out: better ones, in binary64; nothing here is printed. See docs/method/poles.md#general-systems.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::refinement::Factors;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 
 /// Far more than the dozen sweeps that bad starts take.
 const MOST_SWEEPS: usize = 60;

@@ -9,14 +9,14 @@
 //! distance leaves d (Govaerts and Pryce, SIAM J. Numer. Anal. 30 (1993) 470, on bordered systems by block
 //! elimination). See docs/method/poles.md#general-systems.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::View;
 use crate::analysis::poles::companion::{Basis, Family, Spectrum};
 use crate::analysis::poles::pencil::{Pencil, Vector};
 use crate::analysis::poles::refinement::{Pair, SETTLED, balance_energies, norm, refine, rigid_residual};
 use crate::analysis::poles::schur::ComplexColumns;
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::View;
 
 /// The relative distance of s0 from the pole: somewhat below the square root of the unit roundoff, because other poles
 /// are nearer than zero is.

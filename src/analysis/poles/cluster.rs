@@ -6,10 +6,10 @@
 //! Gram-Schmidt, applied twice, with the products in double-double and the factors in binary64. If B(x, x) vanishes,
 //! the pole is defective or the vector depends on those before it: then it is left unchanged, and the discs show it.
 
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::analysis::poles::refinement::Pair;
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
 
 /// Poles whose relative difference is at most this are treated as equal; if they are not, the process changes nothing.
 const CLOSE: f64 = 1e-8;

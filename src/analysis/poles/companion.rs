@@ -8,13 +8,13 @@
 //! scaling of Fan, Lin and Van Dooren (SIMAX 26 (2004) 252) aims at this, mode by mode.
 
 use crate::analysis::answer::{ModeKind, Modes};
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::View;
 use crate::analysis::poles::pencil::{Pencil, Squares};
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::View;
 use nalgebra::DMatrix;
 
 /// Modes as a basis: binary64 columns, and C~ in it.

@@ -2,14 +2,14 @@
 //! motions, each scaled by a binary64 factor; and their products, with bounds of the rounding errors. See
 //! docs/method/poles.md#discs.
 
-use crate::analysis::numeric::complex::{Complex, Real};
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, error, product};
-use crate::analysis::numeric::triple::Precise;
 use crate::analysis::poles::pencil::{Application, Pencil, Squares};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::base::{Ball, Dd};
+use crate::kernel::complex::{Complex, Real};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, error, product};
+use crate::kernel::triple::Precise;
 
 /// Unit roundoff of binary64.
 pub const U: f64 = f64::EPSILON / 2.0;
@@ -280,7 +280,7 @@ fn typical_rate(pairs: &[Pair]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::numeric::triple::Triple;
+    use crate::kernel::triple::Triple;
 
     fn near(value: f64, error: f64) -> Near {
         Near { value: Complex::real(value), error, size: (value.abs() + error) * UP }

@@ -10,15 +10,15 @@
 //! are small. Residuals are evaluated in triple words with their radius; sums in binary64 carry an explicit bound of
 //! their rounding errors.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, product};
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::analysis::poles::disc_columns::{Columns, Near, U, UP, dot_products};
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::base::{Ball, Dd, larger};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, product};
+use crate::kernel::triple::{Precise, Triple};
 
 /// The certified result for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]

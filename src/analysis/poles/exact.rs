@@ -4,12 +4,12 @@
 //! those with motions without inertia. See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::modes::parts::Part;
-use crate::analysis::numeric::big_float::{ComplexFloat, Float};
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::polynomial::{Polynomial, determinant};
-use crate::analysis::numeric::residues::scramble;
-use crate::analysis::numeric::sturm::{HalfPlanes, half_planes, real_roots};
 use crate::base::{Ball, Rational};
+use crate::kernel::big_float::{ComplexFloat, Float};
+use crate::kernel::complex::Complex;
+use crate::kernel::polynomial::{Polynomial, determinant};
+use crate::kernel::residues::scramble;
+use crate::kernel::sturm::{HalfPlanes, half_planes, real_roots};
 use crate::system::{Form, LinearSystem};
 use num_bigint::BigInt;
 use num_integer::Integer;

@@ -3,13 +3,13 @@
 //! See docs/method/poles.md#definition and docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::count::Tally;
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
 use crate::base::{Ball, Dd};
+use crate::kernel::complex::Complex;
 use std::cmp::Ordering;
 
 /// Poles in the order in which they are found.

@@ -30,7 +30,6 @@ use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
 use crate::analysis::modes::parts::{Part, as_system, chosen, independent};
 use crate::analysis::modes::request::DEFAULT_TOLERANCE;
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
@@ -47,6 +46,7 @@ use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
 use crate::analysis::poles::scaling::scaled;
 use crate::analysis::poles::targeted::targeted;
 use crate::base::Number;
+use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
 
 /// All poles.

@@ -4,10 +4,10 @@
 //! triple words with their radius to prove. See docs/method/poles.md#general-systems.
 
 use crate::analysis::modes::parts::Part;
-use crate::analysis::numeric::complex::{Complex, Real};
-use crate::analysis::numeric::fused::fused;
-use crate::analysis::numeric::triple::Precise;
 use crate::base::Dd;
+use crate::kernel::complex::{Complex, Real};
+use crate::kernel::fused::fused;
+use crate::kernel::triple::Precise;
 use crate::system::{Form, LinearSystem};
 
 /// The three forms of a part, in the part's own numbering.

@@ -3,9 +3,9 @@
 //! docs/method/poles.md#quadratics.
 
 use crate::analysis::answer::PoleKind;
-use crate::analysis::numeric::complex::{Complex, Real};
-use crate::analysis::numeric::triple::Precise;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::complex::{Complex, Real};
+use crate::kernel::triple::Precise;
 
 /// A root and its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,11 +4,11 @@
 //! pencil, basis, start. Out: s and x in double-double; the discs determine how accurate they are. See
 //! docs/method/poles.md#general-systems.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::companion::Basis;
 use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 
 /// An approximate pole and its vector, taken as exact numbers.
 #[derive(Clone, Debug)]

@@ -5,10 +5,10 @@
 //! 7.4). Each column of T is read once for a group of right-hand sides, because reading it dominates the cost of a
 //! solve.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::fused::fused;
-use crate::analysis::numeric::product::{View, product};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, product};
+use crate::kernel::fused::fused;
 use nalgebra::{DMatrix, Schur};
 
 /// Number of right-hand sides for which a column of T is read once.

@@ -11,9 +11,9 @@
 //! If the bordered matrix is regular, A is singular exactly where s is zero (W. Govaerts, *Numerical Methods for
 //! Bifurcations of Dynamical Equilibria*, SIAM 2000, chapter 3); x is then its null vector with v . x = 1.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::enclosure::{product, solve as eliminated};
 use crate::base::{Ball, Dd, Jet, Number};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::{product, solve as eliminated};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Entries enclosed over a range, and their derivatives.

@@ -4,9 +4,9 @@
 
 pub mod linear;
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::base::{Ball, Dd, Jet, Number, larger};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, Form, LinearSystem};
 use linear::{JetMatrix, bordered, solved};
 use nalgebra::{DMatrix, SymmetricEigen};

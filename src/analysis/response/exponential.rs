@@ -7,9 +7,9 @@
 //! evaluated in eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2,
 //! and the norms of the computed powers are used, so that a decayed exponential keeps its relative error.
 
-use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
-use crate::analysis::numeric::enclosure::norm_bound;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::enclosure::norm_bound;
+use crate::kernel::dense::{Matrix, add_scaled, dot};
 
 /// A constant matrix of a linear system z' = A z.
 #[derive(Clone, Debug)]

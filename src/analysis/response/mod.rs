@@ -17,14 +17,14 @@ mod trail;
 
 use crate::analysis::answer::Modes;
 use crate::analysis::error::AnalysisError;
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
-use crate::analysis::numeric::enclosure::norm_bound;
 use crate::analysis::response::channel::{Blow, Channel, channels, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
 use crate::analysis::response::trail::Trail;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::enclosure::norm_bound;
+use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
 use std::cell::RefCell;
 use std::cmp::Ordering;

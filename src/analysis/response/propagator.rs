@@ -12,10 +12,10 @@
 
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::enclosure::{cholesky, norm_bound, product, solve};
 use crate::analysis::response::exponential::Generator;
 use crate::base::{Ball, Dd};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::{cholesky, norm_bound, product, solve};
 use crate::system::{CoordinateId, LinearSystem};
 
 /// The states of the sources: w' = G w, forces F w on the coordinates.

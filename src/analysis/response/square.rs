@@ -6,9 +6,9 @@ use super::course::{Followed, stretches};
 use super::exponential::{Exponential, Generator, growth};
 use super::{Run, UNIT, UP, length};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
-use crate::analysis::numeric::enclosure::norm_bound;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::enclosure::norm_bound;
+use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
 use std::rc::Rc;
 

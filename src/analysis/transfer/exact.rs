@@ -32,7 +32,7 @@ pub(in crate::analysis) fn solve(
             let Some(d) = feed_through(output, input, &singular.square) else { continue };
             *gain = if dot(&p, &share).is_zero() {
                 let value = &dot(&p, &x) + &d;
-                Gain::Finite(Disc::of(crate::analysis::numeric::complex::Complex::real(value.to_ball())))
+                Gain::Finite(Disc::of(crate::kernel::complex::Complex::real(value.to_ball())))
             } else {
                 Gain::Infinite
             };

@@ -3,8 +3,8 @@
 //! R, a bound of |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*,
 //! Acta Numerica 19 (2010), section 10). See docs/method/transfer.md.
 
-use crate::analysis::numeric::complex::Complex;
 use crate::base::{Ball, Dd, larger};
+use crate::kernel::complex::Complex;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// The arithmetic that the elimination needs: `Complex<f64>` first, `Complex<Dd>` if that is not enough.

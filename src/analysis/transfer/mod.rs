@@ -19,13 +19,13 @@ pub(in crate::analysis) mod two_sided;
 use crate::analysis::answer::modulus;
 use crate::analysis::modes::parts::{self, independent};
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::extrema::{Denominator, Exactly, coordinates_between};
 use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number, larger};
+use crate::kernel::complex::Complex;
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 use std::sync::OnceLock;
 

@@ -7,12 +7,12 @@
 //! The elimination order is approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards;
 //! the elimination is up-looking (Davis, *LDL*, ACM TOMS 31 (2005) 587).
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::fused::fused;
 use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
 use crate::base::{Ball, Dd};
-use crate::system::order::least_fill;
+use crate::kernel::complex::Complex;
+use crate::kernel::fused::fused;
+use crate::kernel::sparse::order::least_fill;
 
 /// The order and the pattern of L.
 #[derive(Clone, Debug)]

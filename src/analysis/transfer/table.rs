@@ -5,11 +5,11 @@
 //! however close to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
 
 use crate::analysis::answer::{Modes, Poles};
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::extrema::{Exactly, Extrema, bracketed, factored, sharpened};
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
 use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, TO_THE_LAST_DIGIT, Transfer};
 use crate::base::{Number, Rational};
+use crate::kernel::complex::Complex;
 use crate::system::LinearSystem;
 
 /// The requested content of a table.

@@ -14,8 +14,8 @@ use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
 use super::proof::Proven;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::sparse::ldl::Factors;
 use crate::lower::kinematics::Index;
-use crate::system::ldl::Factors;
 
 /// A pivot below this share of the terms it was made from is a rounding error.
 const LEAST_PIVOT: f64 = 1e-13;

@@ -7,7 +7,7 @@
 //! radii.
 
 use crate::base::{Ball, larger};
-use crate::system::ldl::{Factors, Symmetric};
+use crate::kernel::sparse::ldl::{Factors, Symmetric};
 
 /// A symmetric matrix S H S: one entry for each place, with a bound of its error.
 pub struct Scaled {

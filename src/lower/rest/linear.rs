@@ -12,10 +12,10 @@ use super::proof::Proven;
 use super::survey::{Part, Survey};
 use crate::base::{Ball, Dd, Number, larger};
 use crate::elements::Scalar;
+use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::lower::constraints::Reduction;
 use crate::lower::kinematics::{Index, Kinematics};
 use crate::system::LinearSystem;
-use crate::system::ldl::{Factors, Symmetric};
 
 /// The rest of one part.
 pub struct Solved {

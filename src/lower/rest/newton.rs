@@ -7,8 +7,8 @@
 
 use super::potential::{Detail, Energy, Potential};
 use super::trust::{Region, Shifted, Step};
+use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::lower::kinematics::{Index, Kinematics, State};
-use crate::system::ldl::{Factors, Symmetric};
 
 /// A part of the scene during the descent.
 pub struct Descent<'a> {

@@ -23,10 +23,10 @@
 
 use crate::analysis::modes::dense::residual::Residuals;
 use crate::analysis::modes::gram::SLACK;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, product};
-use crate::analysis::numeric::tridiagonal::dot;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, product};
+use crate::kernel::symmetric::tridiagonal::dot;
 
 /// The pencil in the basis of approximate modes, sorted by eigenvalue.
 pub struct Reduced {

@@ -15,11 +15,11 @@
 
 use crate::analysis::modes::gram::SLACK;
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product;
-use crate::analysis::numeric::tridiagonal::dot;
-use crate::analysis::numeric::wide::{Eight, LANES, widest};
 use crate::base::{Dd, larger};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product;
+use crate::kernel::symmetric::tridiagonal::dot;
+use crate::kernel::wide::{Eight, LANES, widest};
 
 /// u^2 = 2^-106.
 const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;

@@ -8,9 +8,9 @@
 //! docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::dense::certificate::Reduced;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, add_product, product};
-use crate::analysis::numeric::symmetric;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, add_product, product};
+use crate::kernel::symmetric;
 
 /// A larger change is not a small correction.
 const SMALL: f64 = 1e-4;

@@ -9,10 +9,10 @@
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::modes::mass;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::{Matrix, add_scaled, dot};
-use crate::analysis::numeric::jacobi;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use crate::kernel::dense::jacobi;
+use crate::kernel::dense::{Matrix, add_scaled, dot};
+use crate::kernel::triple::Triple;
 use std::ops::Range;
 
 /// Eigenvalues nearer than this part of themselves are close.

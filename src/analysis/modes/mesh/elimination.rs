@@ -16,7 +16,7 @@
 
 use crate::analysis::modes::mesh::network::{Near, Network, U, UP};
 use crate::analysis::modes::mesh::postponed::{Postponed, pivot};
-use crate::system::order::least_fill;
+use crate::kernel::sparse::order::least_fill;
 use std::ops::Range;
 
 /// The order of elimination and the pattern of its fill.

@@ -8,7 +8,7 @@
 
 use crate::analysis::modes::mesh::elimination::Factors;
 use crate::analysis::modes::mesh::network::Network;
-use crate::analysis::numeric::dense::Real;
+use crate::kernel::dense::Real;
 use nalgebra::DMatrix;
 
 /// Number of vectors that are multiplied at once.

@@ -32,9 +32,9 @@ use crate::analysis::modes::mesh::residual::{Multiplier, residual};
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use crate::kernel::dense::Matrix;
+use crate::kernel::triple::Triple;
 use std::ops::Range;
 
 /// Larger bases are not tried.

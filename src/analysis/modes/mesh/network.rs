@@ -5,7 +5,7 @@
 //! separate in v. In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::analysis::numeric::triple::{Precise, Triple};
+use crate::kernel::triple::{Precise, Triple};
 
 /// Unit roundoff.
 pub const U: f64 = f64::EPSILON / 2.0;

@@ -5,8 +5,8 @@
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::analysis::numeric::fused::fused;
 use crate::base::Dd;
+use crate::kernel::fused::fused;
 
 /// A x of a form, and a bound of each entry's error.
 #[derive(Clone, Debug)]

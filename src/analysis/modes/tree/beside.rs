@@ -1,6 +1,6 @@
 //! Numbers of several modes in parallel lanes, so that one traversal of a tree serves all of them.
 
-use crate::analysis::numeric::dense::Real;
+use crate::kernel::dense::Real;
 use std::ops::{Add, Mul, Sub};
 
 /// One number for each of several modes. The loops over lanes compile to vector instructions.

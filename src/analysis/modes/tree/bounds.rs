@@ -23,10 +23,10 @@ use crate::analysis::modes::mesh::close::CLOSE;
 use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::taken;
-use crate::analysis::numeric::dense::Real;
-use crate::analysis::numeric::pairwise::PairwiseSum;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use crate::kernel::dense::Real;
+use crate::kernel::pairwise::PairwiseSum;
+use crate::kernel::triple::Triple;
 use std::array::from_fn;
 
 /// Properties of a tree that the bounds need.

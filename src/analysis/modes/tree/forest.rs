@@ -11,9 +11,9 @@
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::modes::tree::impedance::LEAST_RATIO;
-use crate::analysis::numeric::dense::Real;
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
+use crate::kernel::dense::Real;
+use crate::kernel::triple::{Precise, Triple};
 
 /// A tree whose bodies are numbered so that children come before their parents, those of one body immediately before it
 /// (postorder). So the contributions of children to their parents can wait on a stack.

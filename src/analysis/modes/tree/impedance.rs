@@ -14,8 +14,8 @@
 //! of the tree (compare Demmel and Gragg, LAA 185 (1993) 203). See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::tree::forest::Node;
-use crate::analysis::numeric::dense::Real;
 use crate::base::Dd;
+use crate::kernel::dense::Real;
 
 /// Number of shifts that are counted at once.
 pub const LANES: usize = 16;

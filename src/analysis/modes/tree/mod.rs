@@ -20,9 +20,9 @@ use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclosed};
 use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{root, shapes, twisted};
-use crate::analysis::numeric::dense::Real;
-use crate::analysis::numeric::triple::Triple;
 use crate::base::Dd;
+use crate::kernel::dense::Real;
+use crate::kernel::triple::Triple;
 use std::array::from_fn;
 use std::ops::Range;
 

@@ -11,15 +11,15 @@
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::Image;
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::fused::fused;
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::{Application, Pencil, Squares};
 use crate::analysis::poles::refinement::{Factors, Pair};
 use crate::analysis::poles::targeted::frame::{Frame, Level};
 use crate::base::{Ball, Dd};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::fused::fused;
+use crate::kernel::triple::{Precise, Triple};
 
 /// The most circles that are tried; each is twice as large as the one before.
 const MOST_CIRCLES: usize = 40;

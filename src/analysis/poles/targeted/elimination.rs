@@ -6,7 +6,7 @@
 
 use crate::analysis::modes::mesh::elimination::Pattern;
 use crate::analysis::modes::mesh::network::Network;
-use crate::analysis::numeric::complex::Complex;
+use crate::kernel::complex::Complex;
 
 /// The networks of K, M and C over one pattern, in this order.
 pub struct Networks {

@@ -16,12 +16,12 @@ use crate::analysis::modes::mesh::least_inertia;
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::{Image, Multiplier};
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::fused::fused;
-use crate::analysis::numeric::triple::Triple;
 use crate::analysis::poles::targeted::elimination::Networks;
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::fused::fused;
+use crate::kernel::triple::Triple;
 
 /// The forms of a system as terms.
 pub struct Forms {

@@ -3,11 +3,11 @@
 //! terms, a start. Out: s and x; the discs determine how accurate they are.
 //! See docs/method/poles.md#poles-followed-from-modes.
 
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::poles::pencil::{Pencil, Vector};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::targeted::elimination::Networks;
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
 use std::cmp::Ordering;
 
 /// A good start takes five steps.

@@ -20,8 +20,6 @@ use crate::analysis::modes::mesh::elimination::Pattern;
 use crate::analysis::modes::mesh::network::Network;
 use crate::analysis::modes::parts::Part;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::triple::Precise;
 use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::targeted::disc::disc;
@@ -30,6 +28,8 @@ use crate::analysis::poles::targeted::frame::{Forms, Frame};
 use crate::analysis::poles::targeted::iteration::{Start, follow};
 use crate::analysis::poles::targeted::projection::projected;
 use crate::base::Ball;
+use crate::kernel::complex::Complex;
+use crate::kernel::triple::Precise;
 use crate::system::LinearSystem;
 
 /// The poles of least |s| in the upper half plane, as many as there are oscillations among the first `wanted` modes,

@@ -1,11 +1,11 @@
 //! Q in the span of the lowest undamped modes: a small dense problem whose eigenvalues are starts. In: the frame of the
 //! modes. Out: rough poles. Nothing here is printed. See docs/method/poles.md#poles-followed-from-modes.
 
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::poles::refinement::Factors;
 use crate::analysis::poles::targeted::frame::Frame;
 use crate::analysis::poles::targeted::iteration::Start;
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 use nalgebra::{DMatrix, Schur};
 
 /// A relative imaginary part below this is rounding error.

@@ -6,12 +6,12 @@ use super::{Off, Row};
 use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes;
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::propagator::scales;
 use crate::analysis::response::{UNIT, UP};
 use crate::analysis::transfer::modal::ModalSum;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// eta'' + c eta' + k eta = force . w for each mode, as z' = A z + B w with z = (s eta, eta').

@@ -8,10 +8,10 @@
 
 use super::lanes::Lanes;
 use super::oscillators::Oscillators;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::response::exponential::growth;
 use crate::analysis::transfer::lanes::{Double, Vector, side_by_side};
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::dense::Matrix;
 use std::cell::RefCell;
 
 /// exp(A h) for one h.

@@ -6,9 +6,9 @@ use super::jet::Jet;
 use super::{Extrema, Extremum, FeatureKind};
 use crate::analysis::answer::Poles;
 use crate::analysis::derived::hertz;
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Gain, Transfer};
 use crate::base::{Ball, Dd};
+use crate::kernel::complex::Complex;
 
 /// The most steps towards one extremum, and the most doublings of its enclosure.
 const MOST_STEPS: usize = 100;

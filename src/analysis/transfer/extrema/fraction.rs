@@ -6,8 +6,8 @@
 use super::expansion::{Sized, spread};
 use super::roots::{Coefficients, Root, roots};
 use crate::analysis::modes::parts::Part;
-use crate::analysis::numeric::polynomial::{Polynomial, determinant};
 use crate::base::{Ball, Dd, Number, Rational};
+use crate::kernel::polynomial::{Polynomial, determinant};
 use crate::system::{CoordinateId, Form, LinearSystem};
 use num_bigint::BigInt;
 use num_integer::Integer;

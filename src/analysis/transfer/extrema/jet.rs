@@ -2,11 +2,11 @@
 //! elimination in discs: Q x0 = b, Q x1 = b' - Q' x0, Q x2 = b'' - 2 Q' x1 - Q'' x0. In: a prepared system, a frequency
 //! as a ball. Out: enclosures for every frequency of the ball. See docs/method/transfer.md#extrema-of-larger-systems.
 
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;
 use crate::analysis::transfer::sparse::Scalar;
 use crate::analysis::transfer::{Disc, MatrixEntry, Transfer, feed_through};
 use crate::base::{Ball, Number};
+use crate::kernel::complex::Complex;
 use crate::system::CoordinateId;
 
 /// H, dH/ds, d2H/ds2

@@ -15,10 +15,10 @@ use super::roots::{Place, Root};
 use super::slope::Anchor;
 use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::modes::modes;
-use crate::analysis::numeric::big_float::{ComplexFloat, Float};
 use crate::analysis::poles::poles;
 use crate::analysis::transfer::{Frequency, MatrixEntry, Transfer, feed_through};
 use crate::base::{Ball, Dd, Number, Rational};
+use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// The search evaluates every root from every other one: for more coordinates than this it takes longer than the

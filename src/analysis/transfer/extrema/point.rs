@@ -6,10 +6,10 @@ use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};
 use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
 use crate::analysis::derived::hertz;
-use crate::analysis::numeric::big_float::Float;
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::big_float::Float;
+use crate::kernel::complex::Complex;
 use num_bigint::BigInt;
 use std::ops::RangeInclusive;
 
@@ -480,8 +480,8 @@ mod tests {
 
     /// Poles at re +- i im, with a radius of uncertainty.
     fn resonance(re: f64, im: f64, radius: f64) -> Exactly {
-        use crate::analysis::numeric::big_float::ComplexFloat;
         use crate::analysis::transfer::extrema::roots::{Place, Root};
+        use crate::kernel::big_float::ComplexFloat;
         let centre = ComplexFloat::new(Float::from(re), Float::from(im));
         let pole = Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair };
         Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole] }).expect("in range")

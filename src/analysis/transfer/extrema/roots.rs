@@ -3,11 +3,11 @@
 //! distance of any two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
 //! See docs/method/transfer.md#extrema.
 
-use crate::analysis::numeric::big_float::{ComplexFloat, Float};
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::polynomial::Polynomial;
 use crate::analysis::poles::exact::{circles, iterate, value};
 use crate::base::Ball;
+use crate::kernel::big_float::{ComplexFloat, Float};
+use crate::kernel::complex::Complex;
+use crate::kernel::polynomial::Polynomial;
 use num_bigint::BigInt;
 use num_traits::Zero;
 use std::cmp::Ordering;

@@ -145,11 +145,11 @@ fn alone_within(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
 mod tests {
     use super::*;
 
-    use crate::analysis::numeric::big_float::{ComplexFloat, Float};
     use crate::analysis::transfer::extrema::Factored;
     use crate::analysis::transfer::extrema::roots::{Place, Root};
     use crate::analysis::transfer::extrema::slope::anchors;
     use crate::base::Ball;
+    use crate::kernel::big_float::{ComplexFloat, Float};
 
     fn root(re: f64, im: f64, radius: f64, multiplicity: usize, place: Place) -> Root {
         let centre = ComplexFloat::new(Float::from(re), Float::from(im));

@@ -10,9 +10,9 @@
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};
-use crate::analysis::numeric::big_float::Float;
-use crate::analysis::numeric::complex::Complex;
 use crate::base::{Ball, Dd};
+use crate::kernel::big_float::Float;
+use crate::kernel::complex::Complex;
 
 /// A frequency from which others are measured: zero, or the imaginary part of a root.
 #[derive(Clone, Debug)]
@@ -334,7 +334,7 @@ mod tests {
 
     /// Poles at re +- i im, with a radius of uncertainty.
     fn pair(re: f64, im: f64, radius: f64) -> Root {
-        let centre = crate::analysis::numeric::big_float::ComplexFloat::new(Float::from(re), Float::from(im));
+        let centre = crate::kernel::big_float::ComplexFloat::new(Float::from(re), Float::from(im));
         Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair }
     }
 

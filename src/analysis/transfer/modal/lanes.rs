@@ -2,10 +2,10 @@
 //! made.
 
 use super::{ModalSum, Residues};
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::Frequency;
 use crate::analysis::transfer::lanes::{MOST, Vector};
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
 
 /// A sum over modes, and the sums of its bound (see the module above).
 #[derive(Clone, Copy, Debug)]

@@ -12,10 +12,10 @@ mod lanes;
 use crate::analysis::answer::{Modes, PRECISE};
 use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
 use crate::analysis::modes::squares::Squares;
-use crate::analysis::numeric::complex::Complex;
-use crate::analysis::numeric::dense::Matrix;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number, larger};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, LinearSystem};
 use std::ops::RangeInclusive;
 
@@ -246,9 +246,9 @@ fn size_of_power(frequency: &Frequency, power: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::numeric::dense::dot;
     use crate::analysis::test_systems::{blank, push};
     use crate::analysis::{Transfer, modes};
+    use crate::kernel::dense::dot;
 
     /// Compares a chain with proportional damping with the direct solution, at resonances and between them.
     #[test]

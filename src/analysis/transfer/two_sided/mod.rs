@@ -15,11 +15,11 @@
 
 mod sweep;
 
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::inverse::Entry;
 use crate::analysis::transfer::sparse::{Pattern, Symbolic};
 use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
 use crate::base::{Ball, Dd, Number, larger};
+use crate::kernel::complex::Complex;
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
 

@@ -9,10 +9,10 @@
 //! 40) u^2 of sum T |x|, and (2 l + 6) u of it in binary64.
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
-use crate::analysis::numeric::complex::Complex;
 use crate::analysis::transfer::lanes::{Double, MOST, Pair, Twice, Vector, side_by_side, two_sum};
 use crate::analysis::transfer::{Disc, Frequency};
 use crate::base::Dd;
+use crate::kernel::complex::Complex;
 
 /// Working space and results for one set of inputs and outputs, at as many frequencies as there are lanes.
 struct Sweep<'a, V> {

@@ -6,8 +6,8 @@
 //! each block one chain of fused multiply-adds from zero, in the order of the products: so |computed - true| <=
 //! [`error`] |A| |B| for f = 1 and C = 0.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::wide::{Eight, LANES, widest};
+use crate::kernel::dense::Matrix;
+use crate::kernel::wide::{Eight, LANES, widest};
 
 /// Number of products in one chain.
 const DEPTH: usize = 256;
@@ -190,7 +190,7 @@ fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::numeric::wide::Plain;
+    use crate::kernel::wide::Plain;
 
     fn scrambled(rows: usize, columns: usize) -> Matrix<f64> {
         Matrix::from_fn(rows, columns, |i, j| ((i * 37 + j * 101 + 7) % 97) as f64 / 48.0 - 1.0)

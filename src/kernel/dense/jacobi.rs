@@ -2,7 +2,7 @@
 //! reliable: for graded matrices they keep relative accuracy, while methods that first reduce to tridiagonal form lose
 //! it (Demmel and Veselic 1992).
 
-use crate::analysis::numeric::dense::{Matrix, Real, rotate};
+use crate::kernel::dense::{Matrix, Real, rotate};
 
 /// Convergence becomes quadratic after a few sweeps; if it has not settled by then, the certificate judges the result.
 const MAX_SWEEPS: usize = 40;

@@ -1,9 +1,9 @@
 //! Arithmetic on triple words with a radius: ball arithmetic with some 150 bits, in which the residuals of poles are
 //! evaluated. Every operation adds the bound of its own rounding error (see [`Triple::ERROR`]); zero stays exact.
 
-use crate::analysis::numeric::complex::Real;
-use crate::analysis::numeric::triple::{Precise, Triple};
 use crate::base::Dd;
+use crate::kernel::complex::Real;
+use crate::kernel::triple::{Precise, Triple};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Covers the rounding errors of a radius, and the loss when a lower word is neglected against a leading one.

@@ -1,7 +1,7 @@
 //! L^-1 of M = L L^T in binary64, by recursive halving: all but the smallest blocks are products of matrices.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, add_product, product};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, add_product, product};
 
 /// Smaller blocks are inverted entry by entry.
 const SMALL: usize = 32;

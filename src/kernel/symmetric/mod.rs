@@ -4,9 +4,12 @@
 //! The errors are some n u of the largest eigenvalue: much smaller eigenvalues have no correct digits here. Results are
 //! certified elsewhere.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::divide::{self, Eigen};
-use crate::analysis::numeric::tridiagonal;
+pub mod divide;
+pub(crate) mod secular;
+pub(crate) mod tridiagonal;
+
+use crate::kernel::dense::Matrix;
+use crate::kernel::symmetric::divide::Eigen;
 
 /// Eigenvalues, ascending, and orthonormal eigenvectors; only the lower triangle is read. `None` if it is not finite.
 pub fn eigen(mut a: Matrix<f64>) -> Option<Eigen> {

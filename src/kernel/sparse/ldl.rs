@@ -5,7 +5,7 @@
 //! Up-looking factorisation along the elimination tree: T. A. Davis, *Algorithm 849: a concise sparse Cholesky
 //! factorization package*, ACM TOMS 31 (2005) 587-591. The order is that of approximate minimum degree.
 
-use crate::system::order::least_fill;
+use crate::kernel::sparse::order::least_fill;
 
 /// A symmetric matrix: the upper triangle by columns, rows ascending, in the order of elimination.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with known errors.
 
-use crate::analysis::numeric::dense::{Matrix, add_scaled};
 use crate::base::{Ball, Dd, larger};
+use crate::kernel::dense::{Matrix, add_scaled};
 
 /// A bound of the 2-norm of |A|: the smaller of the Frobenius norm and sqrt(norm_1 norm_inf).
 pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f64) -> f64 {

@@ -211,7 +211,7 @@ macro_rules! widest {
         $visibility fn $name($($argument: $type),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
-                use $crate::analysis::numeric::wide::{Avx2, Avx512};
+                use $crate::kernel::wide::{Avx2, Avx512};
                 #[target_feature(enable = "avx512f")]
                 #[allow(clippy::too_many_arguments)]
                 fn with_avx512($($argument: $type),*) $(-> $result)? {
@@ -231,9 +231,9 @@ macro_rules! widest {
                     return unsafe { with_avx2($($argument),*) };
                 }
             }
-            $kernel::<$crate::analysis::numeric::wide::Plain>($($argument),*)
+            $kernel::<$crate::kernel::wide::Plain>($($argument),*)
         }
     };
 }
 
-pub(in crate::analysis) use widest;
+pub(crate) use widest;

@@ -1,7 +1,7 @@
 //! Exact polynomials with integer coefficients: products, division, greatest common divisors, and the factors in which
 //! every root is simple. See docs/method/poles.md#exact-arithmetic.
 
-use crate::analysis::numeric::residues::{Field, primes};
+use crate::kernel::residues::{Field, primes};
 use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_traits::{One, Signed, ToPrimitive, Zero};

@@ -5,9 +5,9 @@
 //! product is 1 - V T V^T (Schreiber and Van Loan, SIAM J. Sci. Stat. Comput. 10 (1989) 53). Only the lower triangle is
 //! read.
 
-use crate::analysis::numeric::dense::Matrix;
-use crate::analysis::numeric::product::{View, add_product, product};
-use crate::analysis::numeric::wide::{Eight, LANES, widest};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::product::{View, add_product, product};
+use crate::kernel::wide::{Eight, LANES, widest};
 
 /// Number of columns in a panel.
 const PANEL: usize = 64;

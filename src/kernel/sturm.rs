@@ -5,7 +5,7 @@
 //! The chain of remainders is the subresultant chain (Brown, JACM 18 (1971) 478), whose coefficients grow by a constant
 //! number of digits in each step and divide exactly; their signs are tracked separately.
 
-use crate::analysis::numeric::polynomial::Polynomial;
+use crate::kernel::polynomial::Polynomial;
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 

@@ -3,8 +3,14 @@
 //!
 //! The algorithms here work on columns (rotations of pairs, Gram products, modes), so a column is a slice.
 
-use crate::analysis::numeric::fused::fused;
+pub(crate) mod enclosure;
+pub(crate) mod inverse_factor;
+pub(crate) mod jacobi;
+pub(crate) mod pivoted_qr;
+pub(crate) mod product;
+
 use crate::base::Dd;
+use crate::kernel::fused::fused;
 use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
 /// The arithmetic of algorithms that exist in both precisions.

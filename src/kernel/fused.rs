@@ -25,4 +25,4 @@ macro_rules! fused {
     };
 }
 
-pub(in crate::analysis) use fused;
+pub(crate) use fused;

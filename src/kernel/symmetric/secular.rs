@@ -6,7 +6,7 @@
 //! poles, so that all d_j - x keep their digits. Steps follow Li's middle way (LAPACK Working Note 89, 1993; `dlaed4`),
 //! kept inside a bracket.
 
-use crate::analysis::numeric::wide::{Eight, LANES, widest};
+use crate::kernel::wide::{Eight, LANES, widest};
 
 /// A zero: `origin` is the index of its nearer pole.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@
 //! magnitudes it is stable row by row (Powell and Reid 1969; Cox and Higham 1998), and the rows of R are graded, as
 //! one-sided Jacobi on R^T requires (Drmac and Veselic 2008). See docs/method/modes.md#starting-modes.
 
-use crate::analysis::numeric::dense::Matrix;
+use crate::kernel::dense::Matrix;
 
 /// C with C C^T = G^T G and `rank` columns.
 pub fn factor(mut g: Matrix<f64>, rank: usize) -> Matrix<f64> {

@@ -7,11 +7,11 @@
 //! Eisenstat, SIAM J. Matrix Anal. Appl. 16 (1995) 172). The rest is products of matrices. Repeated eigenvalues make it
 //! faster, not slower.
 
-use crate::analysis::numeric::dense::{Matrix, rotate};
-use crate::analysis::numeric::jacobi;
-use crate::analysis::numeric::product::{View, product};
-use crate::analysis::numeric::secular;
-use crate::analysis::numeric::tridiagonal::dot;
+use crate::kernel::dense::jacobi;
+use crate::kernel::dense::product::{View, product};
+use crate::kernel::dense::{Matrix, rotate};
+use crate::kernel::symmetric::secular;
+use crate::kernel::symmetric::tridiagonal::dot;
 
 /// Up to this size Jacobi's method is as fast.
 const SMALL: usize = 16;
@@ -224,7 +224,7 @@ fn exact_entries(d: &[f64], z: &[f64], delta: &Matrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::numeric::dense::Real;
+    use crate::kernel::dense::Real;
 
     /// Largest residual and largest deviation from orthonormality.
     fn errors(diagonal: &[f64], beside: &[f64]) -> (f64, f64) {

@@ -1,0 +1,17 @@
+//! Arithmetic and linear algebra that the stages share: numbers of two and three words with their error bounds, complex
+//! numbers, polynomials, dense and sparse elimination, and loops over wide registers. Nothing here knows a system.
+//! docs/method/kernel.md says which of them to use.
+
+pub(crate) mod big_float;
+pub mod complex;
+pub mod dense;
+pub(crate) mod fused;
+pub(crate) mod pairwise;
+pub(crate) mod polynomial;
+pub(crate) mod precise;
+pub(crate) mod residues;
+pub mod sparse;
+pub(crate) mod sturm;
+pub mod symmetric;
+pub(crate) mod triple;
+pub(crate) mod wide;
