@@ -37,6 +37,8 @@
 //! `program` (on by default) builds the program `vibc` and makes these layers public for it and for the tests. They are
 //! not part of the interface: use the library with `default-features = false`.
 
+// `kernel::simd` alone allows it, with its reasons.
+#![deny(unsafe_code)]
 // The program and the tests use more of the layers than the interface does.
 #![cfg_attr(not(feature = "program"), allow(dead_code, unused_imports))]
 // Tests compare with the platform's functions to a few digits only.

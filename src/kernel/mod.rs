@@ -5,13 +5,13 @@
 pub(crate) mod big_float;
 pub mod complex;
 pub mod dense;
-pub(crate) mod fused;
+pub(crate) mod lanes;
 pub(crate) mod pairwise;
 pub(crate) mod polynomial;
 pub(crate) mod precise;
 pub(crate) mod residues;
+pub(crate) mod simd;
 pub mod sparse;
 pub(crate) mod sturm;
 pub mod symmetric;
 pub(crate) mod triple;
-pub(crate) mod wide;

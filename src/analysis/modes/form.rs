@@ -10,7 +10,7 @@ use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::squares::Squares;
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::dense::{Matrix, add_scaled};
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use crate::system::LinearSystem;
 
 /// The system in modal coordinates.
@@ -163,7 +163,7 @@ fn newton(x: &Matrix<Dd>, m: &Matrix<Dd>, k: &Matrix<Dd>) -> Matrix<Dd> {
     next
 }
 
-fused! {
+simd! {
     /// X^T (sum w a a^T) X, term by term.
     pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
         let n = x.columns();

@@ -6,7 +6,7 @@
 use crate::analysis::modes::parts::Part;
 use crate::base::Dd;
 use crate::kernel::complex::{Complex, Real};
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use crate::kernel::triple::Precise;
 use crate::system::{Form, LinearSystem};
 
@@ -139,13 +139,13 @@ impl Pencil<Precise> {
     }
 }
 
-fused! {
+simd! {
     fn in_double_double(pencil: &Pencil<Dd>, s: Complex<Dd>, x: &Vector) -> Application<Dd> {
         pencil.applied(s, x)
     }
 }
 
-fused! {
+simd! {
     fn in_triple_words(pencil: &Pencil<Precise>, s: Complex<Dd>, x: &Vector) -> Application<Precise> {
         pencil.applied(s, x)
     }

@@ -8,7 +8,7 @@
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, product};
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use nalgebra::{DMatrix, Schur};
 
 /// Number of right-hand sides for which a column of T is read once.
@@ -219,7 +219,7 @@ impl SchurForm {
     }
 }
 
-fused! {
+simd! {
     /// y <- y - factor x
     fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
         for (y, &x) in y.iter_mut().zip(x) {

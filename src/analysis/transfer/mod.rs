@@ -9,7 +9,6 @@
 pub(in crate::analysis) mod exact;
 pub mod extrema;
 pub(in crate::analysis) mod inverse;
-pub(in crate::analysis) mod lanes;
 pub mod modal;
 mod pieces;
 pub(in crate::analysis) mod sparse;

@@ -2,7 +2,7 @@
 //! number of cores changes a bit of the result. See docs/method/transfer.md#two-sided-approximation.
 
 use super::Frequency;
-use super::lanes::MOST;
+use crate::kernel::simd::MOST;
 use std::thread;
 
 /// Less work than this, in coordinates times frequencies, takes a millisecond: starting threads would take a part of

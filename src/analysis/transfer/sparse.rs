@@ -11,7 +11,7 @@ use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
 use crate::base::{Ball, Dd};
 use crate::kernel::complex::Complex;
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use crate::kernel::sparse::order::least_fill;
 
 /// The order and the pattern of L.
@@ -206,13 +206,13 @@ fn substituted<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
     }
 }
 
-fused! {
+simd! {
     fn eliminate_discs(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Disc>> {
         eliminated(pattern, entries)
     }
 }
 
-fused! {
+simd! {
     fn substitute_discs(pattern: &Pattern, lower: &Lower<Disc>, x: &mut [Disc]) {
         substituted(pattern, lower, x)
     }

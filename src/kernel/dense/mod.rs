@@ -10,7 +10,7 @@ pub(crate) mod pivoted_qr;
 pub(crate) mod product;
 
 use crate::base::Dd;
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
 /// The arithmetic of algorithms that exist in both precisions.
@@ -221,14 +221,14 @@ impl Matrix<Dd> {
     }
 }
 
-fused! {
+simd! {
     /// a . b
     pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
         a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
     }
 }
 
-fused! {
+simd! {
     /// y <- y + factor x
     pub fn add_scaled(y: &mut [Dd], factor: Dd, x: &[Dd]) {
         for (y, &x) in y.iter_mut().zip(x) {

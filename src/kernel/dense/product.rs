@@ -7,7 +7,7 @@
 //! [`error`] |A| |B| for f = 1 and C = 0.
 
 use crate::kernel::dense::Matrix;
-use crate::kernel::wide::{Eight, LANES, widest};
+use crate::kernel::simd::{Eight, LANES, simd};
 
 /// Number of products in one chain.
 const DEPTH: usize = 256;
@@ -80,8 +80,10 @@ pub fn product(a: View, b: View) -> Matrix<f64> {
     c
 }
 
-widest! {
-    fn add_packed(c: &mut [f64], stride: usize, f: f64, a: View, b: View) = add_packed_as
+simd! {
+    fn add_packed<V: Eight>(c: &mut [f64], stride: usize, f: f64, a: View, b: View) {
+        add_packed_as::<V>(c, stride, f, a, b);
+    }
 }
 
 #[inline(always)]
@@ -151,7 +153,7 @@ fn add_panels<V: Eight, const R: usize, const N: usize>(
                 for (l, sums) in sums.iter().enumerate() {
                     for (r, &sum) in sums.iter().enumerate() {
                         let c = &mut c[at + l * stride + r * LANES..][..LANES];
-                        V::load(c).fused(V::splat(f), sum).store(c);
+                        V::splat(f).mul_add(sum, V::load(c)).store(c);
                     }
                 }
             } else {
@@ -180,7 +182,7 @@ fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V
         for l in 0..N {
             let b = V::splat(b[l]);
             for r in 0..R {
-                sums[l][r] = sums[l][r].fused(a[r], b);
+                sums[l][r] = a[r].mul_add(b, sums[l][r]);
             }
         }
     }
@@ -190,7 +192,7 @@ fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::wide::Plain;
+    use crate::kernel::simd::Plain;
 
     fn scrambled(rows: usize, columns: usize) -> Matrix<f64> {
         Matrix::from_fn(rows, columns, |i, j| ((i * 37 + j * 101 + 7) % 97) as f64 / 48.0 - 1.0)

@@ -6,7 +6,7 @@
 //! poles, so that all d_j - x keep their digits. Steps follow Li's middle way (LAPACK Working Note 89, 1993; `dlaed4`),
 //! kept inside a bracket.
 
-use crate::kernel::wide::{Eight, LANES, widest};
+use crate::kernel::simd::{LANES, simd};
 
 /// A zero: `origin` is the index of its nearer pole.
 #[derive(Clone, Copy, Debug)]
@@ -134,19 +134,16 @@ fn middle_way(sums: &Sums, f: f64, p: f64, q: f64, single: bool) -> f64 {
     }
 }
 
-widest! {
+simd! {
     /// delta_j = (d_j - d_origin) - x
-    fn shift(d: &[f64], origin: f64, x: f64, delta: &mut [f64]) = shift_as
-}
-
-#[inline(always)]
-fn shift_as<V: Eight>(d: &[f64], origin: f64, x: f64, delta: &mut [f64]) {
-    let (blocks, mut out) = (d.chunks_exact(LANES), delta.chunks_exact_mut(LANES));
-    for (d, delta) in blocks.clone().zip(out.by_ref()) {
-        V::load(d).minus(V::splat(origin)).minus(V::splat(x)).store(delta);
-    }
-    for (d, delta) in blocks.remainder().iter().zip(out.into_remainder()) {
-        *delta = (d - origin) - x;
+    fn shift<V: Eight>(d: &[f64], origin: f64, x: f64, delta: &mut [f64]) {
+        let (blocks, mut out) = (d.chunks_exact(LANES), delta.chunks_exact_mut(LANES));
+        for (d, delta) in blocks.clone().zip(out.by_ref()) {
+            (V::load(d) - V::splat(origin) - V::splat(x)).store(delta);
+        }
+        for (d, delta) in blocks.remainder().iter().zip(out.into_remainder()) {
+            *delta = (d - origin) - x;
+        }
     }
 }
 
@@ -156,27 +153,23 @@ fn sums(delta: &[f64], squares: &[f64], split: usize) -> Sums {
     Sums { below, below_slope, above, above_slope }
 }
 
-widest! {
+simd! {
     /// sum z^2/delta and sum z^2/delta^2
-    fn side(delta: &[f64], squares: &[f64]) -> (f64, f64) = side_as
-}
-
-#[inline(always)]
-fn side_as<V: Eight>(delta: &[f64], squares: &[f64]) -> (f64, f64) {
-    let (mut sum, mut slope) = (V::splat(0.0), V::splat(0.0));
-    let (d_blocks, z_blocks) = (delta.chunks_exact(LANES), squares.chunks_exact(LANES));
-    let (mut rest, mut rest_slope) = (0.0, 0.0);
-    for (d, z) in d_blocks.remainder().iter().zip(z_blocks.remainder()) {
-        let part = z / d;
-        (rest, rest_slope) = (rest + part, rest_slope + part / d);
+    fn side<V: Eight>(delta: &[f64], squares: &[f64]) -> (f64, f64) {
+        let (mut sum, mut slope) = (V::splat(0.0), V::splat(0.0));
+        let (d_blocks, z_blocks) = (delta.chunks_exact(LANES), squares.chunks_exact(LANES));
+        let (mut rest, mut rest_slope) = (0.0, 0.0);
+        for (d, z) in d_blocks.remainder().iter().zip(z_blocks.remainder()) {
+            let part = z / d;
+            (rest, rest_slope) = (rest + part, rest_slope + part / d);
+        }
+        for (d, z) in d_blocks.zip(z_blocks) {
+            let one = V::splat(1.0) / V::load(d);
+            let part = V::load(z) * one;
+            (sum, slope) = (sum + part, part.mul_add(one, slope));
+        }
+        (sum.sum() + rest, slope.sum() + rest_slope)
     }
-    for (d, z) in d_blocks.zip(z_blocks) {
-        let d = V::load(d);
-        let one = V::splat(1.0).over(d);
-        let part = V::load(z).times(one);
-        (sum, slope) = (sum.add(part), slope.fused(part, one));
-    }
-    (sum.sum() + rest, slope.sum() + rest_slope)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, add_product, product};
-use crate::kernel::wide::{Eight, LANES, widest};
+use crate::kernel::simd::{Eight, LANES, simd};
 
 /// Number of columns in a panel.
 const PANEL: usize = 64;
@@ -152,43 +152,39 @@ impl Reduced {
     }
 }
 
-widest! {
+simd! {
     /// a . b, in four times eight lanes.
-    pub fn dot(a: &[f64], b: &[f64]) -> f64 = dot_as
+    pub fn dot<V: Eight>(a: &[f64], b: &[f64]) -> f64 {
+        let mut sums = [V::splat(0.0); 4];
+        let (a_blocks, b_blocks) = (a.chunks_exact(4 * LANES), b.chunks_exact(4 * LANES));
+        let rest = a_blocks.remainder().iter().zip(b_blocks.remainder()).fold(0.0, |s: f64, (x, y)| x.mul_add(*y, s));
+        for (a, b) in a_blocks.zip(b_blocks) {
+            for (l, sum) in sums.iter_mut().enumerate() {
+                *sum = V::load(&a[l * LANES..]).mul_add(V::load(&b[l * LANES..]), *sum);
+            }
+        }
+        (sums[0] + sums[1] + (sums[2] + sums[3])).sum() + rest
+    }
 }
 
-#[inline(always)]
-fn dot_as<V: Eight>(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [V::splat(0.0); 4];
-    let (a_blocks, b_blocks) = (a.chunks_exact(4 * LANES), b.chunks_exact(4 * LANES));
-    let rest = a_blocks.remainder().iter().zip(b_blocks.remainder()).fold(0.0, |s: f64, (x, y)| x.mul_add(*y, s));
-    for (a, b) in a_blocks.zip(b_blocks) {
-        for (l, sum) in sums.iter_mut().enumerate() {
-            *sum = sum.fused(V::load(&a[l * LANES..]), V::load(&b[l * LANES..]));
+simd! {
+    /// y <- y + f x
+    pub fn add_scaled<V: Eight>(y: &mut [f64], f: f64, x: &[f64]) {
+        let (mut y_blocks, x_blocks) = (y.chunks_exact_mut(LANES), x.chunks_exact(LANES));
+        for (y, x) in y_blocks.by_ref().zip(x_blocks.clone()) {
+            V::splat(f).mul_add(V::load(x), V::load(y)).store(y);
+        }
+        for (y, x) in y_blocks.into_remainder().iter_mut().zip(x_blocks.remainder()) {
+            *y = f.mul_add(*x, *y);
         }
     }
-    sums[0].add(sums[1]).add(sums[2].add(sums[3])).sum() + rest
 }
 
-widest! {
-    /// y <- y + f x
-    pub fn add_scaled(y: &mut [f64], f: f64, x: &[f64]) = add_scaled_as
-}
-
-#[inline(always)]
-fn add_scaled_as<V: Eight>(y: &mut [f64], f: f64, x: &[f64]) {
-    let (mut y_blocks, x_blocks) = (y.chunks_exact_mut(LANES), x.chunks_exact(LANES));
-    for (y, x) in y_blocks.by_ref().zip(x_blocks.clone()) {
-        V::load(y).fused(V::splat(f), V::load(x)).store(y);
-    }
-    for (y, x) in y_blocks.into_remainder().iter_mut().zip(x_blocks.remainder()) {
-        *y = f.mul_add(*x, *y);
-    }
-}
-
-widest! {
+simd! {
     /// y = A x for the symmetric matrix whose lower triangle starts at row and column `from` of the n x n numbers.
-    fn multiply_lower(a: &[f64], at: (usize, usize), x: &[f64], y: &mut [f64]) = multiply_lower_as
+    fn multiply_lower<V: Eight>(a: &[f64], at: (usize, usize), x: &[f64], y: &mut [f64]) {
+        multiply_lower_as::<V>(a, at, x, y);
+    }
 }
 
 /// Number of columns that are read in parallel.
@@ -232,8 +228,8 @@ fn multiply_strip<V: Eight>(columns: [&[f64]; ABREAST], f: [f64; ABREAST], x: &[
         let (input, mut output) = (V::load(&x[i..i + LANES]), V::load(&y[i..i + LANES]));
         for c in 0..ABREAST {
             let entry = V::load(&columns[c][i..i + LANES]);
-            output = output.fused(entry, wide[c]);
-            sums[c] = sums[c].fused(entry, input);
+            output = entry.mul_add(wide[c], output);
+            sums[c] = entry.mul_add(input, sums[c]);
         }
         output.store(&mut y[i..i + LANES]);
     }

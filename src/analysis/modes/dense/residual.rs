@@ -18,8 +18,9 @@ use crate::analysis::modes::terms::{Factor, Terms};
 use crate::base::{Dd, larger};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product;
+use crate::kernel::lanes::Double;
+use crate::kernel::simd::{Eight, LANES, simd};
 use crate::kernel::symmetric::tridiagonal::dot;
-use crate::kernel::wide::{Eight, LANES, widest};
 
 /// u^2 = 2^-106.
 const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
@@ -231,72 +232,11 @@ impl Block {
     }
 }
 
-/// Eight numbers of two words.
-#[derive(Clone, Copy)]
-struct Words<V> {
-    hi: V,
-    lo: V,
-}
-
-impl<V: Eight> Words<V> {
-    #[inline(always)]
-    fn load(from: &[f64]) -> Words<V> {
-        Words { hi: V::load(from), lo: V::load(&from[LANES..]) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        self.hi.store(to);
-        self.lo.store(&mut to[LANES..]);
-    }
-
-    #[inline(always)]
-    fn splat([hi, lo]: [f64; 2]) -> Words<V> {
-        Words { hi: V::splat(hi), lo: V::splat(lo) }
-    }
-
-    #[inline(always)]
-    fn negated(self) -> Words<V> {
-        let zero = V::splat(0.0);
-        Words { hi: zero.minus(self.hi), lo: zero.minus(self.lo) }
-    }
-
-    /// x - y, exactly (Knuth).
-    #[inline(always)]
-    fn difference(x: V, y: V) -> Words<V> {
-        let s = x.minus(y);
-        let v = s.minus(x);
-        Words { hi: s, lo: x.minus(s.minus(v)).minus(y.add(v)) }
-    }
-
-    /// |error| <= 6 u^2 |self other|
-    #[inline(always)]
-    fn times(self, other: Words<V>) -> Words<V> {
-        let p = self.hi.times(other.hi);
-        let rest = V::splat(0.0).minus(p).fused(self.hi, other.hi);
-        let rest = rest.fused(self.lo, other.hi).fused(self.hi, other.lo);
-        Words::renormalised(p, rest)
-    }
-
-    /// |error| <= 10 u^2 (|self| + |other|)
-    #[inline(always)]
-    fn plus(self, other: Words<V>) -> Words<V> {
-        let s = self.hi.add(other.hi);
-        let v = s.minus(self.hi);
-        let rest = self.hi.minus(s.minus(v)).add(other.hi.minus(v));
-        Words::renormalised(s, rest.add(self.lo.add(other.lo)))
-    }
-
-    #[inline(always)]
-    fn renormalised(hi: V, lo: V) -> Words<V> {
-        let s = hi.add(lo);
-        Words { hi: s, lo: lo.minus(s.minus(hi)) }
-    }
-}
-
-widest! {
+simd! {
     /// image = sum w a a^T x
-    fn apply(form: &Flat, x: &[f64], image: &mut [f64]) = apply_as
+    fn apply<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
+        apply_as::<V>(form, x, image);
+    }
 }
 
 #[inline(always)]
@@ -305,22 +245,22 @@ fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
     for (t, (&weight, &kind)) in form.weights.iter().zip(&form.kinds).enumerate() {
         let range = form.starts[t] as usize..form.starts[t + 1] as usize;
         let (indices, factors) = (&form.indices[range.clone()], &form.factors[range]);
-        let weight = Words::<V>::splat(weight);
+        let weight = splat::<V>(weight);
         match (kind, indices) {
-            (Kind::Single, [i]) => add(image, *i, weight.times(at(x, *i))),
+            (Kind::Single, [i]) => add(image, *i, weight.sloppy_times(at(x, *i))),
             (Kind::Difference, [i, j]) => {
-                let force = weight.times(Words::difference(at::<V>(x, *i).hi, at::<V>(x, *j).hi));
+                let force = weight.sloppy_times(Double::difference(at::<V>(x, *i).hi, at::<V>(x, *j).hi));
                 add(image, *i, force);
-                add(image, *j, force.negated());
+                add(image, *j, -force);
             }
             _ => {
-                let mut stretch = Words::splat([0.0; 2]);
+                let mut stretch = Double::zero();
                 for (&i, &a) in indices.iter().zip(factors) {
-                    stretch = stretch.plus(Words::splat(a).times(at(x, i)));
+                    stretch = stretch.sloppy_plus(splat::<V>(a).sloppy_times(at(x, i)));
                 }
-                let force = weight.times(stretch);
+                let force = weight.sloppy_times(stretch);
                 for (&i, &a) in indices.iter().zip(factors) {
-                    add(image, i, Words::splat(a).times(force));
+                    add(image, i, splat::<V>(a).sloppy_times(force));
                 }
             }
         }
@@ -330,49 +270,47 @@ fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
 // Functions, not closures: code that is not inlined into the kernel is compiled without its instruction set.
 
 #[inline(always)]
-fn at<V: Eight>(x: &[f64], i: u32) -> Words<V> {
-    Words { hi: V::load(&x[i as usize * LANES..]), lo: V::splat(0.0) }
+fn splat<V: Eight>([hi, lo]: [f64; 2]) -> Double<V> {
+    Double::splat(Dd { hi, lo })
 }
 
 #[inline(always)]
-fn add<V: Eight>(image: &mut [f64], i: u32, force: Words<V>) {
+fn at<V: Eight>(x: &[f64], i: u32) -> Double<V> {
+    Double { hi: V::load(&x[i as usize * LANES..]), lo: V::splat(0.0) }
+}
+
+#[inline(always)]
+fn add<V: Eight>(image: &mut [f64], i: u32, force: Double<V>) {
     let place = &mut image[2 * i as usize * LANES..][..2 * LANES];
-    Words::load(place).plus(force).store(place);
+    Double::load(place).sloppy_plus(force).store(place);
 }
 
-widest! {
-    /// x . k / x . m in two words, one row each.
-    fn quotients(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] = quotients_as
-}
-
-#[inline(always)]
-fn quotients_as<V: Eight>(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] {
-    let zero = Words::<V>::splat([0.0; 2]);
-    let (mut energy, mut inertia) = (zero, zero);
-    for (i, x) in x.chunks_exact(LANES).enumerate() {
-        let x = Words { hi: V::load(x), lo: V::splat(0.0) };
-        energy = energy.plus(x.times(Words::load(&k[2 * i * LANES..])));
-        inertia = inertia.plus(x.times(Words::load(&m[2 * i * LANES..])));
+simd! {
+    /// x . k / x . m in two words, a row each.
+    fn quotients<V: Eight>(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] {
+        let (mut energy, mut inertia) = (Double::<V>::zero(), Double::<V>::zero());
+        for (i, x) in x.chunks_exact(LANES).enumerate() {
+            let x = Double { hi: V::load(x), lo: V::splat(0.0) };
+            energy = energy.sloppy_plus(x.sloppy_times(Double::load(&k[2 * i * LANES..])));
+            inertia = inertia.sloppy_plus(x.sloppy_times(Double::load(&m[2 * i * LANES..])));
+        }
+        let (mut above, mut below) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
+        energy.store(&mut above);
+        inertia.store(&mut below);
+        let quotient = |lane: usize| {
+            let of = |words: &[f64]| Dd { hi: words[lane], lo: words[LANES + lane] };
+            of(&above) / of(&below)
+        };
+        [std::array::from_fn(|lane| quotient(lane).hi), std::array::from_fn(|lane| quotient(lane).lo)]
     }
-    let (mut above, mut below) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
-    energy.store(&mut above);
-    inertia.store(&mut below);
-    let quotient = |lane: usize| {
-        let of = |words: &[f64]| Dd { hi: words[lane], lo: words[LANES + lane] };
-        of(&above) / of(&below)
-    };
-    [std::array::from_fn(|lane| quotient(lane).hi), std::array::from_fn(|lane| quotient(lane).lo)]
 }
 
-widest! {
+simd! {
     /// k <- k - theta m, rounded to the first of its words.
-    fn residuals(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) = residuals_as
-}
-
-#[inline(always)]
-fn residuals_as<V: Eight>(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) {
-    let theta = Words::<V> { hi: V::load(&theta[0]), lo: V::load(&theta[1]) }.negated();
-    for (k, m) in k.chunks_exact_mut(2 * LANES).zip(m.chunks_exact(2 * LANES)) {
-        Words::load(k).plus(theta.times(Words::load(m))).store(k);
+    fn residuals<V: Eight>(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) {
+        let theta = -Double::<V> { hi: V::load(&theta[0]), lo: V::load(&theta[1]) };
+        for (k, m) in k.chunks_exact_mut(2 * LANES).zip(m.chunks_exact(2 * LANES)) {
+            Double::load(k).sloppy_plus(theta.sloppy_times(Double::load(m))).store(k);
+        }
     }
 }

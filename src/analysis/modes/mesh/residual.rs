@@ -6,7 +6,7 @@
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::base::Dd;
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 
 /// A x of a form, and a bound of each entry's error.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl<'a> Multiplier<'a> {
     }
 }
 
-fused! {
+simd! {
     fn image(form: &Multiplier, x: &[Dd]) -> Image {
         form.image(x)
     }

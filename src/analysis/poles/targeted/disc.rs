@@ -18,7 +18,7 @@ use crate::analysis::poles::targeted::frame::{Frame, Level};
 use crate::base::{Ball, Dd};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use crate::kernel::triple::{Precise, Triple};
 
 /// The most circles that are tried; each is twice as large as the one before.
@@ -260,7 +260,7 @@ fn sizes_of_forces(squares: &Squares<Precise>, stretches: &[Complex<Precise>], n
     sizes
 }
 
-fused! {
+simd! {
     /// A bound of |x . f|.
     fn dot(x: &[f64], f: &Image) -> f64 {
         let (mut sum, mut error) = (Dd::ZERO, 0.0);

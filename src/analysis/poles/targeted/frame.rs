@@ -20,7 +20,7 @@ use crate::analysis::poles::targeted::elimination::Networks;
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
-use crate::kernel::fused::fused;
+use crate::kernel::simd::simd;
 use crate::kernel::triple::Triple;
 
 /// The forms of a system as terms.
@@ -240,7 +240,7 @@ fn norm_of(u: &[Dd], image: &Image) -> f64 {
     ((energy.hi.abs() + doubt * UP) * UP).sqrt() * UP
 }
 
-fused! {
+simd! {
     /// f <- f - factor g
     fn subtract(f: &mut Image, factor: f64, g: &Image) {
         let given = g.value.iter().zip(&g.error);

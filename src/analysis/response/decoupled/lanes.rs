@@ -3,8 +3,9 @@
 //! summed over the oscillators in their order.
 
 use super::step::Step;
-use crate::analysis::transfer::lanes::{Double, MOST, Vector, side_by_side};
 use crate::base::Dd;
+use crate::kernel::lanes::Double;
+use crate::kernel::simd::{Vector, simd};
 
 /// Double-double numbers in parallel lanes, padded to whole vectors.
 #[derive(Clone, Debug)]
@@ -69,29 +70,22 @@ impl Lanes {
     /// The vector that begins at `i`.
     #[inline(always)]
     pub fn at<V: Vector>(&self, i: usize) -> Double<V> {
-        Double { hi: load(&self.hi[i..i + V::WIDTH]), lo: load(&self.lo[i..i + V::WIDTH]) }
+        Double { hi: V::load(&self.hi[i..]), lo: V::load(&self.lo[i..]) }
     }
 
     #[inline(always)]
     pub fn put<V: Vector>(&mut self, i: usize, x: Double<V>) {
-        self.hi[i..i + V::WIDTH].copy_from_slice(&x.hi.store()[..V::WIDTH]);
-        self.lo[i..i + V::WIDTH].copy_from_slice(&x.lo.store()[..V::WIDTH]);
+        x.hi.store(&mut self.hi[i..]);
+        x.lo.store(&mut self.lo[i..]);
     }
 }
 
-#[inline(always)]
-fn load<V: Vector>(x: &[f64]) -> V {
-    let mut all = [0.0; MOST];
-    all[..V::WIDTH].copy_from_slice(x);
-    V::load(&all)
-}
-
-/// The state at eight times: for each number first the leading words, then the low words.
+/// The state at eight times: of each number first the leading parts, then the others.
 type Times = [[f64; ROOM]; 2];
 
-side_by_side! {
-    /// Computes the samples; afterwards the state is that of the last one.
-    pub fn run<V>(batch: &Batch, state: &mut State) -> Samples {
+simd! {
+    /// Goes through the samples; the state is that of the last one afterwards.
+    pub fn run<V: Vector>(batch: &Batch, state: &mut State) -> Samples {
         let outputs = batch.rows.len();
         let mut samples =
             Samples { values: vec![Dd::ZERO; batch.count * outputs], squares: vec![0.0; batch.count] };
@@ -134,7 +128,7 @@ fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize,
                 next[1].plus_double(f[2], z[0]).plus_double(f[3], z[1]).normalised(),
             ];
             for (component, z) in z.iter().enumerate() {
-                let (hi, lo) = (z.hi.store(), z.lo.store());
+                let (hi, lo) = (z.hi.to_array(), z.lo.to_array());
                 for lane in 0..V::WIDTH {
                     let number = &mut times[2 * (at + lane) + component];
                     (number[0][t], number[1][t]) = (hi[lane], lo[lane]);
@@ -164,12 +158,12 @@ fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; ROOM], [f64; ROOM
         let mut sum = Double::<V>::zero();
         for (index, factor) in row {
             let [high, low] = &times[*index as usize];
-            let z = Double { hi: load(&high[at..at + V::WIDTH]), lo: load(&low[at..at + V::WIDTH]) };
+            let z = Double { hi: V::load(&high[at..]), lo: V::load(&low[at..]) };
             sum = sum.plus_double(Double::splat(*factor), z);
         }
         let sum = sum.normalised();
-        hi[at..at + V::WIDTH].copy_from_slice(&sum.hi.store()[..V::WIDTH]);
-        lo[at..at + V::WIDTH].copy_from_slice(&sum.lo.store()[..V::WIDTH]);
+        sum.hi.store(&mut hi[at..]);
+        sum.lo.store(&mut lo[at..]);
     }
     (hi, lo)
 }
@@ -180,10 +174,10 @@ fn squares_at<V: Vector>(times: &[Times]) -> [f64; ROOM] {
     let mut squares = [0.0; ROOM];
     for at in (0..ROOM).step_by(V::WIDTH) {
         let sum = times.iter().fold(V::splat(0.0), |sum, number| {
-            let z: V = load(&number[0][at..at + V::WIDTH]);
-            z.fused(z, sum)
+            let z = V::load(&number[0][at..]);
+            z.mul_add(z, sum)
         });
-        squares[at..at + V::WIDTH].copy_from_slice(&sum.store()[..V::WIDTH]);
+        sum.store(&mut squares[at..]);
     }
     squares
 }

@@ -9,9 +9,10 @@
 use super::lanes::Lanes;
 use super::oscillators::Oscillators;
 use crate::analysis::response::exponential::growth;
-use crate::analysis::transfer::lanes::{Double, Vector, side_by_side};
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::dense::Matrix;
+use crate::kernel::lanes::Double;
+use crate::kernel::simd::{Vector, simd};
 use std::cell::RefCell;
 
 /// exp(A h) for one h.
@@ -261,8 +262,8 @@ fn exponential_of_sources(
     (horner, powers)
 }
 
-side_by_side! {
-    fn blocks<V>(task: &Task) -> Blocks {
+simd! {
+    fn blocks<V: Vector>(task: &Task) -> Blocks {
         let m = task.horner[0].columns();
         let squarings = task.powers.len() - 1;
         let zeros = || Lanes::zeros(task.size);
@@ -343,8 +344,8 @@ fn square<V: Vector>(f: &mut [Double<V>; 4], phi: &mut [[Double<V>; 2]], next: &
 #[inline(always)]
 fn norms<V: Vector>(f: &[Double<V>; 4], phi: &[[Double<V>; 2]], at: usize, squares: &mut [Vec<f64>; 2]) {
     let zero = V::splat(0.0);
-    let of_f = f.iter().fold(zero, |sum, x| x.hi.fused(x.hi, sum)).store();
-    let of_phi = phi.iter().flatten().fold(zero, |sum, x| x.hi.fused(x.hi, sum)).store();
+    let of_f = f.iter().fold(zero, |sum, x| x.hi.mul_add(x.hi, sum)).to_array();
+    let of_phi = phi.iter().flatten().fold(zero, |sum, x| x.hi.mul_add(x.hi, sum)).to_array();
     for lane in 0..V::WIDTH.min(squares[0].len() - at) {
         (squares[0][at + lane], squares[1][at + lane]) = (of_f[lane], of_phi[lane]);
     }

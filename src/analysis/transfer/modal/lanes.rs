@@ -3,9 +3,9 @@
 
 use super::{ModalSum, Residues};
 use crate::analysis::transfer::Frequency;
-use crate::analysis::transfer::lanes::{MOST, Vector};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
+use crate::kernel::simd::{MOST, Vector, simd};
 
 /// A sum over modes, and the sums of its bound (see the module above).
 #[derive(Clone, Copy, Debug)]
@@ -22,44 +22,17 @@ pub fn one(modes: &ModalSum, residues: &Residues, w: Dd) -> Sum {
     sum::<f64>(modes, residues, &[w; MOST]).at(0)
 }
 
-/// The sums at many frequencies.
-pub fn sums(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") {
-            // SAFETY: the processor has these instructions.
-            return unsafe { by_eight(modes, residues, frequencies) };
+simd! {
+    /// At many frequencies.
+    pub fn sums<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
+        let mut sums = Vec::with_capacity(frequencies.len());
+        for chunk in frequencies.chunks(V::WIDTH) {
+            let w: [Dd; MOST] = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)].omega.mid);
+            let lanes = sum::<V>(modes, residues, &w);
+            sums.extend((0..chunk.len()).map(|i| lanes.at(i)));
         }
-        if has!("avx2") && has!("fma") {
-            // SAFETY: the processor has these instructions.
-            return unsafe { by_four(modes, residues, frequencies) };
-        }
+        sums
     }
-    all::<f64>(modes, residues, frequencies)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn by_eight(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
-    all::<crate::analysis::transfer::lanes::x86::Eight>(modes, residues, frequencies)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn by_four(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
-    all::<crate::analysis::transfer::lanes::x86::Four>(modes, residues, frequencies)
-}
-
-#[inline(always)]
-fn all<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
-    let mut sums = Vec::with_capacity(frequencies.len());
-    for chunk in frequencies.chunks(V::WIDTH) {
-        let w: [Dd; MOST] = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)].omega.mid);
-        let lanes = sum::<V>(modes, residues, &w);
-        sums.extend((0..chunk.len()).map(|i| lanes.at(i)));
-    }
-    sums
 }
 
 /// The sums at several frequencies, one in each lane.
@@ -102,7 +75,7 @@ fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> Lane
             V::splat(k[i].hi) - w_square
         };
         let im = w_hi * V::splat(c[i].hi);
-        let reciprocal = V::splat(1.0).over(re * re + im * im);
+        let reciprocal = V::splat(1.0) / (re * re + im * im);
         let scaled = V::splat(products[i]) * reciprocal;
         re_sum = re_sum + scaled * re;
         im_sum = im_sum - scaled * im;
@@ -114,11 +87,11 @@ fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> Lane
         b = b + V::splat(b_square[i]) * inverse;
     }
     LaneSums {
-        re: re_sum.store(),
-        im: im_sum.store(),
-        rounding: rounding.store(),
-        v: v.store(),
-        p: p.store(),
-        b: b.store(),
+        re: re_sum.to_array(),
+        im: im_sum.to_array(),
+        rounding: rounding.to_array(),
+        v: v.to_array(),
+        p: p.to_array(),
+        b: b.to_array(),
     }
 }

@@ -9,10 +9,11 @@
 //! 40) u^2 of sum T |x|, and (2 l + 6) u of it in binary64.
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
-use crate::analysis::transfer::lanes::{Double, MOST, Pair, Twice, Vector, side_by_side, two_sum};
 use crate::analysis::transfer::{Disc, Frequency};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
+use crate::kernel::lanes::{Double, Pair, two_sum};
+use crate::kernel::simd::{MOST, Twice, Vector, simd};
 
 /// Working space and results for one set of inputs and outputs, at as many frequencies as there are lanes.
 struct Sweep<'a, V> {
@@ -91,10 +92,10 @@ pub struct Task<'a> {
     pub tolerance: f64,
 }
 
-side_by_side! {
+simd! {
     /// Discs by frequency, then input, then output.
-    pub fn discs<V>(task: &Task) -> Vec<Disc> {
-        // Narrower vectors have too few registers for two at a time.
+    pub fn discs<V: Vector>(task: &Task) -> Vec<Disc> {
+        // Narrower vectors have too few registers for two.
         if V::WIDTH == 8 && task.frequencies.len() > 8 { all::<Twice<V>>(task) } else { all::<V>(task) }
     }
 }
@@ -191,8 +192,8 @@ impl<'a, V: Vector> Sweep<'a, V> {
         let mut good = true;
         for (y, result) in self.results.iter_mut().enumerate() {
             finish(result, point, &self.readings[y], x, self.t[y]);
-            let (re, im, radius) = (result.re, result.im, result.radius.store());
-            let (re, im) = ([re.hi.store(), re.lo.store()], [im.hi.store(), im.lo.store()]);
+            let (re, im, radius) = (result.re, result.im, result.radius.to_array());
+            let (re, im) = ([re.hi.to_array(), re.lo.to_array()], [im.hi.to_array(), im.lo.to_array()]);
             for lane in 0..V::WIDTH {
                 let disc = &mut self.discs[(lane * self.loads.len() + u) * outputs + y];
                 if is_good(disc, self.tolerance) {
@@ -254,7 +255,7 @@ fn is_good(disc: &Disc, tolerance: f64) -> bool {
 impl<V: Vector> Point<V> {
     #[inline(always)]
     fn of(lanes: &[Lane; MOST], entries: f64) -> Point<V> {
-        let of = |part: fn(&Lane) -> f64| V::load(&std::array::from_fn(|i| part(&lanes[i])));
+        let of = |part: fn(&Lane) -> f64| V::load(&lanes.each_ref().map(part));
         Point {
             omega: Double { hi: of(|l| l.omega.hi), lo: of(|l| l.omega.lo) },
             square: Double { hi: of(|l| l.square.hi), lo: of(|l| l.square.lo) },
@@ -267,7 +268,7 @@ impl<V: Vector> Point<V> {
     fn rough(&self, q: &Polynomial) -> Pair<V> {
         let mut re = V::splat(q.k.hi);
         if q.m.hi != 0.0 {
-            re = (-self.square.hi).fused(V::splat(q.m.hi), re);
+            re = (-self.square.hi).mul_add(V::splat(q.m.hi), re);
         }
         let im = if q.c.hi != 0.0 { self.omega.hi * V::splat(q.c.hi) } else { V::splat(0.0) };
         Pair { re, im }
@@ -276,8 +277,8 @@ impl<V: Vector> Point<V> {
     /// T
     #[inline(always)]
     fn size(&self, q: &Polynomial) -> V {
-        let inertia = self.square.hi.fused(V::splat(q.m.hi.abs()), V::splat(q.k.hi.abs()));
-        self.omega.hi.fused(V::splat(q.c.hi.abs()), inertia)
+        let inertia = self.square.hi.mul_add(V::splat(q.m.hi.abs()), V::splat(q.k.hi.abs()));
+        self.omega.hi.mul_add(V::splat(q.c.hi.abs()), inertia)
     }
 
     /// The entry at this frequency in double-double, and T.
@@ -287,8 +288,8 @@ impl<V: Vector> Point<V> {
         if q.m.hi != 0.0 {
             let mass = V::splat(-q.m.hi);
             let product = self.square.hi * mass;
-            let error = self.square.hi.fused(mass, -product);
-            let error = self.square.lo.fused(mass, self.square.hi.fused(V::splat(-q.m.lo), error));
+            let error = self.square.hi.mul_add(mass, -product);
+            let error = self.square.lo.mul_add(mass, self.square.hi.mul_add(V::splat(-q.m.lo), error));
             let (hi, lost) = two_sum(re.hi, product);
             re = Double { hi, lo: re.lo + (error + lost) };
         }
@@ -296,8 +297,8 @@ impl<V: Vector> Point<V> {
         if q.c.hi != 0.0 {
             let damping = V::splat(q.c.hi);
             let hi = self.omega.hi * damping;
-            let error = self.omega.hi.fused(damping, -hi);
-            im = Double { hi, lo: self.omega.lo.fused(damping, self.omega.hi.fused(V::splat(q.c.lo), error)) };
+            let error = self.omega.hi.mul_add(damping, -hi);
+            im = Double { hi, lo: self.omega.lo.mul_add(damping, self.omega.hi.mul_add(V::splat(q.c.lo), error)) };
         }
         Entry { re, im, size: self.size(q) }
     }
@@ -407,11 +408,11 @@ fn residual_norm<V: Vector>(
         for &(j, which) in row {
             let z = z[j as usize];
             rest = rest.minus_product(entries.rough(point, which), z);
-            size = entries.size(point, which).fused(z.size(), size);
+            size = entries.size(point, which).mul_add(z.size(), size);
         }
         let lost = V::splat((2 * row.len() + 8) as f64 * 2.0 * U);
-        let bound = size.fused(lost, rest.size());
-        norm = (bound * bound).fused(V::splat(*weight), norm);
+        let bound = size.mul_add(lost, rest.size());
+        norm = (bound * bound).mul_add(V::splat(*weight), norm);
     }
     norm
 }
@@ -428,9 +429,9 @@ impl<V: Vector> Beside<V> {
     /// Adds x y.
     #[inline(always)]
     fn add(&mut self, x: V, y: V) {
-        let next = x.fused(y, self.sum);
+        let next = x.mul_add(y, self.sum);
         let taken = next - self.sum;
-        self.rest = self.rest + x.fused(y, -taken);
+        self.rest = self.rest + x.mul_add(y, -taken);
         self.sum = next;
     }
 }
@@ -456,7 +457,7 @@ fn pair<V: Vector, const PARTS: usize>(
         for &(j, which) in row {
             let t = entries.size(point, which);
             for x in x {
-                size = t.fused(x[j as usize].size(), size);
+                size = t.mul_add(x[j as usize].size(), size);
             }
         }
         let right = load.iter().find(|(place, _)| *place as usize == i).map(|(_, value)| point.exact(value));
@@ -472,12 +473,12 @@ fn pair<V: Vector, const PARTS: usize>(
                 let x = x[j as usize];
                 re.add(q.re.hi, x.re);
                 im.add(q.re.hi, x.im);
-                re.low = q.re.lo.fused(x.re, re.low);
-                im.low = q.re.lo.fused(x.im, im.low);
+                re.low = q.re.lo.mul_add(x.re, re.low);
+                im.low = q.re.lo.mul_add(x.im, im.low);
                 re.add(q.im.hi, -x.im);
                 im.add(q.im.hi, x.re);
-                re.low = q.im.lo.fused(-x.im, re.low);
-                im.low = q.im.lo.fused(x.re, im.low);
+                re.low = q.im.lo.mul_add(-x.im, re.low);
+                im.low = q.im.lo.mul_add(x.re, im.low);
             }
         }
         if let Some(right) = &right {
@@ -496,14 +497,14 @@ fn pair<V: Vector, const PARTS: usize>(
         let lost = V::splat((40.0 * count * count + 22.0 * count + 40.0) * U * U) + point.loose;
         let error = size * lost;
         let bound = left.size() + error;
-        norm = (bound * bound).fused(V::splat(weights[i]), norm);
-        // The rounding errors of r itself, of the product and of the sum over all rows.
-        let slack = left.size().fused(V::splat((plan.n + 8) as f64 * U), error);
+        norm = (bound * bound).mul_add(V::splat(weights[i]), norm);
+        // Rounding of r itself, of the product and of the sum over all rows.
+        let slack = left.size().mul_add(V::splat((plan.n + 8) as f64 * U), error);
         for (result, z) in results.iter_mut().zip(z) {
             let z = z[i];
             let sum = Pair { re: result.re.hi, im: result.im.hi }.plus_product(z, left);
             (result.re.hi, result.im.hi) = (sum.re, sum.im);
-            result.radius = z.size().fused(slack, result.radius);
+            result.radius = z.size().mul_add(slack, result.radius);
         }
     }
     for result in results.iter_mut() {
@@ -523,7 +524,7 @@ fn finish<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse,
             let x = x[*place as usize];
             re = re.plus_product(p_re, x.re).plus_product(p_im, -x.im);
             im = im.plus_product(p_re, x.im).plus_product(p_im, x.re);
-            size = t.fused(x.size(), size);
+            size = t.mul_add(x.size(), size);
         }
     }
     let count = (reading.len() * x.len()) as f64;
@@ -533,9 +534,9 @@ fn finish<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse,
         let (hi, lo) = two_sum(hi, x.lo + lost);
         Double { hi, lo }
     };
-    let second = (t * norm).sqrt().over(point.omega.hi);
+    let second = (t * norm).sqrt() / point.omega.hi;
     let rounding = correction.size() * V::splat(8.0 * U * U) + V::splat(TINY);
-    let radius = size.fused(lost, result.radius) + second + rounding;
+    let radius = size.mul_add(lost, result.radius) + second + rounding;
     result.radius = radius * V::splat(UP);
     result.re = total(re, correction.re);
     result.im = total(im, correction.im);
