@@ -2,15 +2,10 @@
 //! 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system. Out: its C with these terms added. See
 //! docs/method/response.md.
 
-use crate::analysis::AnalysisError;
-use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
-use crate::analysis::modes::condense::condense;
-use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
-use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
-use crate::analysis::modes::squares::Squares;
-use crate::analysis::modes::structure;
-use crate::kernel::dense::Matrix;
+use crate::analysis::answer::{ModeKind, Modes, PRECISE};
+use crate::analysis::modes::form;
 use crate::base::{Ball, Dd, Name, Number};
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 
 /// Covers the rounding errors of sums of magnitudes.
@@ -39,29 +34,13 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
 /// Adds the damping ratio to every oscillation. The rows are enclosures of numbers that give exactly this C: the
 /// uncertainty of the modes is in C, and so in every bound that is computed from it.
 ///
-/// The modes keep the shapes that were refined for this, which are those of the damped system too.
-pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
-    let mut terms: Vec<Option<Term>> = vec![None; modes.list.len()];
-    for part in &independent_undamped(system) {
-        let own = of_part(part, &modes.list);
-        if !own.iter().any(|&i| modes.list[i].kind == ModeKind::Oscillation) {
-            continue;
-        }
-        let list: Vec<Mode> = own.iter().map(|&i| local(&modes.list[i], part)).collect();
-        let unknown = || AnalysisError::uncertain_modes(system, part.coordinates[0] as usize);
-        let basis = Basis::of(system, part, &list).ok_or_else(unknown)?;
-        for (column, &i) in own.iter().enumerate() {
-            let mode = &mut modes.list[i];
-            if mode.kind == ModeKind::Oscillation {
-                terms[i] = Some(basis.term(column, part));
-            }
-            if system.n() <= PRECISE
-                && let Some(shape) = basis.shape(column)
-            {
-                let precise = mode.precise.get_or_insert_with(|| vec![Dd::ZERO; mode.shape.len()]);
-                part.coordinates.iter().zip(shape).for_each(|(&c, &x)| precise[c as usize] = x);
-            }
-        }
+/// The modes keep the shapes that were refined for it: they are those of the damped system too.
+pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) {
+    let n = system.n();
+    let m = Squares::of_form(&system.m);
+    let shapes = form::shapes(system, modes);
+    if n <= PRECISE {
+        modes.list.iter_mut().enumerate().for_each(|(i, mode)| mode.precise = Some(shapes.column(i).to_vec()));
     }
     let source = source(system);
     for Term { omega, row } in terms.into_iter().flatten() {

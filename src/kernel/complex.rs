@@ -2,64 +2,8 @@
 //! enclosing rectangle) proves. Only + - * / and the square root are used, which are the same on every machine.
 
 use crate::base::{Ball, Dd, larger};
+use crate::kernel::real::Real;
 use std::ops::{Add, Mul, Neg, Sub};
-
-/// The operations on a real type that the arithmetic below needs.
-pub trait Real:
-    Copy + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
-{
-    const ZERO: Self;
-    const ONE: Self;
-    /// The number nearest to x.
-    fn of_dd(x: Dd) -> Self;
-    /// The nearest binary64 number, within an ulp.
-    fn to_f64(self) -> f64;
-}
-
-impl Real for f64 {
-    const ZERO: f64 = 0.0;
-    const ONE: f64 = 1.0;
-
-    #[inline]
-    fn of_dd(x: Dd) -> f64 {
-        x.to_f64()
-    }
-
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self
-    }
-}
-
-impl Real for Dd {
-    const ZERO: Dd = Dd::ZERO;
-    const ONE: Dd = Dd::ONE;
-
-    #[inline]
-    fn of_dd(x: Dd) -> Dd {
-        x
-    }
-
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self.hi
-    }
-}
-
-impl Real for Ball {
-    const ZERO: Ball = Ball::ZERO;
-    const ONE: Ball = Ball::ONE;
-
-    #[inline]
-    fn of_dd(x: Dd) -> Ball {
-        Ball::exact(x)
-    }
-
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self.mid.hi
-    }
-}
 
 /// re + i im.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //! evaluated. Every operation adds the bound of its own rounding error (see [`Triple::ERROR`]); zero stays exact.
 
 use crate::base::Dd;
-use crate::kernel::complex::Real;
+use crate::kernel::real::Real;
 use crate::kernel::triple::{Precise, Triple};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -9,6 +9,9 @@ use super::over::{Centre, Moved};
 use super::search::{Difference, Root, exactly};
 use super::together::{Pairing, Unknowns, between, known};
 use crate::base::{Ball, Dd, Jet, Number};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
+use crate::kernel::real::Scalar;
 
 /// Number of starting points along each range, for this number of unknowns.
 fn starts_of(unknowns: usize) -> i64 {
@@ -159,7 +162,7 @@ impl<'a, 'b> Problem<'a, 'b> {
             let Some(jacobian) = self.jacobian(&x, &here) else { break };
             singular = self.is_singular(&jacobian);
             let rhs: Vec<Dd> = here.iter().map(|d| d.mid).collect();
-            let Some(full) = solve_linear(&jacobian, &rhs) else {
+            let Some(full) = factored(&jacobian).and_then(|lu| solved(&lu, rhs)) else {
                 singular = true;
                 break;
             };
@@ -206,7 +209,7 @@ impl<'a, 'b> Problem<'a, 'b> {
             }
             row.iter_mut().for_each(|x| *x /= length);
         }
-        determinant(scaled).abs() < SINGULAR
+        factored::<f64>(&scaled).is_none_or(|lu| lu.determinant().abs() < SINGULAR)
     }
 
     /// Distances from an end within which there is exactly one set of values, by Krawczyk's operator: with Y near the
@@ -215,7 +218,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         let n = end.x.len();
         let middle = self.jacobian(&end.x, &end.differences)?;
         let unit = |e: usize| -> Vec<Dd> { (0..n).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect() };
-        let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solve_linear(&middle, &unit(e))).collect();
+        let middle = factored(&middle)?;
+        let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solved(&middle, unit(e))).collect();
         let y = columns?;
         // |Y F(m)|
         let step: Vec<f64> = (0..n)
@@ -306,48 +310,13 @@ impl<'a, 'b> Problem<'a, 'b> {
     }
 }
 
-/// Gaussian elimination with partial pivoting; the right-hand side in double-double.
-fn solve_linear(a: &[Vec<f64>], b: &[Dd]) -> Option<Vec<Dd>> {
-    let n = b.len();
-    let mut a: Vec<Vec<Dd>> = a.iter().map(|row| row.iter().map(|&x| Dd::from(x)).collect()).collect();
-    let mut b = b.to_vec();
-    for k in 0..n {
-        let pivot = (k..n).max_by(|&i, &j| a[i][k].hi.abs().total_cmp(&a[j][k].hi.abs()))?;
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        if a[k][k].is_zero() || !a[k][k].is_finite() {
-            return None;
-        }
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            let row = a[k].clone();
-            a[i].iter_mut().zip(row).skip(k).for_each(|(x, by)| *x -= factor * by);
-            let by = factor * b[k];
-            b[i] -= by;
-        }
-    }
-    for k in (0..n).rev() {
-        let sum = (k + 1..n).fold(b[k], |sum, j| sum - a[k][j] * b[j]);
-        b[k] = sum / a[k][k];
-    }
-    b.iter().all(|x| x.is_finite()).then_some(b)
+/// The factors of a matrix given by rows.
+fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
+    Lu::of(Matrix::from_fn(rows.len(), rows.len(), |i, j| T::of_f64(rows[i][j])))
 }
 
-fn determinant(mut a: Vec<Vec<f64>>) -> f64 {
-    let n = a.len();
-    let mut product = 1.0;
-    for k in 0..n {
-        let pivot = (k..n).fold(k, |best, i| if a[i][k].abs() > a[best][k].abs() { i } else { best });
-        if a[pivot][k] == 0.0 {
-            return 0.0;
-        }
-        a.swap(k, pivot);
-        product *= a[k][k];
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            let row = a[k].clone();
-            a[i].iter_mut().zip(row).skip(k).for_each(|(x, by)| *x -= factor * by);
-        }
-    }
-    product
+/// A^-1 b; `None` where that is not finite.
+fn solved(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
+    a.solve(&mut b);
+    b.iter().all(|x| x.is_finite()).then_some(b)
 }

@@ -11,7 +11,7 @@ pub mod signal;
 
 pub use signal::Signal;
 
-use crate::base::{Ball, Name, Number, Span, Words};
+use crate::base::{Ball, Name, Number, Rational, Span, Words};
 
 /// Index of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -233,6 +233,12 @@ impl Form {
             }
         }
         entries
+    }
+
+    /// [`Form::entries`], where all of them are rational.
+    pub fn rational_entries(&self, n: usize) -> Option<Vec<Vec<Rational>>> {
+        let rational = |row: &Vec<Number>| row.iter().map(|entry| entry.exact().cloned()).collect();
+        self.entries(n).iter().map(rational).collect()
     }
 
     /// [`Form::entries`] as balls.

@@ -113,35 +113,6 @@ pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
     }
 }
 
-/// The inverse by Gauss-Jordan elimination with partial pivoting, in double-double without a bound: an enclosure of it
-/// would lose all digits for hundreds of rows.
-pub fn inverse(m: &Matrix<Dd>) -> Option<Matrix<Dd>> {
-    let n = m.rows();
-    let mut rows: Vec<Vec<Dd>> = (0..n)
-        .map(|i| {
-            let identity = (0..n).map(|j| if i == j { Dd::ONE } else { Dd::ZERO });
-            (0..n).map(|j| m[(i, j)]).chain(identity).collect()
-        })
-        .collect();
-    for step in 0..n {
-        let size = |i: usize| rows[i][step].hi.abs();
-        let pivot = (step..n).fold(step, |best, i| if size(i) > size(best) { i } else { best });
-        if rows[pivot][step].is_zero() || !rows[pivot][step].is_finite() {
-            return None;
-        }
-        rows.swap(step, pivot);
-        let scale = Dd::ONE / rows[step][step];
-        rows[step][step..].iter_mut().for_each(|x| *x = *x * scale);
-        let top = rows[step].clone();
-        for row in rows.iter_mut().enumerate().filter(|(i, row)| *i != step && !row[step].is_zero()).map(|(_, row)| row)
-        {
-            let factor = row[step];
-            row[step..].iter_mut().zip(&top[step..]).for_each(|(x, &y)| *x -= factor * y);
-        }
-    }
-    Some(Matrix::from_fn(n, n, |i, j| rows[i][n + j]))
-}
-
 impl Block {
     /// The block in other coordinates s w.
     pub fn transformed(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {
@@ -173,23 +144,5 @@ impl Block {
             to: row(&self.to),
             back: column(&self.back),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The inverse of a matrix that requires row exchanges, to double-double; `None` for a singular one.
-    #[test]
-    fn the_inverse_gives_the_identity() {
-        let m =
-            Matrix::from_fn(40, 40, |i, j| Dd::from(if i == j { 0.0 } else { 1.0 / (1.0 + (3 * i + 5 * j) as f64) }));
-        let same = product(&m, &inverse(&m).expect("regular"));
-        let off = |i: usize, j: usize| (same[(i, j)] - if i == j { Dd::ONE } else { Dd::ZERO }).hi.abs();
-        let worst = (0..40).flat_map(|i| (0..40).map(move |j| (i, j))).map(|(i, j)| off(i, j)).fold(0.0, f64::max);
-        // Double-double is accurate to 1e-32 times the condition number, some 1e5.
-        assert!(worst < 1e-25, "{worst:e}");
-        assert!(inverse(&Matrix::from_fn(3, 3, |i, j| Dd::from((i + j) as f64))).is_none());
     }
 }

@@ -7,16 +7,15 @@
 //! E, E off the blocks, the step T (I + X) with D_i X_ij - X_ij D_j = -E_ij squares the error (Stewart 1973).
 
 use crate::analysis::answer::{Pole, Poles};
-use crate::analysis::discrete::block::{
-    Block, NOTHING, Split, add, clean_product, inverse, product, sum, without_derivatives,
-};
+use crate::analysis::discrete::block::{Block, NOTHING, Split, add, clean_product, product, sum, without_derivatives};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::response::propagator::{Exogenous, StateSpace};
 use crate::base::{Ball, Dd};
-use crate::kernel::complex::{Complex, Real};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::lu::{Lu, inverse};
 use crate::kernel::dense::{Matrix, dot};
+use crate::kernel::real::{Float, Scalar};
 use crate::system::LinearSystem;
-use std::ops::Div;
 
 /// Poles closer than this relative distance stay in one block.
 const NEAR: f64 = 1e-4;
@@ -223,14 +222,17 @@ fn basis(a: &Matrix<Dd>, groups: &[Group]) -> Option<Basis> {
 }
 
 /// Columns that span the motions of each group.
-fn vectors<T: Real + Div<Output = T>>(a: &Matrix<Dd>, groups: &[Group]) -> Option<Matrix<Dd>> {
+fn vectors<T: Float>(a: &Matrix<Dd>, groups: &[Group]) -> Option<Matrix<Dd>>
+where
+    Complex<T>: Scalar,
+{
     let n = a.rows();
     let least =
         groups.iter().flat_map(|g| &g.poles).map(|s| s.abs()).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
     let mut columns: Vec<Vec<Dd>> = Vec::with_capacity(n);
     for (seed, group) in groups.iter().enumerate() {
         let count = group.poles.len() as f64;
-        let mean = group.poles.iter().fold(Complex::ZERO, |sum, &s| sum + s).scale(1.0 / count);
+        let mean = group.poles.iter().fold(Complex::<f64>::ZERO, |sum, &s| sum + s).scale(1.0 / count);
         let aside = if mean.abs() > 0.0 { mean.abs() * 1e-10 } else { least.min(1.0) * 1e-10 };
         let im = if group.paired { mean.im } else { 0.0 };
         let shift = Complex::new(mean.re + aside, im);
@@ -238,7 +240,7 @@ fn vectors<T: Real + Div<Output = T>>(a: &Matrix<Dd>, groups: &[Group]) -> Optio
             let own = if i == j { shift } else { Complex::ZERO };
             Complex::new(T::of_dd(a[(i, j)] - Dd::from(own.re)), T::of_dd(Dd::from(-own.im)))
         });
-        let factors = Factors::of(matrix)?;
+        let factors = Lu::of(matrix)?;
         let mut space: Vec<Vec<Complex<T>>> =
             (0..group.poles.len()).map(|k| (0..n).map(|i| scrambled(i, 31 * seed + k)).collect()).collect();
         for _ in 0..4 {
@@ -252,8 +254,8 @@ fn vectors<T: Real + Div<Output = T>>(a: &Matrix<Dd>, groups: &[Group]) -> Optio
     (columns.len() == n).then(|| Matrix::from_fn(n, n, |i, j| columns[j][i]))
 }
 
-/// Pseudo-random numbers, so that no start vector is orthogonal to the wanted one.
-fn scrambled<T: Real>(i: usize, seed: usize) -> Complex<T> {
+/// Numbers without a pattern, so that no vector starts orthogonal to what is looked for.
+fn scrambled<T: Float>(i: usize, seed: usize) -> Complex<T> {
     let mixed =
         (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (seed as u64 + 7).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -261,8 +263,8 @@ fn scrambled<T: Real>(i: usize, seed: usize) -> Complex<T> {
     Complex::real(T::of_dd(Dd::from(value)))
 }
 
-/// Gram-Schmidt, applied twice.
-fn orthonormal<T: Real + Div<Output = T>>(space: &mut [Vec<Complex<T>>]) -> Option<()> {
+/// Gram and Schmidt, twice.
+fn orthonormal<T: Float>(space: &mut [Vec<Complex<T>>]) -> Option<()> {
     for k in 0..space.len() {
         for _ in 0..2 {
             let (before, rest) = space.split_at_mut(k);
@@ -287,8 +289,8 @@ fn orthonormal<T: Real + Div<Output = T>>(space: &mut [Vec<Complex<T>>]) -> Opti
     Some(())
 }
 
-/// A complex vector as two orthogonal real columns of length one; a real vector as one.
-fn real_columns<T: Real>(x: &[Complex<T>], paired: bool) -> Vec<Vec<Dd>> {
+/// A complex vector as two real columns at right angles, each of length one; a real one as one.
+fn real_columns<T: Float>(x: &[Complex<T>], paired: bool) -> Vec<Vec<Dd>> {
     let to_dd = |z: T| Dd::from(z.to_f64());
     let (re, im): (Vec<Dd>, Vec<Dd>) = x.iter().map(|z| (to_dd(z.re), to_dd(z.im))).unzip();
     if !paired {
@@ -323,7 +325,7 @@ fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis>
         .collect();
     let mut last = f64::INFINITY;
     for _ in 0..MOST_STEPS {
-        let inverse = inverse(&t)?;
+        let inverse = inverse(t.clone())?;
         let d = product(&inverse, &product(a, &t));
         let mut x = Matrix::zeros(n, n);
         let mut size = 0.0f64;
@@ -363,86 +365,16 @@ fn sylvester(a: &Matrix<f64>, b: &Matrix<f64>, c: &Matrix<f64>) -> Option<Matrix
     if size == 1 {
         return Some(Matrix::filled(1, 1, c[(0, 0)] / (a[(0, 0)] - b[(0, 0)])));
     }
-    let mut rows: Vec<Vec<f64>> = vec![vec![0.0; size + 1]; size];
+    let mut matrix = Matrix::filled(size, size, 0.0);
+    let mut x = vec![0.0; size];
     for i in 0..m {
         for j in 0..n {
-            let row = &mut rows[i + m * j];
-            (0..m).for_each(|k| row[k + m * j] += a[(i, k)]);
-            (0..n).for_each(|k| row[i + m * k] -= b[(k, j)]);
-            row[size] = c[(i, j)];
+            let row = i + m * j;
+            (0..m).for_each(|k| matrix[(row, k + m * j)] += a[(i, k)]);
+            (0..n).for_each(|k| matrix[(row, i + m * k)] -= b[(k, j)]);
+            x[row] = c[(i, j)];
         }
     }
-    for step in 0..size {
-        let pivot =
-            (step..size).fold(step, |best, i| if rows[i][step].abs() > rows[best][step].abs() { i } else { best });
-        rows.swap(step, pivot);
-        let (above, below) = rows.split_at_mut(step + 1);
-        let top = &above[step];
-        if top[step] == 0.0 {
-            return None;
-        }
-        for row in below {
-            let factor = row[step] / top[step];
-            (step..=size).for_each(|k| row[k] -= factor * top[k]);
-        }
-    }
-    let mut x = vec![0.0; size];
-    for step in (0..size).rev() {
-        let known: f64 = (step + 1..size).map(|k| rows[step][k] * x[k]).sum();
-        x[step] = (rows[step][size] - known) / rows[step][step];
-    }
+    Lu::of(matrix)?.solve(&mut x);
     Some(Matrix::from_fn(m, n, |i, j| x[i + m * j]))
-}
-
-/// The triangular factors of a complex matrix, with row exchanges.
-struct Factors<T> {
-    rows: Vec<Vec<Complex<T>>>,
-    order: Vec<usize>,
-}
-
-impl<T: Real + Div<Output = T>> Factors<T> {
-    fn of(matrix: Matrix<Complex<T>>) -> Option<Factors<T>> {
-        let n = matrix.rows();
-        let mut rows: Vec<Vec<Complex<T>>> = (0..n).map(|i| (0..n).map(|j| matrix[(i, j)]).collect()).collect();
-        let mut order: Vec<usize> = (0..n).collect();
-        for step in 0..n {
-            let size = |i: usize| rows[i][step].to_f64().abs();
-            let pivot = (step..n).fold(step, |best, i| if size(i) > size(best) { i } else { best });
-            rows.swap(step, pivot);
-            order.swap(step, pivot);
-            let (above, below) = rows.split_at_mut(step + 1);
-            let top = &above[step];
-            if top[step] == Complex::ZERO {
-                return None;
-            }
-            let inverse = reciprocal(top[step]);
-            for row in below.iter_mut().filter(|row| row[step] != Complex::ZERO) {
-                let factor = row[step] * inverse;
-                row[step] = factor;
-                for k in step + 1..n {
-                    row[k] = row[k] - factor * top[k];
-                }
-            }
-        }
-        Some(Factors { rows, order })
-    }
-
-    /// x <- A^-1 x
-    fn solve(&self, x: &mut Vec<Complex<T>>) {
-        let n = self.rows.len();
-        let mut y: Vec<Complex<T>> = self.order.iter().map(|&i| x[i]).collect();
-        for i in 0..n {
-            y[i] = (0..i).fold(y[i], |sum, k| sum - self.rows[i][k] * y[k]);
-        }
-        for i in (0..n).rev() {
-            let sum = (i + 1..n).fold(y[i], |sum, k| sum - self.rows[i][k] * y[k]);
-            y[i] = sum * reciprocal(self.rows[i][i]);
-        }
-        *x = y;
-    }
-}
-
-fn reciprocal<T: Real + Div<Output = T>>(z: Complex<T>) -> Complex<T> {
-    let square = z.re * z.re + z.im * z.im;
-    Complex::new(z.re / square, -(z.im / square))
 }

@@ -5,9 +5,9 @@
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
 use crate::analysis::modes::form::{ModalForm, gram};
-use crate::analysis::modes::squares::Squares;
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::dense::Matrix;
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// Off-diagonal entries below this, relative to the geometric mean of the diagonal ones, are rounding errors of
@@ -21,7 +21,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     let n = system.n();
     let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
     let ModalForm { shapes: mut x, m: masses, k: stiffness } = ModalForm::of(system, modes, gram)?;
-    let (m, c, k) = (Squares::of(&system.m), Squares::of(&system.c), Squares::of(&system.k));
+    let (m, c, k) = (Squares::of_form(&system.m), Squares::of_form(&system.c), Squares::of_form(&system.k));
     let (masses, stiffness) = if without_rounding(&mut x) { (gram(&m, &x), gram(&k, &x)) } else { (masses, stiffness) };
     let grams = [masses, gram(&c, &x), stiffness];
     if !grams.iter().all(is_diagonal) {

@@ -19,7 +19,7 @@ use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Dd, larger};
-use crate::kernel::dense::Matrix;
+use crate::kernel::dense::{Matrix, cholesky};
 use crate::kernel::triple::Triple;
 use crate::system::Form;
 use std::cmp::Ordering;
@@ -155,7 +155,7 @@ pub fn eigenpairs_of(
         return Ok(pairs);
     }
     let matrix = mass::assembled(masses, n);
-    let lower = mass::factor(matrix.clone()).map_err(Failure::Mass)?;
+    let lower = cholesky::factor(matrix.clone(), cholesky::rounding(n)).map_err(Failure::Mass)?;
     if n > MAX_SLOW {
         return Err(Failure::Size);
     }

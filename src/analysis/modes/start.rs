@@ -18,8 +18,9 @@ use crate::analysis::modes::star_mesh::Network;
 use crate::analysis::modes::structure::NullSpace;
 use crate::analysis::modes::terms::Terms;
 use crate::base::Dd;
-use crate::kernel::dense::{Matrix, Real, add_scaled, dot};
-use crate::kernel::dense::{jacobi, pivoted_qr};
+use crate::kernel::dense::{Matrix, add_scaled, dot};
+use crate::kernel::dense::{cholesky, jacobi, pivoted_qr};
+use crate::kernel::real::Float;
 use crate::kernel::triple::Triple;
 
 /// A basis to start from.
@@ -56,7 +57,7 @@ pub fn positive(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
             (network.factor(&masses), Basis::Diagonal(scale), Route::StarMesh)
         }
         None => {
-            let basis = mass::inverse_transpose(&inertia.lower);
+            let basis = cholesky::inverse_transpose(&inertia.lower);
             let g = factored(terms, &basis).map(|x| x.hi);
             (pivoted_qr::factor(g, inertia.n() - rigid.vectors.len()), Basis::Full(basis), Route::Factored)
         }
@@ -166,7 +167,7 @@ fn rigid_basis(inertia: &Inertia, rigid: &NullSpace) -> Vec<Vec<Dd>> {
 /// X with X^T M X = 1 to working accuracy, and the number of its leading columns that span the known rigid motions.
 fn deflated_basis(inertia: &Inertia, rigid: &NullSpace) -> (Matrix<Dd>, usize) {
     let lower = &inertia.lower;
-    let mut x = mass::inverse_transpose(lower);
+    let mut x = cholesky::inverse_transpose(lower);
     // In coordinates y = L^T q the rigid motions are L^T v; reflections that turn them onto the first axes, applied to
     // X = L^-T from the right, leave an orthonormal basis of their complement in the other columns.
     let mut images: Vec<Vec<Dd>> = (rigid.vectors.iter())

@@ -10,6 +10,8 @@
 
 use super::image::{Image, identity};
 use crate::base::{Ball, Number, Rational};
+use crate::kernel::dense::echelon::reduce;
+use crate::kernel::dense::{Matrix, enclosure};
 use crate::kernel::residues::Field;
 use crate::system::{Form, Term};
 use num_bigint::BigInt;
@@ -78,9 +80,9 @@ impl Echelon {
     fn of(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Echelon> {
         let field = image.field;
         let mut matrix = residue_matrix(form, n, positive, image)?;
-        let pivots = eliminate(&mut matrix, n, field);
-        let free: Vec<usize> = (0..n).filter(|&j| pivots[j].is_none()).collect();
-        let vectors = free.iter().map(|&column| null_vector(&matrix, &pivots, n, column, field)).collect();
+        let pivots = reduce(&field, &mut matrix, n);
+        let free: Vec<usize> = (0..n).filter(|j| pivots.binary_search(j).is_err()).collect();
+        let vectors = free.iter().map(|&column| null_vector(&matrix, &pivots, column, field)).collect();
         Some(Echelon { modulus: field.prime().into(), free, vectors })
     }
 
@@ -131,56 +133,31 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
             }
         }
     }
-    // Columns: the bound coordinates, then the free ones, whose forces they balance.
-    let order: Vec<usize> = bound.iter().chain(free).copied().collect();
-    let rows = bound.iter().map(|&i| order.iter().map(|&j| matrix[i][j]).collect()).collect();
-    let solved = eliminated(rows)?;
+    // The effect of the free coordinates is to be balanced.
+    let of = |columns: &[usize]| Matrix::from_fn(bound.len(), columns.len(), |i, j| matrix[bound[i]][columns[j]]);
+    let solved = enclosure::solve(&of(&bound), &of(free))?;
     let vector = |column: usize| {
         let mut vector = vec![Number::ZERO; n];
         vector[free[column]] = Number::ONE;
-        for (row, &i) in solved.iter().zip(&bound) {
-            vector[i] = Number::from(-row[bound.len() + column]);
+        for (&x, &i) in solved.column(column).iter().zip(&bound) {
+            vector[i] = Number::from(-x);
         }
         vector
     };
     Some((0..free.len()).map(vector).collect())
 }
 
-/// Gauss-Jordan elimination of the leading square, with pivots from the diagonal, the largest first; `None` if one may
-/// be zero. A symmetric matrix for which it succeeds is therefore regular.
-pub fn eliminated(mut rows: Vec<Vec<Ball>>) -> Option<Vec<Vec<Ball>>> {
-    let mut left: Vec<usize> = (0..rows.len()).collect();
-    while !left.is_empty() {
-        let larger = |a: &usize, b: &usize| rows[*a][*a].mid.hi.abs().total_cmp(&rows[*b][*b].mid.hi.abs());
-        let at = (0..left.len()).max_by(|&a, &b| larger(&left[a], &left[b]))?;
-        let p = left.swap_remove(at);
-        let pivot = rows[p][p];
-        if pivot.contains_zero() || !pivot.is_finite() {
-            return None;
-        }
-        let unit: Vec<Ball> = rows[p].iter().map(|&x| x / pivot).collect();
-        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != p) {
-            let factor = row[p];
-            if !factor.is_zero() {
-                row.iter_mut().zip(&unit).for_each(|(x, &u)| *x = *x - factor * u);
-            }
-        }
-        rows[p] = unit;
-    }
-    Some(rows)
-}
-
 /// sum w a a^T modulo the prime, row by row.
-fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Vec<u64>> {
+fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Vec<Vec<u64>>> {
     let field = image.field;
-    let mut matrix = vec![0; n * n];
+    let mut matrix = vec![vec![0; n]; n];
     for (t, term) in form.terms().iter().enumerate() {
         let weight = if positive { field.random(t as u64) } else { image.of(&term.weight)? };
         let row = form.row(term);
         for (i, a) in row {
             let weighted = field.multiply(weight, image.of(a)?);
             for (j, b) in row {
-                let entry = &mut matrix[i.index() * n + j.index()];
+                let entry = &mut matrix[i.index()][j.index()];
                 *entry = field.add(*entry, field.multiply(weighted, image.of(b)?));
             }
         }
@@ -188,48 +165,13 @@ fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Optio
     Some(matrix)
 }
 
-/// Reduces to row echelon form with unit pivots and cleared columns; returns the row of the pivot for each column.
-fn eliminate(matrix: &mut [u64], n: usize, field: Field) -> Vec<Option<usize>> {
-    let mut pivots = vec![None; n];
-    let mut next = 0;
-    for j in 0..n {
-        let Some(row) = (next..n).find(|&i| matrix[i * n + j] != 0) else { continue };
-        for l in j..n {
-            matrix.swap(next * n + l, row * n + l);
-        }
-        let scale = field.inverse(matrix[next * n + j]);
-        for l in j..n {
-            matrix[next * n + l] = field.multiply(matrix[next * n + l], scale);
-        }
-        for i in (0..n).filter(|&i| i != next) {
-            subtract_row(matrix, n, next, i, j, field);
-        }
-        pivots[j] = Some(next);
-        next += 1;
+fn null_vector(matrix: &[Vec<u64>], pivots: &[usize], free: usize, field: Field) -> Vec<BigInt> {
+    let mut vector = vec![BigInt::zero(); matrix.len()];
+    vector[free] = BigInt::one();
+    for (row, &pivot) in matrix.iter().zip(pivots) {
+        vector[pivot] = field.negate(row[free]).into();
     }
-    pivots
-}
-
-/// Clears entry j of row i by subtracting a multiple of row `from`.
-fn subtract_row(matrix: &mut [u64], n: usize, from: usize, i: usize, j: usize, field: Field) {
-    let factor = matrix[i * n + j];
-    if factor == 0 {
-        return;
-    }
-    for l in j..n {
-        let x = matrix[from * n + l];
-        if x != 0 {
-            matrix[i * n + l] = field.add(matrix[i * n + l], field.negate(field.multiply(factor, x)));
-        }
-    }
-}
-
-fn null_vector(matrix: &[u64], pivots: &[Option<usize>], n: usize, free: usize, field: Field) -> Vec<BigInt> {
-    let entry = |j: usize| match pivots[j] {
-        Some(row) => field.negate(matrix[row * n + free]),
-        None => u64::from(j == free),
-    };
-    (0..n).map(|j| entry(j).into()).collect()
+    vector
 }
 
 /// The fraction n/d with |n|, d below sqrt(modulus / 2) and n = x d modulo it, by Euclid's algorithm stopped half-way

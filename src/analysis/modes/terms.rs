@@ -4,17 +4,12 @@
 //! decimal that does not fit into three words) is in the radii and so in every bound.
 
 use crate::base::{Dd, Number, Rational};
+use crate::kernel::squares::Squares;
 use crate::kernel::triple::{Precise, Triple};
 use crate::system::Form;
 
 /// The squares `w a a^T` of a form.
-#[derive(Clone, Debug)]
-pub struct Terms {
-    pub weights: Vec<Precise>,
-    starts: Vec<u32>,
-    indices: Vec<u32>,
-    factors: Vec<Factor>,
-}
+pub type Terms = Squares<Precise, Factor>;
 
 /// An entry of a row. Most are signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,34 +21,12 @@ pub enum Factor {
 
 impl Terms {
     pub fn of(form: &Form) -> Terms {
-        let count = form.terms().len();
-        let mut terms = Terms {
-            weights: Vec::with_capacity(count),
-            starts: Vec::with_capacity(count + 1),
-            indices: Vec::with_capacity(2 * count),
-            factors: Vec::with_capacity(2 * count),
-        };
-        terms.starts.push(0);
+        let mut terms = Squares::with_capacity(form.terms().len());
         for term in form.terms() {
-            terms.weights.push(Precise::of(&term.weight));
-            for (coordinate, value) in form.row(term) {
-                terms.indices.push(coordinate.0);
-                terms.factors.push(Factor::of_number(value));
-            }
-            terms.starts.push(terms.indices.len() as u32);
+            let row = form.row(term).iter().map(|(i, value)| (i.0, Factor::of_number(value)));
+            terms.push(Precise::of(&term.weight), row);
         }
         terms
-    }
-
-    pub fn len(&self) -> usize {
-        self.weights.len()
-    }
-
-    /// The row of term `t`: its coordinates and their factors.
-    #[inline]
-    pub fn row(&self, t: usize) -> (&[u32], &[Factor]) {
-        let range = self.starts[t] as usize..self.starts[t + 1] as usize;
-        (&self.indices[range.clone()], &self.factors[range])
     }
 
     /// a . x of term `t`, for an exactly known x.
@@ -97,7 +70,7 @@ impl Terms {
     pub fn is_finite(&self) -> bool {
         let finite = |x: &Precise| x.value.is_finite() && x.radius.is_finite();
         self.weights.iter().all(finite)
-            && self.factors.iter().all(|factor| !matches!(factor, Factor::Other(x) if !finite(x)))
+            && self.factors().iter().all(|factor| !matches!(factor, Factor::Other(x) if !finite(x)))
     }
 }
 

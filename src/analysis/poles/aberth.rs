@@ -4,9 +4,9 @@
 //! rough values. Out: better ones, in binary64; nothing here is printed. See docs/method/poles.md#general-systems.
 
 use crate::analysis::poles::companion::Basis;
-use crate::analysis::poles::refinement::Factors;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
 
 /// Far more than the dozen sweeps that bad starts take.
 const MOST_SWEEPS: usize = 60;
@@ -68,7 +68,7 @@ fn logarithmic_slope(basis: &Basis, s: Complex<f64>) -> Option<Complex<f64>> {
     let n = basis.n();
     let scale: Vec<f64> = (0..n).map(|i| equilibrating(modal(basis, s, i, i).one_norm())).collect();
     let scaled = |z: Complex<f64>, i: usize, j: usize| z.scale(scale[i] * scale[j]);
-    let factors = Factors::of(Matrix::from_fn(n, n, |i, j| scaled(modal(basis, s, i, j), i, j)))?;
+    let factors = Lu::nearly_singular(Matrix::from_fn(n, n, |i, j| scaled(modal(basis, s, i, j), i, j)))?;
     let mut trace = Complex::ZERO;
     for j in 0..n {
         let mut column: Vec<Complex<f64>> = (0..n)

@@ -8,13 +8,14 @@
 //! scaling of Fan, Lin and Van Dooren (SIMAX 26 (2004) 252) aims at this, mode by mode.
 
 use crate::analysis::answer::{ModeKind, Modes};
-use crate::analysis::poles::pencil::{Pencil, Squares};
+use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::View;
+use crate::kernel::squares::Squares;
 use nalgebra::DMatrix;
 
 /// Modes as a basis: binary64 columns, and C~ in it.
@@ -298,12 +299,12 @@ fn rigid_columns(pencil: &Pencil<Dd>, rigid: &RigidMotions) -> Vec<Vec<Dd>> {
 /// x^T M y
 fn inertia(pencil: &Pencil<Dd>, x: &[Dd], y: &[Dd]) -> Dd {
     let forces = forces(&pencil.m, x);
-    (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch(t, y))
+    (0..forces.len()).fold(Dd::ZERO, |sum, t| sum + forces[t] * pencil.m.stretch_of(t, y))
 }
 
 /// w (a . x) for each term.
 fn forces(squares: &Squares<Dd>, x: &[Dd]) -> Vec<Dd> {
-    (0..squares.len()).map(|t| squares.weights[t] * squares.stretch(t, x)).collect()
+    (0..squares.len()).map(|t| squares.weights[t] * squares.stretch_of(t, x)).collect()
 }
 
 fn dot(indices: &[u32], values: &[Dd], x: &[f64]) -> f64 {

@@ -2,13 +2,15 @@
 //! motions, each scaled by a binary64 factor; and their products, with bounds of the rounding errors. See
 //! docs/method/poles.md#discs.
 
-use crate::analysis::poles::pencil::{Application, Pencil, Squares};
+use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::base::{Ball, Dd};
-use crate::kernel::complex::{Complex, Real};
+use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, error, product};
+use crate::kernel::real::Real;
+use crate::kernel::squares::Squares;
 use crate::kernel::triple::Precise;
 
 /// Unit roundoff of binary64.
@@ -102,7 +104,7 @@ impl Column {
     fn of_motion(pencil: &Pencil<Precise>, motion: &[Precise], a: Complex<f64>, rate: f64) -> Column {
         let scaled = |squares: &Squares<Precise>, rate: f64| -> Vec<Near> {
             let rate = Precise { value: rate.into(), radius: 0.0 };
-            (0..squares.len()).map(|t| Near::of(Complex::real(squares.stretch(t, motion) * rate), a)).collect()
+            (0..squares.len()).map(|t| Near::of(Complex::real(squares.stretch_of(t, motion) * rate), a)).collect()
         };
         Column {
             mx: scaled(&pencil.m, 1.0),
@@ -163,7 +165,7 @@ pub fn dot_products(columns: &Columns, forces: &[Vec<Near>]) -> Matrix<f64> {
 impl Motion {
     fn of(pencil: &Pencil<Precise>, motion: &[Precise], factor: Complex<f64>, rate: f64) -> Motion {
         let forces = |squares: &Squares<Precise>| -> Vec<Precise> {
-            (0..squares.len()).map(|t| squares.weights[t] * squares.stretch(t, motion)).collect()
+            (0..squares.len()).map(|t| squares.weights[t] * squares.stretch_of(t, motion)).collect()
         };
         // A free motion stretches no damper, exactly.
         let drag = if rate == 0.0 { forces(&pencil.c) } else { Vec::new() };
@@ -266,7 +268,7 @@ fn rigid_columns(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair])
 
 /// sum w (a . x)^2 in binary64.
 fn square(squares: &Squares<Precise>, x: &[Precise]) -> f64 {
-    (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch(t, x).to_f64().powi(2)).sum()
+    (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch_of(t, x).to_f64().powi(2)).sum()
 }
 
 /// The geometric mean of the slowest and the fastest rate.

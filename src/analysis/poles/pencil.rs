@@ -5,8 +5,10 @@
 
 use crate::analysis::modes::parts::Part;
 use crate::base::Dd;
-use crate::kernel::complex::{Complex, Real};
+use crate::kernel::complex::Complex;
+use crate::kernel::real::Real;
 use crate::kernel::simd::simd;
+use crate::kernel::squares::{Squares, by_factor};
 use crate::kernel::triple::Precise;
 use crate::system::{Form, LinearSystem};
 
@@ -19,16 +21,7 @@ pub struct Pencil<T> {
     pub k: Squares<T>,
 }
 
-/// sum w a a^T with flat sparse rows.
-#[derive(Clone, Debug)]
-pub struct Squares<T> {
-    pub weights: Vec<T>,
-    starts: Vec<u32>,
-    indices: Vec<u32>,
-    values: Vec<T>,
-}
-
-/// A complex vector, taken as exact; a real one stores no imaginary part.
+/// A complex vector, exactly known; a real one has no imaginary part stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vector {
     pub re: Vec<Dd>,
@@ -52,9 +45,9 @@ impl Pencil<Precise> {
     pub fn of(system: &LinearSystem, part: &Part, local: &[u32]) -> Pencil<Precise> {
         Pencil {
             n: part.coordinates.len(),
-            m: Squares::of(&system.m, &part.m, local),
-            c: Squares::of(&system.c, &part.c, local),
-            k: Squares::of(&system.k, &part.k, local),
+            m: Squares::of_some(&system.m, &part.m, local),
+            c: Squares::of_some(&system.c, &part.c, local),
+            k: Squares::of_some(&system.k, &part.k, local),
         }
     }
 
@@ -66,63 +59,27 @@ impl Pencil<Precise> {
 
 impl Squares<Precise> {
     /// Some terms of a form, by index, with its coordinates renumbered by `local`.
-    fn of(form: &Form, terms: &[u32], local: &[u32]) -> Squares<Precise> {
-        let mut squares = Squares {
-            weights: Vec::with_capacity(terms.len()),
-            starts: Vec::with_capacity(terms.len() + 1),
-            indices: Vec::with_capacity(2 * terms.len()),
-            values: Vec::with_capacity(2 * terms.len()),
-        };
-        squares.starts.push(0);
+    fn of_some(form: &Form, terms: &[u32], local: &[u32]) -> Squares<Precise> {
+        let mut squares = Squares::with_capacity(terms.len());
         for &index in terms {
             let term = &form.terms()[index as usize];
-            squares.weights.push(Precise::of(&term.weight));
-            for (coordinate, value) in form.row(term) {
-                squares.indices.push(local[coordinate.index()]);
-                squares.values.push(Precise::of(value));
-            }
-            squares.starts.push(squares.indices.len() as u32);
+            let row = form.row(term).iter().map(|(i, value)| (local[i.index()], Precise::of(value)));
+            squares.push(Precise::of(&term.weight), row);
         }
         squares
     }
 
     fn to_dd(&self) -> Squares<Dd> {
-        let dd = |list: &[Precise]| list.iter().map(|x| x.value.dd()).collect();
-        Squares {
-            weights: dd(&self.weights),
-            starts: self.starts.clone(),
-            indices: self.indices.clone(),
-            values: dd(&self.values),
-        }
+        self.map(|w| w.value.dd(), |a| a.value.dd())
     }
 }
 
-impl<T: Real> Squares<T> {
-    pub fn len(&self) -> usize {
-        self.weights.len()
-    }
-
-    /// The row of term `t`: its coordinates and their factors.
-    #[inline]
-    pub fn row(&self, t: usize) -> (&[u32], &[T]) {
-        let range = self.starts[t] as usize..self.starts[t + 1] as usize;
-        (&self.indices[range.clone()], &self.values[range])
-    }
-
-    /// a . x of term t.
-    #[inline(always)]
-    pub fn stretch(&self, t: usize, x: &[T]) -> T {
-        let (indices, values) = self.row(t);
-        indices.iter().zip(values).fold(T::ZERO, |sum, (&i, &a)| sum + by_factor(x[i as usize], a))
-    }
-
-    /// sum w t^2 in binary64.
-    fn square(&self, stretches: &[Complex<T>]) -> Complex<f64> {
-        self.weights.iter().zip(stretches).fold(Complex::ZERO, |sum, (w, t)| {
-            let t = t.to_f64();
-            sum + (t * t).scale(w.to_f64())
-        })
-    }
+/// sum w t^2 in binary64.
+fn square<T: Real>(squares: &Squares<T>, stretches: &[Complex<T>]) -> Complex<f64> {
+    squares.weights.iter().zip(stretches).fold(Complex::ZERO, |sum, (w, t)| {
+        let t = t.to_f64();
+        sum + (t * t).scale(w.to_f64())
+    })
 }
 
 impl Pencil<Dd> {
@@ -187,13 +144,13 @@ impl<T: Real> Pencil<T> {
 
     /// x^T (2 s M + C) x in binary64, from the stretches.
     pub fn slope(&self, s: Complex<f64>, applied: &Application<T>) -> Complex<f64> {
-        s.scale(2.0) * self.m.square(&applied.m_stretch) + self.c.square(&applied.c_stretch)
+        s.scale(2.0) * square(&self.m, &applied.m_stretch) + square(&self.c, &applied.c_stretch)
     }
 }
 
 #[inline(always)]
 fn stretches<T: Real>(squares: &Squares<T>, re: &[T], im: &[T]) -> Vec<Complex<T>> {
-    let part = |t: usize, x: &[T]| if x.is_empty() { T::ZERO } else { squares.stretch(t, x) };
+    let part = |t: usize, x: &[T]| if x.is_empty() { T::ZERO } else { squares.stretch_of(t, x) };
     (0..squares.len()).map(|t| Complex::new(part(t, re), part(t, im))).collect()
 }
 
@@ -214,18 +171,6 @@ fn push<T: Real>(
             let entry = &mut force[i as usize];
             *entry = *entry + Complex::new(by_factor(tension.re, a), by_factor(tension.im, a));
         }
-    }
-}
-
-/// Most factors are 1 or -1, which cause no rounding.
-#[inline(always)]
-fn by_factor<T: Real>(x: T, a: T) -> T {
-    if a == T::ONE {
-        x
-    } else if a == -T::ONE {
-        -x
-    } else {
-        x * a
     }
 }
 

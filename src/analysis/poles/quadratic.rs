@@ -4,7 +4,8 @@
 
 use crate::analysis::answer::PoleKind;
 use crate::base::{Ball, Dd, Number};
-use crate::kernel::complex::{Complex, Real};
+use crate::kernel::complex::Complex;
+use crate::kernel::real::Real;
 use crate::kernel::triple::Precise;
 
 /// A root and its kind.

@@ -9,6 +9,7 @@ use crate::analysis::poles::pencil::{Application, Pencil, Vector};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
 
 /// An approximate pole and its vector, taken as exact numbers.
 #[derive(Clone, Debug)]
@@ -160,7 +161,7 @@ fn weighted(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
 /// pole except zero moves a free motion.
 fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<Complex<f64>>> {
     let n = basis.n();
-    let factors = Factors::of(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
+    let factors = Lu::nearly_singular(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
     let mut y: Vec<Complex<f64>> = (0..n).map(|i| Complex::real(scrambled(i + 977 * seed))).collect();
     for _ in 0..2 {
         y[..basis.free].fill(Complex::ZERO);
@@ -182,7 +183,7 @@ fn scrambled(i: usize) -> f64 {
 
 /// The factored bordered matrix [Q(s), Q'(s) y; y^H, 0].
 struct Newton {
-    factors: Factors,
+    factors: Lu<Complex<f64>>,
 }
 
 impl Newton {
@@ -194,7 +195,7 @@ impl Newton {
             (true, false) => y[j].conj(),
             (true, true) => Complex::ZERO,
         });
-        Some(Newton { factors: Factors::of(matrix)? })
+        Some(Newton { factors: Lu::nearly_singular(matrix)? })
     }
 
     /// The corrections of y and s for a residual Phi^T Q(s) x.
@@ -204,77 +205,5 @@ impl Newton {
         self.factors.solve(&mut residual);
         let ds = residual.pop()?;
         Some((residual, ds))
-    }
-}
-
-/// LU factors with partial pivoting.
-pub struct Factors {
-    lu: Matrix<Complex<f64>>,
-    order: Vec<usize>,
-}
-
-impl Factors {
-    /// `None` for a matrix that is not finite. A zero pivot is replaced by a very small one: the matrix of an
-    /// eigenvalue is singular, and inverse iteration relies on that.
-    pub fn of(mut lu: Matrix<Complex<f64>>) -> Option<Factors> {
-        let n = lu.rows();
-        let largest = (0..n).flat_map(|j| lu.column(j)).map(|z| z.one_norm()).fold(0.0, f64::max);
-        if !largest.is_finite() {
-            return None;
-        }
-        let mut order: Vec<usize> = (0..n).collect();
-        for p in 0..n {
-            let column = lu.column(p);
-            let size = |i: usize| column[i].one_norm();
-            let best = (p + 1..n).fold(p, |best, i| if size(i) > size(best) { i } else { best });
-            if best != p {
-                order.swap(p, best);
-                for j in 0..n {
-                    lu.column_mut(j).swap(p, best);
-                }
-            }
-            if lu[(p, p)].one_norm() <= largest * 1e-300 {
-                lu[(p, p)] = Complex::real((largest * f64::EPSILON).max(f64::MIN_POSITIVE));
-            }
-            eliminate(&mut lu, p);
-        }
-        Some(Factors { lu, order })
-    }
-
-    pub fn solve(&self, b: &mut [Complex<f64>]) {
-        let n = b.len();
-        let mut x: Vec<Complex<f64>> = self.order.iter().map(|&i| b[i]).collect();
-        for j in 0..n {
-            let head = x[j];
-            for (x, &l) in x[j + 1..].iter_mut().zip(&self.lu.column(j)[j + 1..]) {
-                *x = *x - l * head;
-            }
-        }
-        for j in (0..n).rev() {
-            let head = x[j] * self.lu[(j, j)].recip();
-            x[j] = head;
-            for (x, &u) in x[..j].iter_mut().zip(&self.lu.column(j)[..j]) {
-                *x = *x - u * head;
-            }
-        }
-        b.copy_from_slice(&x);
-    }
-}
-
-/// One step of elimination below pivot p, column by column.
-fn eliminate(lu: &mut Matrix<Complex<f64>>, p: usize) {
-    let n = lu.rows();
-    let inverse = lu[(p, p)].recip();
-    for i in p + 1..n {
-        lu[(i, p)] = lu[(i, p)] * inverse;
-    }
-    for j in p + 1..n {
-        let (source, target) = lu.column_pair(p, j);
-        let head = target[p];
-        if head != Complex::ZERO {
-            for (t, &l) in target[p + 1..].iter_mut().zip(&source[p + 1..]) {
-                *t = *t - l * head;
-            }
-        }
     }
 }

@@ -3,8 +3,9 @@
 //! system. Out: a basis of each kind, of rational vectors that are verified exactly. See
 //! docs/method/poles.md#rigid-body-modes.
 
-use crate::analysis::modes::structure::{NullSpace, eliminated, enclosed_vectors, null_space};
+use crate::analysis::modes::structure::{NullSpace, enclosed_vectors, null_space};
 use crate::base::{Ball, Number, Rational};
+use crate::kernel::dense::{Matrix, enclosure};
 use crate::system::{CoordinateId, Form, LinearSystem, Nature, Term};
 
 /// Bases of the null space of K.
@@ -96,18 +97,18 @@ fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotio
 /// chosen by the rank in general position, which is larger if numbers depend on each other in a way that cannot be
 /// seen.)
 fn are_dragged(part: &LinearSystem, motions: &[Vec<Number>]) -> bool {
-    let mut drag = vec![vec![Ball::ZERO; motions.len()]; motions.len()];
+    let mut drag = Matrix::none(motions.len(), motions.len());
     for term in part.c.terms() {
         let row = part.c.row(term);
         let stretch = |x: &Vec<Number>| row.iter().fold(Ball::ZERO, |sum, (i, a)| sum + (a * &x[i.index()]).to_ball());
         let stretches: Vec<Ball> = motions.iter().map(stretch).collect();
-        for (i, &a) in stretches.iter().enumerate() {
-            for (entry, &b) in drag[i].iter_mut().zip(&stretches) {
+        for (j, &b) in stretches.iter().enumerate() {
+            for (entry, &a) in drag.column_mut(j).iter_mut().zip(&stretches) {
                 *entry = *entry + term.weight.to_ball() * a * b;
             }
         }
     }
-    eliminated(drag).is_some()
+    enclosure::solve(&drag, &Matrix::none(motions.len(), 0)).is_some()
 }
 
 fn exact(vectors: Vec<Vec<Rational>>) -> Vec<Vec<Number>> {

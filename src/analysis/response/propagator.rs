@@ -11,12 +11,16 @@
 //! first order; coordinates with neither mass nor damping follow at once: they are eliminated.
 
 use crate::analysis::error::AnalysisError;
-use crate::analysis::modes::squares::Squares;
 use crate::analysis::response::exponential::Generator;
 use crate::base::{Ball, Dd};
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::enclosure::{cholesky, norm_bound, product, solve};
+use crate::kernel::dense::cholesky;
+use crate::kernel::dense::enclosure::{norm_bound, product, solve};
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
+
+/// A pivot made of rounding is below 2^-100 of its diagonal; twenty digits keep a distance from that.
+const LEAST_PIVOT: f64 = 1e-20;
 
 /// The states of the sources: w' = G w, forces F w on the coordinates.
 #[derive(Clone, Debug)]
@@ -280,7 +284,8 @@ impl Shaping {
     fn of(system: &LinearSystem, parts: &Parts, physical: &Physical, horizon: f64) -> Result<Shaping, AnalysisError> {
         let (na, nr) = (parts.heavy.len(), parts.heavy.len() + parts.damped.len());
         let m = select(&physical.m, &parts.heavy, &parts.heavy).mid();
-        let n_factor = cholesky(&m).ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
+        let n_factor =
+            cholesky::upper(&m, LEAST_PIVOT).ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
         let c = select(&physical.c, &parts.damped, &parts.damped).mid();
         let k = physical.k.mid();
         let shifted = |sigma: f64| {
@@ -296,15 +301,15 @@ impl Shaping {
             })
         };
         let least = (2.0 / horizon.max(1e-150)).powi(2);
-        let mut s_factor = cholesky(&shifted(0.0));
+        let mut s_factor = cholesky::upper(&shifted(0.0), LEAST_PIVOT);
         for shift in 0..MOST_SHIFTS {
             if s_factor.is_some() {
                 break;
             }
-            s_factor = cholesky(&shifted(least * 4f64.powi(shift)));
+            s_factor = cholesky::upper(&shifted(least * 4f64.powi(shift)), LEAST_PIVOT);
             if s_factor.is_some() && shift > 0 {
                 // Twice the least shift has the smallest rate: sigma / (2 sqrt(sigma - mu^2)) at sigma = 2 mu^2.
-                s_factor = cholesky(&shifted(2.0 * least * 4f64.powi(shift)));
+                s_factor = cholesky::upper(&shifted(2.0 * least * 4f64.powi(shift)), LEAST_PIVOT);
             }
         }
         let s_factor = s_factor.ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
@@ -356,7 +361,7 @@ fn finish(
     let velocity = product(&physical.q, &physical.a);
     let acceleration = product(&velocity, &physical.a);
     let rows = [product(&physical.q, &back), product(&velocity, &back), product(&acceleration, &back)];
-    let rest = sources_of_growth(&a, &rows[1], &Squares::of(&system.c)).map(|ball| ball.magnitude());
+    let rest = sources_of_growth(&a, &rows[1], &Squares::of_form(&system.c)).map(|ball| ball.magnitude());
     let own_rate = norm_bound(mechanical, mechanical, |i, j| rest[(i, j)]);
     StateSpace { a, rest, mechanical, own_rate, scale, rows, to_z: shaping.to, parts, m: physical.m, c: physical.c }
 }

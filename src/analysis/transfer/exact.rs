@@ -7,7 +7,8 @@
 
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Number, Rational};
-use crate::system::{CoordinateId, Form, LinearSystem};
+use crate::kernel::dense::echelon::{null_vectors, solution};
+use crate::system::{CoordinateId, LinearSystem};
 
 /// For more coordinates than this, exact elimination takes too long.
 const MOST_COORDINATES: usize = 40;
@@ -58,7 +59,7 @@ impl Singular {
             return None;
         }
         let square = -&(&omega * &omega);
-        let (m, mut q) = (dense(&system.m, n)?, dense(&system.k, n)?);
+        let (m, mut q) = (system.m.rational_entries(n)?, system.k.rational_entries(n)?);
         for (q, m) in q.iter_mut().flatten().zip(m.iter().flatten()) {
             *q = &*q + &(&square * m);
         }
@@ -72,32 +73,19 @@ impl Singular {
         let forces: Matrix = self.null.iter().map(|v| multiply(&self.m, v)).collect();
         let amplitudes = |b: &[Rational], along: &Matrix| -> Option<Vec<Rational>> {
             let g: Matrix = self.null.iter().map(|v| forces.iter().map(|f| dot(v, f)).collect()).collect();
-            solve_regular(&g, &along.iter().map(|v| dot(v, b)).collect::<Vec<_>>())
+            let (amplitudes, only) = solution(&g, &along.iter().map(|v| dot(v, b)).collect::<Vec<_>>())?;
+            only.then_some(amplitudes)
         };
         let share = combine(&self.null, &amplitudes(b, &self.null)?, n);
         let pushed = multiply(&self.m, &share);
         let rest: Vec<Rational> = b.iter().zip(&pushed).map(|(b, f)| b - f).collect();
-        let x = solve_consistent(&self.q, &rest)?;
+        let (x, _) = solution(&self.q, &rest)?;
         let along = combine(&self.null, &amplitudes(&x, &forces)?, n);
         Some((share, x.iter().zip(&along).map(|(x, v)| x - v).collect()))
     }
 }
 
-fn dense(form: &Form, n: usize) -> Option<Matrix> {
-    let mut matrix = vec![vec![Rational::ZERO; n]; n];
-    for term in form.terms() {
-        for (i, a) in form.row(term) {
-            let weighted = &term.weight * a;
-            for (j, b) in form.row(term) {
-                let entry = &mut matrix[i.index()][j.index()];
-                *entry = &*entry + (&weighted * b).exact()?;
-            }
-        }
-    }
-    Some(matrix)
-}
-
-/// b0 + s^2 b2 as a dense vector; `None` if it is not real and rational (s b1 is imaginary unless s = 0).
+/// b0 + s^2 b2 as a dense vector; `None` where it is not real and rational (s b1 is imaginary unless s = 0).
 fn column(b: &[Vec<(CoordinateId, Number)>; 3], square: &Rational, n: usize) -> Option<Vec<Rational>> {
     if !(square.is_zero() || b[1].is_empty()) {
         return None;
@@ -136,66 +124,4 @@ fn multiply(matrix: &Matrix, x: &[Rational]) -> Vec<Rational> {
 
 fn combine(vectors: &Matrix, amplitudes: &[Rational], n: usize) -> Vec<Rational> {
     (0..n).map(|i| vectors.iter().zip(amplitudes).fold(Rational::ZERO, |sum, (v, a)| &sum + &(&v[i] * a))).collect()
-}
-
-/// The reduced row echelon form of [A | extra], and the columns of A with a pivot.
-fn reduce(matrix: &Matrix, columns: usize) -> (Matrix, Vec<usize>) {
-    let mut a = matrix.clone();
-    let mut pivots = Vec::new();
-    for column in 0..columns {
-        let top = pivots.len();
-        let Some(found) = (top..a.len()).find(|&i| !a[i][column].is_zero()) else { continue };
-        a.swap(top, found);
-        let Some(reciprocal) = a[top][column].recip() else { continue };
-        for entry in &mut a[top] {
-            *entry = &*entry * &reciprocal;
-        }
-        let row = a[top].clone();
-        for (i, other) in a.iter_mut().enumerate() {
-            let factor = other[column].clone();
-            if i != top && !factor.is_zero() {
-                for (x, y) in other.iter_mut().zip(&row) {
-                    *x = &*x - &(&factor * y);
-                }
-            }
-        }
-        pivots.push(column);
-    }
-    (a, pivots)
-}
-
-fn null_vectors(matrix: &Matrix) -> Matrix {
-    let n = matrix.len();
-    let (reduced, pivots) = reduce(matrix, n);
-    let free = (0..n).filter(|column| !pivots.contains(column));
-    free.map(|column| {
-        let mut vector = vec![Rational::ZERO; n];
-        vector[column] = Rational::ONE;
-        for (row, &pivot) in pivots.iter().enumerate() {
-            vector[pivot] = -&reduced[row][column];
-        }
-        vector
-    })
-    .collect()
-}
-
-/// A solution of A x = b; `None` if there is none.
-fn solve_consistent(matrix: &Matrix, b: &[Rational]) -> Option<Vec<Rational>> {
-    let n = matrix.len();
-    let augmented: Matrix =
-        matrix.iter().zip(b).map(|(row, b)| row.iter().cloned().chain([b.clone()]).collect()).collect();
-    let (reduced, pivots) = reduce(&augmented, n);
-    if reduced[pivots.len()..].iter().any(|row| !row[n].is_zero()) {
-        return None;
-    }
-    let mut x = vec![Rational::ZERO; n];
-    for (row, &pivot) in pivots.iter().enumerate() {
-        x[pivot] = reduced[row][n].clone();
-    }
-    Some(x)
-}
-
-/// The solution of A x = b for a regular matrix; `None` for a singular one.
-fn solve_regular(matrix: &Matrix, b: &[Rational]) -> Option<Vec<Rational>> {
-    null_vectors(matrix).is_empty().then(|| solve_consistent(matrix, b))?
 }

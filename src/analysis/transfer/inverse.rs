@@ -5,57 +5,34 @@
 
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::complex::Complex;
-use std::ops::{Add, Mul, Neg, Sub};
+use crate::kernel::dense::{Matrix, lu};
+use crate::kernel::real;
 
-/// The arithmetic that the elimination needs: `Complex<f64>` first, `Complex<Dd>` if that is not enough.
-pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
+/// The numbers of an inverse: `Complex<f64>` first, `Complex<Dd>` where that is not enough.
+pub trait Scalar: real::Scalar {
     /// Relative error of one real operation, doubled.
     const UNIT: f64;
-    const ZERO: Self;
-    const ONE: Self;
     fn from_dd(z: Complex<Dd>) -> Self;
     fn to_dd(self) -> Complex<Dd>;
-    fn recip(self) -> Self;
-    /// |re| + |im|, an upper bound of the modulus.
-    fn size(self) -> f64;
 }
 
 impl Scalar for Complex<f64> {
     const UNIT: f64 = f64::EPSILON;
-    const ZERO: Self = Complex { re: 0.0, im: 0.0 };
-    const ONE: Self = Complex { re: 1.0, im: 0.0 };
     fn from_dd(z: Complex<Dd>) -> Self {
         z.to_f64()
     }
     fn to_dd(self) -> Complex<Dd> {
         self.into()
     }
-    fn recip(self) -> Self {
-        Complex::recip(self)
-    }
-    #[inline]
-    fn size(self) -> f64 {
-        self.one_norm()
-    }
 }
 
 impl Scalar for Complex<Dd> {
     const UNIT: f64 = 2.0 * Dd::EPSILON;
-    const ZERO: Self = Complex { re: Dd::ZERO, im: Dd::ZERO };
-    const ONE: Self = Complex { re: Dd::ONE, im: Dd::ZERO };
     fn from_dd(z: Complex<Dd>) -> Self {
         z
     }
     fn to_dd(self) -> Complex<Dd> {
         self
-    }
-    fn recip(self) -> Self {
-        let square = self.re * self.re + self.im * self.im;
-        Complex::new(self.re / square, -self.im / square)
-    }
-    #[inline]
-    fn size(self) -> f64 {
-        (self.re.hi.abs() + self.im.hi.abs()) * (1.0 + f64::EPSILON)
     }
 }
 
@@ -103,7 +80,8 @@ impl<T: Scalar> Inverse<T> {
             let mid = Complex::new(mid.re.scale(factor), mid.im.scale(factor));
             scaled[entry.i as usize * n + entry.j as usize] = T::from_dd(mid);
         }
-        let inverse = invert(n, scaled.clone())?;
+        let inverse = lu::inverse(Matrix::from_fn(n, n, |i, j| scaled[i * n + j]))?;
+        let inverse: Vec<T> = (0..n * n).map(|at| inverse[(at / n, at % n)]).collect();
         let sizes: Vec<f64> = inverse.iter().map(|z| z.size()).collect();
         let error = defect(n, entries, &scale, &scaled, &inverse, &sizes);
         let (weights, contraction) = contraction(n, &sizes, &error)?;
@@ -173,55 +151,7 @@ fn power_of_two(e: i32) -> f64 {
     f64::from_bits(((e + 1023) as u64) << 52)
 }
 
-/// The inverse by Gauss-Jordan elimination with partial pivoting.
-fn invert<T: Scalar>(n: usize, mut a: Vec<T>) -> Option<Vec<T>> {
-    let mut order: Vec<usize> = (0..n).collect();
-    for step in 0..n {
-        let pivot =
-            (step..n).fold(step, |best, i| if a[i * n + step].size() > a[best * n + step].size() { i } else { best });
-        let size = a[pivot * n + step].size();
-        if !(size > 0.0 && size.is_finite()) {
-            return None;
-        }
-        if pivot != step {
-            order.swap(pivot, step);
-            for j in 0..n {
-                a.swap(pivot * n + j, step * n + j);
-            }
-        }
-        eliminate(n, step, &mut a);
-    }
-    // The columns of the inverse result in the order of the pivots.
-    let mut inverse = vec![T::ZERO; n * n];
-    for i in 0..n {
-        for (j, &original) in order.iter().enumerate() {
-            inverse[i * n + original] = a[i * n + j];
-        }
-    }
-    Some(inverse)
-}
-
-/// One step of the elimination in place: the pivot's column becomes that of the inverse.
-fn eliminate<T: Scalar>(n: usize, step: usize, a: &mut [T]) {
-    let reciprocal = a[step * n + step].recip();
-    a[step * n + step] = T::ONE;
-    for j in 0..n {
-        a[step * n + j] = a[step * n + j] * reciprocal;
-    }
-    let row = a[step * n..(step + 1) * n].to_vec();
-    for i in (0..n).filter(|&i| i != step) {
-        let factor = a[i * n + step];
-        if factor.size() == 0.0 {
-            continue;
-        }
-        a[i * n + step] = T::ZERO;
-        for (x, &y) in a[i * n..(i + 1) * n].iter_mut().zip(&row) {
-            *x = *x - factor * y;
-        }
-    }
-}
-
-/// A bound of |I - R' Q'|: the computed difference, its rounding error, and the uncertainty and rounding of Q.
+/// A bound of |I - R' Q'|: the computed difference, its rounding, and what Q is uncertain by or lost when it was rounded.
 fn defect<T: Scalar>(
     n: usize,
     entries: &[Entry],

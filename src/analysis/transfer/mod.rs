@@ -17,7 +17,6 @@ pub(in crate::analysis) mod two_sided;
 
 use crate::analysis::answer::modulus;
 use crate::analysis::modes::parts::{self, independent};
-use crate::analysis::modes::squares::Squares;
 use crate::analysis::transfer::extrema::{Denominator, Exactly, coordinates_between};
 use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
@@ -25,6 +24,7 @@ use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number, larger};
 use crate::kernel::complex::Complex;
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 use std::sync::OnceLock;
 
@@ -178,9 +178,9 @@ impl<'a> Transfer<'a> {
         let entries = assemble(system);
         Transfer {
             system,
-            m: Squares::of(&system.m),
-            c: Squares::of(&system.c),
-            k: Squares::of(&system.k),
+            m: Squares::of_form(&system.m),
+            c: Squares::of_form(&system.c),
+            k: Squares::of_form(&system.k),
             pattern: Pattern::of(system.n(), &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()),
             entries,
             parts: OnceLock::new(),

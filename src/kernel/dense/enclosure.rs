@@ -1,7 +1,8 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with known errors.
 
 use crate::base::{Ball, Dd, larger};
-use crate::kernel::dense::{Matrix, add_scaled};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::inverse;
 
 /// A bound of the 2-norm of |A|: the smaller of the Frobenius norm and sqrt(norm_1 norm_inf).
 pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f64) -> f64 {
@@ -120,7 +121,7 @@ fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let (by_rows, by_columns) = balance(a)?;
     let a = Matrix::from_fn(n, n, |i, j| a[(i, j)] * Ball::from(by_rows[i]) * Ball::from(by_columns[j]));
     let b = Matrix::from_fn(n, b.columns(), |i, j| b[(i, j)] * Ball::from(by_rows[i]));
-    let inverse = invert(a.mid())?.map(Ball::exact);
+    let inverse = inverse(a.mid())?.map(Ball::exact);
     let nearly_one = product(&inverse, &a);
     let lacks = |i: usize| (0..n).map(|j| (nearly_one[(i, j)] - unit(i, j)).magnitude()).sum::<f64>() * UP;
     let lacks: Vec<f64> = (0..n).map(lacks).collect();
@@ -171,40 +172,6 @@ fn balance(a: &Matrix<Ball>) -> Option<(Vec<f64>, Vec<f64>)> {
     Some((rows, columns))
 }
 
-/// An approximate inverse by Gauss-Jordan elimination with partial pivoting.
-fn invert(mut a: Matrix<Dd>) -> Option<Matrix<Dd>> {
-    let n = a.rows();
-    let mut inverse = Matrix::identity(n);
-    // By columns, which are contiguous: the transposed inverse of the transposed matrix.
-    for step in 0..n {
-        let size = |j: usize| a[(step, j)].hi.abs();
-        let pivot = (step..n).fold(step, |best, j| if size(j) > size(best) { j } else { best });
-        a.swap_columns(step, pivot);
-        inverse.swap_columns(step, pivot);
-        let value = a[(step, step)];
-        if value.is_zero() || !value.is_finite() {
-            return None;
-        }
-        for x in a.column_mut(step).iter_mut() {
-            *x = *x / value;
-        }
-        for x in inverse.column_mut(step).iter_mut() {
-            *x = *x / value;
-        }
-        for j in (0..n).filter(|&j| j != step) {
-            let factor = -a[(step, j)];
-            if factor.is_zero() {
-                continue;
-            }
-            for matrix in [&mut a, &mut inverse] {
-                let (first, second) = matrix.column_pair(step.min(j), step.max(j));
-                if step < j { add_scaled(second, factor, first) } else { add_scaled(first, factor, second) }
-            }
-        }
-    }
-    Some(inverse)
-}
-
 fn subtract_multiple(row: &mut [Ball], pivot_row: &[Ball], step: usize) {
     if row[step].is_zero() {
         return;
@@ -213,32 +180,6 @@ fn subtract_multiple(row: &mut [Ball], pivot_row: &[Ball], step: usize) {
     for (x, &y) in row.iter_mut().zip(pivot_row).skip(step) {
         *x = *x - factor * y;
     }
-}
-
-/// An upper triangular S with S^T S near A, in double-double without a bound; `None` unless A is safely positive
-/// definite.
-pub fn cholesky(a: &Matrix<Dd>) -> Option<Matrix<Dd>> {
-    let n = a.rows();
-    let mut s = Matrix::zeros(n, n);
-    for j in 0..n {
-        for i in 0..=j {
-            let mut rest = a[(i, j)];
-            for k in 0..i {
-                rest -= s[(k, i)] * s[(k, j)];
-            }
-            if i < j {
-                s[(i, j)] = rest / s[(i, i)];
-            } else {
-                // A pivot that is rounding error is below 2^-100 of its diagonal entry; twenty digits are far enough
-                // from that.
-                if !(rest.hi > 1e-20 * a[(j, j)].hi && rest.is_finite()) {
-                    return None;
-                }
-                s[(j, j)] = rest.sqrt();
-            }
-        }
-    }
-    Some(s)
 }
 
 #[cfg(test)]
@@ -285,11 +226,5 @@ mod tests {
         // [3 4; 0 0] has the 2-norm 5.
         let bound = norm_bound(2, 2, |i, j| if i == 0 { [3.0, 4.0][j] } else { 0.0 });
         assert!((5.0..5.3).contains(&bound));
-    }
-
-    #[test]
-    fn an_indefinite_matrix_has_no_factor() {
-        assert!(cholesky(&Matrix::filled(2, 2, Dd::ONE)).is_none());
-        assert!(cholesky(&Matrix::from_fn(1, 1, |_, _| Dd::from(-1.0))).is_none());
     }
 }

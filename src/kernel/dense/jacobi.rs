@@ -2,7 +2,8 @@
 //! reliable: for graded matrices they keep relative accuracy, while methods that first reduce to tridiagonal form lose
 //! it (Demmel and Veselic 1992).
 
-use crate::kernel::dense::{Matrix, Real, rotate};
+use crate::kernel::dense::{Matrix, rotate};
+use crate::kernel::real::Float;
 
 /// Convergence becomes quadratic after a few sweeps; if it has not settled by then, the certificate judges the result.
 const MAX_SWEEPS: usize = 40;
@@ -11,9 +12,9 @@ const LEAST_SQUARE: f64 = 1e-200;
 
 /// Rotates the columns of `g` (and those of `x` with them) until they are orthogonal: G V = U Sigma.
 ///
-/// One-sided Jacobi (Hestenes 1958) with de Rijk's pivoting: the longest remaining column comes first, so that in
-/// graded matrices the large columns settle before they meet the small ones.
-pub fn orthogonalise_columns<T: Real>(g: &mut Matrix<T>, mut x: Option<&mut Matrix<T>>) {
+/// One-sided Jacobi (Hestenes 1958) with de Rijk's pivoting: the longest column left comes first, so that in graded
+/// matrices the large columns settle before they meet the small ones.
+pub fn orthogonalise_columns<T: Float>(g: &mut Matrix<T>, mut x: Option<&mut Matrix<T>>) {
     let n = g.columns();
     // The error of a scalar product relative to the lengths of its factors.
     let tolerance = (g.rows() as f64 + 4.0) * T::ERROR;
@@ -45,7 +46,7 @@ pub fn orthogonalise_columns<T: Real>(g: &mut Matrix<T>, mut x: Option<&mut Matr
     }
 }
 
-fn orthogonalise_pair<T: Real>(
+fn orthogonalise_pair<T: Float>(
     g: &mut Matrix<T>,
     squares: &mut [T],
     p: usize,
@@ -54,35 +55,34 @@ fn orthogonalise_pair<T: Real>(
 ) -> Option<Rotation<T>> {
     let (a, b) = (squares[p], squares[q]);
     let c = T::dot(g.column(p), g.column(q));
-    // Columns beyond the rank shrink to rounding errors at each rotation and never become orthogonal: they are set to
-    // zero.
-    let vanished = b.hi() <= a.hi() * LEAST_SQUARE;
-    if vanished || c.hi().abs() <= tolerance * a.hi().sqrt() * b.hi().sqrt() {
+    // Columns beyond the rank shrink to rounding errors at each rotation and never become orthogonal: they are zero.
+    let vanished = b.to_f64() <= a.to_f64() * LEAST_SQUARE;
+    if vanished || c.to_f64().abs() <= tolerance * a.to_f64().sqrt() * b.to_f64().sqrt() {
         return None;
     }
     let turn = Rotation::diagonalising(a, b, c);
     turn.apply(g, p, q);
     let change = turn.tangent * c;
     for (j, before, after) in [(p, a, a - change), (q, b, b + change)] {
-        // A length that has cancelled is recomputed: it may even have come out negative.
-        squares[j] = if after.hi() > 0.1 * before.hi() { after } else { T::dot(g.column(j), g.column(j)) };
+        // What is left of a cancellation is measured anew: it may even have come out negative.
+        squares[j] = if after.to_f64() > 0.1 * before.to_f64() { after } else { T::dot(g.column(j), g.column(j)) };
     }
     Some(turn)
 }
 
 /// Diagonalises the symmetric `k` by rotations J^T K J, applied to the columns of `x` too.
 ///
-/// Cyclic Jacobi; an entry counts as zero if it is below the rounding error of the geometric mean of its diagonal
-/// entries: that keeps relative accuracy for scaled diagonally dominant matrices (Barlow and Demmel 1990).
-pub fn diagonalise<T: Real>(k: &mut Matrix<T>, x: &mut Matrix<T>) {
+/// Cyclic Jacobi; an entry counts as zero where it is below the rounding error of the root of its diagonal entries' product:
+/// that keeps relative accuracy on scaled diagonally dominant matrices (Barlow and Demmel 1990).
+pub fn diagonalise<T: Float>(k: &mut Matrix<T>, x: &mut Matrix<T>) {
     let n = k.columns();
     for _ in 0..MAX_SWEEPS {
         let mut rotated = false;
         for p in 0..n {
             for q in p + 1..n {
                 let (a, b, c) = (k[(p, p)], k[(q, q)], k[(p, q)]);
-                let size = a.hi().abs().sqrt() * b.hi().abs().sqrt();
-                if c.hi() == 0.0 || c.hi().abs() <= T::ERROR * size {
+                let size = a.to_f64().abs().sqrt() * b.to_f64().abs().sqrt();
+                if c.to_f64() == 0.0 || c.to_f64().abs() <= T::ERROR * size {
                     continue;
                 }
                 rotated = true;
@@ -107,20 +107,20 @@ struct Rotation<T> {
     tangent: T,
 }
 
-impl<T: Real> Rotation<T> {
-    /// The smaller of the two rotations that make [a c; c b] diagonal: t = sign(z) / (|z| + sqrt(1 + z^2)), z = (b - a)
-    /// / 2c (Golub and Van Loan, Matrix Computations, section 8.5).
+impl<T: Float> Rotation<T> {
+    /// The smaller rotation that makes [a c; c b] diagonal: t = sign(z) / (|z| + sqrt(1 + z^2)), z = (b - a) / 2c
+    /// (Golub and Van Loan, Matrix Computations, section 8.5).
     fn diagonalising(a: T, b: T, c: T) -> Rotation<T> {
         let z = (b - a) / (c + c);
-        let tangent = if z.hi().abs() < 1e100 {
-            let magnitude = if z.hi() < 0.0 { -z } else { z };
-            let size = T::ONE / (magnitude + (T::ONE + z * z).root());
-            if z.hi() < 0.0 { -size } else { size }
+        let tangent = if z.to_f64().abs() < 1e100 {
+            let magnitude = if z.to_f64() < 0.0 { -z } else { z };
+            let size = T::ONE / (magnitude + (T::ONE + z * z).sqrt());
+            if z.to_f64() < 0.0 { -size } else { size }
         } else {
             // Such a small tangent is 1 / 2z; z itself may have overflowed.
             c / (b - a)
         };
-        let cosine = T::ONE / (T::ONE + tangent * tangent).root();
+        let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
         Rotation { cosine, sine: cosine * tangent, tangent }
     }
 

@@ -3,111 +3,19 @@
 //!
 //! The algorithms here work on columns (rotations of pairs, Gram products, modes), so a column is a slice.
 
+pub(crate) mod cholesky;
+pub(crate) mod echelon;
 pub(crate) mod enclosure;
 pub(crate) mod inverse_factor;
 pub(crate) mod jacobi;
+pub(crate) mod lu;
 pub(crate) mod pivoted_qr;
 pub(crate) mod product;
 
 use crate::base::Dd;
+use crate::kernel::real::Float;
 use crate::kernel::simd::simd;
-use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
-
-/// The arithmetic of algorithms that exist in both precisions.
-pub trait Real:
-    Copy
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-    /// Relative error bound of a sum, product or quotient.
-    const ERROR: f64;
-    const ZERO: Self;
-    const ONE: Self;
-    /// The nearest number.
-    fn of(x: Dd) -> Self;
-    /// Without rounding.
-    fn to_dd(self) -> Dd;
-    /// The leading word.
-    fn hi(self) -> f64;
-    fn root(self) -> Self;
-    /// a . b
-    fn dot(a: &[Self], b: &[Self]) -> Self;
-}
-
-impl Real for f64 {
-    const ERROR: f64 = f64::EPSILON / 2.0;
-    const ZERO: f64 = 0.0;
-    const ONE: f64 = 1.0;
-
-    #[inline]
-    fn of(x: Dd) -> f64 {
-        x.to_f64()
-    }
-
-    #[inline]
-    fn to_dd(self) -> Dd {
-        Dd::from(self)
-    }
-
-    #[inline]
-    fn hi(self) -> f64 {
-        self
-    }
-
-    #[inline]
-    fn root(self) -> f64 {
-        self.sqrt()
-    }
-
-    /// Summed in four interleaved sums, in an order that is the same on every machine.
-    #[inline]
-    fn dot(a: &[f64], b: &[f64]) -> f64 {
-        let mut sums = [0.0; 4];
-        let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-        let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-        for (x, y) in a4.zip(b4) {
-            for lane in 0..4 {
-                sums[lane] += x[lane] * y[lane];
-            }
-        }
-        ((sums[0] + sums[1]) + (sums[2] + sums[3])) + rest
-    }
-}
-
-impl Real for Dd {
-    const ERROR: f64 = Dd::EPSILON;
-    const ZERO: Dd = Dd::ZERO;
-    const ONE: Dd = Dd::ONE;
-
-    #[inline]
-    fn of(x: Dd) -> Dd {
-        x
-    }
-
-    #[inline]
-    fn to_dd(self) -> Dd {
-        self
-    }
-
-    #[inline]
-    fn hi(self) -> f64 {
-        self.hi
-    }
-
-    #[inline]
-    fn root(self) -> Dd {
-        self.sqrt()
-    }
-
-    #[inline]
-    fn dot(a: &[Dd], b: &[Dd]) -> Dd {
-        dot(a, b)
-    }
-}
+use std::ops::{Index, IndexMut};
 
 /// A matrix whose columns are contiguous; `m[(row, column)]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -176,6 +84,10 @@ impl<T: Copy> Matrix<T> {
         }
     }
 
+    pub fn swap_rows(&mut self, p: usize, q: usize) {
+        self.data.chunks_exact_mut(self.rows).for_each(|column| column.swap(p, q));
+    }
+
     /// The columns in the order given.
     pub fn select_columns(&self, order: &[usize]) -> Matrix<T> {
         let mut data = Vec::with_capacity(self.rows * order.len());
@@ -239,7 +151,7 @@ simd! {
 
 /// (x, y) <- (c x - s y, s x + c y)
 #[inline]
-pub fn rotate<T: Real>(x: &mut [T], y: &mut [T], c: T, s: T) {
+pub fn rotate<T: Float>(x: &mut [T], y: &mut [T], c: T, s: T) {
     for (x, y) in x.iter_mut().zip(y) {
         let (a, b) = (*x, *y);
         *x = c * a - s * b;

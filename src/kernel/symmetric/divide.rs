@@ -224,7 +224,7 @@ fn exact_entries(d: &[f64], z: &[f64], delta: &Matrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::dense::Real;
+    use crate::kernel::real::Float;
 
     /// Largest residual and largest deviation from orthonormality.
     fn errors(diagonal: &[f64], beside: &[f64]) -> (f64, f64) {

@@ -7,7 +7,7 @@
 //! r_e^T / |d_e|^2. All of this is rational if the drawing is. If only one spring acts on a coordinate, its rate follows
 //! directly and is found first: the statically determinate part takes time proportional to its size.
 
-use super::linear::{Squares, solved};
+use super::linear::{Stiffness, solved};
 use super::potential::Detail;
 use super::proof::Proven;
 use super::{Tension, survey};
@@ -254,7 +254,7 @@ impl<'a> Balance<'a> {
     fn refine(&mut self, part: &[Index]) {
         let columns = self.columns_of(part);
         let local = |coordinate: &Index| part.binary_search(coordinate).unwrap_or(usize::MAX);
-        let mut squares = Squares::new(part.len());
+        let mut squares = Stiffness::new(part.len());
         for &column in &columns {
             let Column { row, length_squared, .. } = &self.columns[column];
             let row = row.iter().map(|(i, entry)| (local(i) as u32, entry.to_ball()));

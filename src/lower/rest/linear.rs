@@ -13,6 +13,7 @@ use super::survey::{Part, Survey};
 use crate::base::{Ball, Dd, Number, larger};
 use crate::elements::Scalar;
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
+use crate::kernel::squares::{Squares, by_factor};
 use crate::lower::constraints::Reduction;
 use crate::lower::kinematics::{Index, Kinematics};
 use crate::system::LinearSystem;
@@ -27,12 +28,10 @@ pub struct Solved {
 /// Coordinates with a force that nothing balances, N or N m.
 pub type Left = Vec<(Index, f64)>;
 
-/// A symmetric matrix as a sum of squares: weights, and rows with local indices.
-pub struct Squares {
+/// The stiffness of a part, in local numbers.
+pub struct Stiffness {
     n: usize,
-    weights: Vec<Ball>,
-    starts: Vec<usize>,
-    entries: Vec<(u32, Ball)>,
+    squares: Squares<Ball>,
 }
 
 /// Limit on the refinements: each gains the sixteen digits of binary64, less those lost to the conditioning.
@@ -46,8 +45,8 @@ pub fn solve(
     parts: &[&Part],
 ) -> Vec<Result<Solved, Left>> {
     let members: Vec<Vec<Index>> = parts.iter().map(|part| independent(part, reduction)).collect();
-    let mut stiffness: Vec<Squares> = members.iter().map(|members| Squares::new(members.len())).collect();
-    // The part of each coordinate of the system, and its place there.
+    let mut stiffness: Vec<Stiffness> = members.iter().map(|members| Stiffness::new(members.len())).collect();
+    // Part and place in it of each coordinate of the system.
     let mut places = vec![(usize::MAX, 0); system.n()];
     for (number, members) in members.iter().enumerate() {
         for (local, coordinate) in members.iter().enumerate() {
@@ -81,7 +80,7 @@ fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
     }
 }
 
-fn solve_part(members: &[Index], stiffness: &Squares, forces: Vec<Ball>) -> Result<Solved, Left> {
+fn solve_part(members: &[Index], stiffness: &Stiffness, forces: Vec<Ball>) -> Result<Solved, Left> {
     let solution = solved(stiffness, &forces).map_err(|row| vec![(members[row], forces[row].to_f64())])?;
     let displacement = members.iter().zip(&solution.values).map(|(i, value)| (*i, Number::Ball(*value)));
     Ok(Solved { displacement: displacement.collect(), residual: solution.residual, proven: solution.proven })
@@ -95,8 +94,8 @@ pub struct Solution {
     pub proven: Option<Proven>,
 }
 
-/// Solves K q = f, or returns the row of a pivot that is only a rounding error.
-pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
+/// Solves K q = f, or names the row of a pivot that is rounding only.
+pub fn solved(stiffness: &Stiffness, forces: &[Ball]) -> Result<Solution, usize> {
     let factors = stiffness.factors()?;
     let mut middle = vec![Dd::ZERO; forces.len()];
     let mut last = f64::INFINITY;
@@ -123,29 +122,30 @@ pub fn solved(stiffness: &Squares, forces: &[Ball]) -> Result<Solution, usize> {
     Ok(Solution { values, residual, proven: bounds.map(|(_, proven)| proven) })
 }
 
-impl Squares {
-    pub fn new(n: usize) -> Squares {
-        Squares { n, weights: Vec::new(), starts: vec![0], entries: Vec::new() }
+impl Stiffness {
+    pub fn new(n: usize) -> Stiffness {
+        Stiffness { n, squares: Squares::with_capacity(0) }
     }
 
     pub fn push(&mut self, weight: Ball, row: impl Iterator<Item = (u32, Ball)>) {
-        self.weights.push(weight);
-        self.entries.extend(row);
-        self.starts.push(self.entries.len());
+        self.squares.push(weight, row);
     }
 
-    fn squares(&self) -> impl Iterator<Item = (Ball, &[(u32, Ball)])> {
-        let rows = self.starts.windows(2).map(|ends| &self.entries[ends[0]..ends[1]]);
-        self.weights.iter().copied().zip(rows)
+    /// Each weight with its row.
+    fn squares(&self) -> impl Iterator<Item = (Ball, &[u32], &[Ball])> {
+        self.squares.weights.iter().enumerate().map(|(t, &weight)| {
+            let (indices, factors) = self.squares.row(t);
+            (weight, indices, factors)
+        })
     }
 
     /// The factors in binary64, or the row of a pivot that is only a rounding error.
     fn factors(&self) -> Result<Factors, usize> {
         let (mut places, mut values) = (Vec::new(), Vec::new());
-        for (weight, row) in self.squares() {
-            for (a, (i, left)) in row.iter().enumerate() {
-                for (j, right) in &row[..=a] {
-                    places.push((*i, *j));
+        for (weight, indices, factors) in self.squares() {
+            for (a, (&i, left)) in indices.iter().zip(factors).enumerate() {
+                for (&j, right) in indices[..=a].iter().zip(factors) {
+                    places.push((i, j));
                     values.push(weight.to_f64() * left.to_f64() * right.to_f64());
                 }
             }
@@ -158,11 +158,10 @@ impl Squares {
     /// f - K q, with K q as the sum of w (a . q) a, which keeps digits that the assembled matrix would lose.
     fn left(&self, forces: &[Ball], at: &[Dd]) -> Vec<Ball> {
         let mut left = forces.to_vec();
-        for (weight, row) in self.squares() {
-            let stretch = row.iter().fold(Ball::ZERO, |sum, (i, value)| sum + *value * Ball::exact(at[*i as usize]));
-            let tension = weight * stretch;
-            for (i, value) in row {
-                left[*i as usize] = left[*i as usize] - tension * *value;
+        for (t, (weight, indices, factors)) in self.squares().enumerate() {
+            let tension = weight * self.squares.stretch(t, at);
+            for (&i, &factor) in indices.iter().zip(factors) {
+                left[i as usize] = left[i as usize] - by_factor(tension, factor);
             }
         }
         left
@@ -170,9 +169,9 @@ impl Squares {
 
     /// Bounds of |q - q~|, if K is an M-matrix.
     fn bounds_of_springs(&self, factors: &Factors, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
-        let springs = |(weight, row): (Ball, &[(u32, Ball)])| match row {
+        let springs = |(weight, _, factors): (Ball, &[u32], &[Ball])| match factors {
             [_] => true,
-            [(_, a), (_, b)] => weight.is_positive() && (*a * *b).is_negative(),
+            [a, b] => weight.is_positive() && (*a * *b).is_negative(),
             _ => false,
         };
         if !self.squares().all(springs) {
@@ -192,12 +191,12 @@ impl Squares {
     }
 }
 
-impl Squares {
-    /// Bounds of |q - q~|, if the least eigenvalue of S K S is certainly positive.
+impl Stiffness {
+    /// Bounds of |q - q~| where the least eigenvalue of S K S is certainly positive.
     fn bounds_by_the_least(&self, left: &[Ball]) -> Option<(Vec<f64>, Proven)> {
-        let entries = self.squares().flat_map(|(weight, row)| {
-            let ordered = move |a: usize| row[..=a].iter().map(move |b| (row[a].0, b.0, weight * row[a].1 * b.1));
-            (0..row.len()).flat_map(ordered)
+        let entries = self.squares().flat_map(|(weight, indices, factors)| {
+            let entry = move |a: usize, b: usize| (indices[a], indices[b], weight * factors[a] * factors[b]);
+            (0..indices.len()).flat_map(move |a| (0..=a).map(move |b| entry(a, b)))
         });
         let scaled = Scaled::to_ones(self.n, entries.collect())?;
         let sigma = 0.5 * estimate(&scaled.factor(0.0, 0.0)?, self.n);
@@ -225,7 +224,7 @@ mod tests {
     fn told(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
         let truth: Vec<Number> = (0..n as i64).map(|i| Number::from(Rational::new(i + 1, 3))).collect();
         let mut forces = vec![Number::ZERO; n];
-        let mut all = Squares::new(n);
+        let mut all = Stiffness::new(n);
         for (weight, row) in squares {
             all.push(Number::from(*weight).to_ball(), row.iter().map(|(i, a)| (*i, Number::from(*a).to_ball())));
             let parts = row.iter().map(|(i, a)| &Number::from(*a) * &truth[*i as usize]);
@@ -279,7 +278,7 @@ mod tests {
     #[test]
     fn what_is_not_known_of_a_force_is_not_known_of_the_rest() {
         for row in [vec![(0, Ball::ONE)], vec![(0, Ball::ONE), (1, -Ball::ONE), (2, Ball::ONE)]] {
-            let mut squares = Squares::new(3);
+            let mut squares = Stiffness::new(3);
             (0..3).for_each(|i| squares.push(Ball::ONE, [(i, Ball::ONE)].into_iter()));
             squares.push(Ball::ZERO, row.into_iter());
             let forces = [Ball::ONE.widen(0.1), Ball::ZERO, Ball::ZERO];

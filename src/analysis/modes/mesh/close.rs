@@ -7,11 +7,10 @@
 //! method after the eigenvalues' common part is subtracted. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::gram::Gram;
-use crate::analysis::modes::mass;
 use crate::analysis::modes::terms::Terms;
 use crate::base::Dd;
-use crate::kernel::dense::jacobi;
 use crate::kernel::dense::{Matrix, add_scaled, dot};
+use crate::kernel::dense::{cholesky, jacobi};
 use crate::kernel::triple::Triple;
 use std::ops::Range;
 
@@ -47,7 +46,7 @@ pub fn separated(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec
             k[(i, j)] -= common * m[(i, j)];
         }
     }
-    let basis = mass::inverse_transpose(&mass::factor(m).ok()?);
+    let basis = cholesky::inverse_transpose(&cholesky::factor(m, cholesky::rounding(x.len())).ok()?);
     let image = |j: usize| {
         let mut image = vec![Dd::ZERO; x.len()];
         (0..x.len()).for_each(|l| add_scaled(&mut image, basis[(l, j)], k.column(l)));

@@ -8,7 +8,7 @@
 
 use crate::analysis::modes::mesh::elimination::Factors;
 use crate::analysis::modes::mesh::network::Network;
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 use nalgebra::DMatrix;
 
 /// Number of vectors that are multiplied at once.

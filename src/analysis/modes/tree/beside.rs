@@ -1,13 +1,13 @@
 //! Numbers of several modes in parallel lanes, so that one traversal of a tree serves all of them.
 
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 use std::ops::{Add, Mul, Sub};
 
 /// One number for each of several modes. The loops over lanes compile to vector instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<T, const W: usize>(pub [T; W]);
 
-impl<T: Real, const W: usize> Beside<T, W> {
+impl<T: Float, const W: usize> Beside<T, W> {
     #[inline(always)]
     pub fn all(x: T) -> Self {
         Beside([x; W])
@@ -18,13 +18,13 @@ impl<T: Real, const W: usize> Beside<T, W> {
     pub fn sizes(self) -> Beside<f64, W> {
         let mut sizes = Beside([0.0; W]);
         for lane in 0..W {
-            sizes.0[lane] = self.0[lane].hi().abs();
+            sizes.0[lane] = self.0[lane].to_f64().abs();
         }
         sizes
     }
 }
 
-impl<T: Real, const W: usize> Add for Beside<T, W> {
+impl<T: Float, const W: usize> Add for Beside<T, W> {
     type Output = Self;
     #[inline(always)]
     fn add(mut self, other: Self) -> Self {
@@ -35,7 +35,7 @@ impl<T: Real, const W: usize> Add for Beside<T, W> {
     }
 }
 
-impl<T: Real, const W: usize> Sub for Beside<T, W> {
+impl<T: Float, const W: usize> Sub for Beside<T, W> {
     type Output = Self;
     #[inline(always)]
     fn sub(mut self, other: Self) -> Self {
@@ -46,7 +46,7 @@ impl<T: Real, const W: usize> Sub for Beside<T, W> {
     }
 }
 
-impl<T: Real, const W: usize> Mul for Beside<T, W> {
+impl<T: Float, const W: usize> Mul for Beside<T, W> {
     type Output = Self;
     #[inline(always)]
     fn mul(mut self, other: Self) -> Self {
@@ -57,7 +57,7 @@ impl<T: Real, const W: usize> Mul for Beside<T, W> {
     }
 }
 
-impl<T: Real, const W: usize> Mul<T> for Beside<T, W> {
+impl<T: Float, const W: usize> Mul<T> for Beside<T, W> {
     type Output = Self;
     #[inline(always)]
     fn mul(mut self, factor: T) -> Self {

@@ -24,8 +24,8 @@ use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::taken;
 use crate::base::Dd;
-use crate::kernel::dense::Real;
 use crate::kernel::pairwise::PairwiseSum;
+use crate::kernel::real::Float;
 use crate::kernel::triple::Triple;
 use std::array::from_fn;
 
@@ -47,7 +47,7 @@ impl Tree {
         Tree { breadth: breadth as f64, coupled: forest.coupled, data }
     }
 
-    fn data<T: Real>(&self) -> f64 {
+    fn data<T: Float>(&self) -> f64 {
         self.data[usize::from(T::ERROR < f64::ERROR)]
     }
 }
@@ -91,9 +91,8 @@ const LARGEST_EIGENVALUE: f64 = (1u128 << 125) as f64 * (1u128 << 125) as f64;
 const UNDERFLOW: f64 = 1e-138;
 const MOST_NODES: usize = 1 << 24;
 
-/// The eigenvalues near the Rayleigh quotients of several vectors in parallel lanes, each with its frame; see the
-/// module.
-pub fn enclosed<T: Real, const W: usize>(
+/// The eigenvalues near the Rayleigh quotients of vectors side by side, with as many frames of one tree; see the module.
+pub fn enclosed<T: Float, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
     tree: &Tree,
@@ -101,7 +100,7 @@ pub fn enclosed<T: Real, const W: usize>(
 ) -> [Enclosed; W] {
     let energies = Energies::of(nodes, x);
     let (held, inertia) = (energies.strain.total(), energies.inertia.total());
-    let holding = T::of(Dd::from(frames[0].holding));
+    let holding = T::of_dd(Dd::from(frames[0].holding));
     let strain = held + inertia * holding;
     let mu = Beside(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
     let residual = residual(nodes, x, mu, holding, tree);
@@ -113,27 +112,26 @@ pub fn enclosed<T: Real, const W: usize>(
         let elastic = residual.elastic.0[lane] + UNDERFLOW;
         let error = elastic + (residual.unbalanced.0[lane] + UNDERFLOW) / frames[lane].least.sqrt();
         let in_range = |value: f64| (1.0 / LARGEST_EIGENVALUE..=LARGEST_EIGENVALUE).contains(&value);
-        let quotient = (strain.0[lane] / inertia.0[lane]).hi();
-        let sound = inertia.0[lane].hi() >= LEAST_INERTIA && in_range(quotient) && in_range(frames[lane].least);
+        let quotient = (strain.0[lane] / inertia.0[lane]).to_f64();
+        let sound = inertia.0[lane].to_f64() >= LEAST_INERTIA && in_range(quotient) && in_range(frames[lane].least);
         let error = if sound && nodes.len() <= MOST_NODES { error } else { f64::INFINITY };
         near(strain.0[lane], inertia.0[lane], error, rounding, tree, &frames[lane])
     })
 }
 
-/// The eigenvalue near strain / inertia, for an `error` of the vector in the norm of K and a relative `rounding` error
-/// of both.
-fn near<T: Real>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
+/// The eigenvalue near strain / inertia, with the error of the vector in the norm of K and the rounding of the two.
+fn near<T: Float>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
     let shifted = strain / inertia;
-    // e^2 / mu^2 in the norm of K, and the least distance of 1 / mu to those of its neighbours on either side.
-    let square = (error * shifted.hi()).powi(2) / strain.hi() * UP;
-    let value = shifted.hi() * (1.0 - 2.0 * rounding);
-    let top = shifted.hi() * (1.0 + 2.0 * rounding);
+    // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
+    let square = (error * shifted.to_f64()).powi(2) / strain.to_f64() * UP;
+    let value = shifted.to_f64() * (1.0 - 2.0 * rounding);
+    let top = shifted.to_f64() * (1.0 + 2.0 * rounding);
     let below = frame.next.map_or(0.0, |next| square / (1.0 - top / (next + frame.holding)));
     let above = frame.previous.map_or(0.0, |previous| square / (value / (previous + frame.holding) - 1.0));
     let temple = if below >= 0.0 && above >= 0.0 { below.max(above) } else { f64::INFINITY };
-    let lambda = shifted - T::of(Dd::from(frame.holding));
+    let lambda = shifted - T::of_dd(Dd::from(frame.holding));
     let relative = if temple < 0.5 { temple / (1.0 - temple) + 2.0 * rounding } else { f64::INFINITY };
-    let radius = (shifted.hi() * (relative + T::ERROR) + lambda.hi().abs() * tree.data::<T>()) * UP;
+    let radius = (shifted.to_f64() * (relative + T::ERROR) + lambda.to_f64().abs() * tree.data::<T>()) * UP;
     Enclosed { lambda: Triple::from(lambda.to_dd()), radius, scale: inertia.to_dd().sqrt().recip() }
 }
 
@@ -143,7 +141,7 @@ struct Energies<T, const W: usize> {
     inertia: PairwiseSum<Beside<T, W>>,
 }
 
-impl<T: Real, const W: usize> Energies<T, W> {
+impl<T: Float, const W: usize> Energies<T, W> {
     fn of(nodes: &[Node<T>], x: &[[T; W]]) -> Energies<T, W> {
         let sum = || PairwiseSum::from_zero(Beside::all(T::ZERO));
         let mut energies = Energies { strain: sum(), inertia: sum() };
@@ -165,9 +163,8 @@ struct Residual<const W: usize> {
     unbalanced: Beside<f64, W>,
 }
 
-/// Computes the forces that balance M x - mu V x from the leaves to the root, and the remainder that rounding leaves
-/// unbalanced.
-fn residual<T: Real, const W: usize>(
+/// The forces that balance M x - mu V x from the leaves to the root, and what rounding leaves unbalanced.
+fn residual<T: Float, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
     mu: Beside<T, W>,
@@ -193,20 +190,20 @@ fn residual<T: Real, const W: usize>(
             left = left + force.sizes();
         }
         // M >= diag(mass) / kappa.
-        unbalanced.add(left * left * (tree.coupled / node.mass.hi()));
+        unbalanced.add(left * left * (tree.coupled / node.mass.to_f64()));
         if node.is_root() {
             continue;
         }
         let b = own - Beside(x[node.parent as usize]);
         let stiffness = node.stiffness - holding * node.coupling;
-        if stiffness.hi() < 0.5 * node.stiffness.hi() {
+        if stiffness.to_f64() < 0.5 * node.stiffness.to_f64() {
             let unknown = Beside::all(f64::INFINITY);
             return Residual { elastic: unknown, unbalanced: unknown };
         }
         let (elastic, inertial) = (mu * (b * stiffness), b * node.coupling);
         let slip = (force.sizes() + elastic.sizes() + inertial.sizes()) * (8.0 * T::ERROR);
         let difference = (force - inertial - elastic).sizes() + slip;
-        complementary.add(difference * difference * (1.0 / stiffness.hi()));
+        complementary.add(difference * difference * (1.0 / stiffness.to_f64()));
         stack.push((force, force.sizes()));
     }
     let root = |sum: PairwiseSum<Beside<f64, W>>| Beside(sum.total().0.map(|sum| (sum * UP).sqrt() * UP));

@@ -7,7 +7,7 @@ use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::Frame;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{LANES, counts};
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 use std::ops::Range;
 
 /// An interval with one eigenvalue.

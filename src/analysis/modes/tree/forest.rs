@@ -12,7 +12,7 @@
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::modes::tree::impedance::LEAST_RATIO;
 use crate::base::Dd;
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 use crate::kernel::triple::{Precise, Triple};
 
 /// A tree whose bodies are numbered so that children come before their parents, those of one body immediately before it
@@ -55,13 +55,13 @@ pub struct Node<T> {
     pub children: u32,
 }
 
-impl<T: Real> Node<T> {
+impl<T: Float> Node<T> {
     fn of(node: &Node<Dd>) -> Node<T> {
         Node {
-            mass: T::of(node.mass),
-            ground: T::of(node.ground),
-            stiffness: T::of(node.stiffness),
-            coupling: T::of(node.coupling),
+            mass: T::of_dd(node.mass),
+            ground: T::of_dd(node.ground),
+            stiffness: T::of_dd(node.stiffness),
+            coupling: T::of_dd(node.coupling),
             parent: node.parent,
             children: node.children,
         }
@@ -70,7 +70,7 @@ impl<T: Real> Node<T> {
     #[inline]
     pub fn is_root(&self) -> bool {
         // Only the root has no spring to a parent.
-        self.stiffness.hi() == 0.0
+        self.stiffness.to_f64() == 0.0
     }
 
     /// The stiffness of the node itself at a shift: g - s r.
@@ -219,7 +219,7 @@ impl Forest {
     }
 
     /// The numbers in another precision.
-    pub fn nodes_in<T: Real>(&self) -> Vec<Node<T>> {
+    pub fn nodes_in<T: Float>(&self) -> Vec<Node<T>> {
         self.nodes.iter().map(Node::of).collect()
     }
 

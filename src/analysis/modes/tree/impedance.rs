@@ -15,7 +15,7 @@
 
 use crate::analysis::modes::tree::forest::Node;
 use crate::base::Dd;
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 
 /// Number of shifts that are counted at once.
 pub const LANES: usize = 16;
@@ -157,9 +157,9 @@ pub struct Twisted<T> {
     pub residual: T,
 }
 
-/// The null vector at a shift, up to a residual at the node where it is least relative to the inertia; the vector is 1
-/// there. The root may hardly move in a mode; this node does. `at` selects a node explicitly.
-pub fn twisted<T: Real>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twisted<T> {
+/// The null vector at a shift, up to the residual at the node where that is least beside the inertia, where it is 1. The root
+/// may hardly move in a mode; this node does. `at` chooses it instead.
+pub fn twisted<T: Float>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twisted<T> {
     let root = nodes.len() - 1;
     let links: Vec<T> = nodes.iter().map(|node| node.link(shift)).collect();
     let mut felt = felt(nodes, shift, &links);
@@ -206,9 +206,9 @@ pub fn twisted<T: Real>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twist
 
 /// d and q of springs v and e in series.
 #[inline]
-fn in_a_row<T: Real>(v: T, e: T, stiffness: T) -> (T, T) {
+fn in_a_row<T: Float>(v: T, e: T, stiffness: T) -> (T, T) {
     let d = v + e;
-    let d = if d.hi() == 0.0 { T::of(Dd::from(TINY)) * stiffness } else { d };
+    let d = if d.to_f64() == 0.0 { T::of_dd(Dd::from(TINY)) * stiffness } else { d };
     (d, e * (v / d))
 }
 
@@ -218,7 +218,7 @@ fn away_from_zero(d: f64, stiffness: f64) -> f64 {
 }
 
 /// v of each node.
-fn felt<T: Real>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
+fn felt<T: Float>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
     let mut stack = Vec::new();
     let one = |(node, &link): (&Node<T>, &T)| {
         let v = node.own(shift) + taken(&mut stack, node.children, T::ZERO, |a, b| a + b);
@@ -228,16 +228,15 @@ fn felt<T: Real>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
     nodes.iter().zip(links).map(one).collect()
 }
 
-/// The node with the least v, relative to its inertia, if it were the root: v is the residual of the null vector that
-/// is 1 there.
-fn least_residual<T: Real>(nodes: &[Node<T>], felt: &[T], links: &[T]) -> usize {
-    let mut whole: Vec<f64> = felt.iter().map(|v| v.hi()).collect();
+/// The node with the least v, beside its inertia, if it were the root: what is left there of a null vector that is 1 there.
+fn least_residual<T: Float>(nodes: &[Node<T>], felt: &[T], links: &[T]) -> usize {
+    let mut whole: Vec<f64> = felt.iter().map(|v| v.to_f64()).collect();
     for (i, node) in nodes.iter().enumerate().rev().skip(1) {
-        let (link, stiffness) = (links[i].hi(), node.stiffness.hi());
-        let without = whole[node.parent as usize] - in_a_row(felt[i].hi(), link, stiffness).1;
+        let (link, stiffness) = (links[i].to_f64(), node.stiffness.to_f64());
+        let without = whole[node.parent as usize] - in_a_row(felt[i].to_f64(), link, stiffness).1;
         whole[i] += in_a_row(without, link, stiffness).1;
     }
-    let residual = |i: usize| if whole[i].is_nan() { f64::INFINITY } else { (whole[i] / nodes[i].mass.hi()).abs() };
+    let residual = |i: usize| if whole[i].is_nan() { f64::INFINITY } else { (whole[i] / nodes[i].mass.to_f64()).abs() };
     (0..nodes.len()).fold(0, |best, i| if residual(i) < residual(best) { i } else { best })
 }
 

@@ -21,7 +21,7 @@ use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{root, shapes, twisted};
 use crate::base::Dd;
-use crate::kernel::dense::Real;
+use crate::kernel::real::Float;
 use crate::kernel::triple::Triple;
 use std::array::from_fn;
 use std::ops::Range;
@@ -248,8 +248,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// x^T M x, summed sequentially: only for the next shift.
-fn inertia<T: Real>(nodes: &[Node<T>], x: &[T]) -> T {
+/// x^T M x, one after the other: for the next shift only.
+fn inertia<T: Float>(nodes: &[Node<T>], x: &[T]) -> T {
     let one = |sum: T, (node, &own): (&Node<T>, &T)| {
         let b = own - x[node.parent as usize];
         sum + (node.mass * own * own - node.coupling * b * b)

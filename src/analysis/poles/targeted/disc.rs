@@ -12,13 +12,15 @@
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::Image;
 use crate::analysis::poles::discs::Disc;
-use crate::analysis::poles::pencil::{Application, Pencil, Squares};
-use crate::analysis::poles::refinement::{Factors, Pair};
+use crate::analysis::poles::pencil::{Application, Pencil};
+use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::targeted::frame::{Frame, Level};
 use crate::base::{Ball, Dd};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
 use crate::kernel::simd::simd;
+use crate::kernel::squares::Squares;
 use crate::kernel::triple::{Precise, Triple};
 
 /// The most circles that are tried; each is twice as large as the one before.
@@ -238,7 +240,7 @@ impl Block {
 
 fn inverse(a: &Matrix<Complex<f64>>) -> Option<Matrix<Complex<f64>>> {
     let n = a.rows();
-    let factors = Factors::of(a.clone())?;
+    let factors = Lu::nearly_singular(a.clone())?;
     let mut b = Matrix::from_fn(n, n, |i, j| Complex::real(if i == j { 1.0 } else { 0.0 }));
     (0..n).for_each(|j| factors.solve(b.column_mut(j)));
     Some(b)

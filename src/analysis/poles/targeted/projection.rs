@@ -1,11 +1,11 @@
 //! Q in the span of the lowest undamped modes: a small dense problem whose eigenvalues are starts. In: the frame of the
 //! modes. Out: rough poles. Nothing here is printed. See docs/method/poles.md#poles-followed-from-modes.
 
-use crate::analysis::poles::refinement::Factors;
 use crate::analysis::poles::targeted::frame::Frame;
 use crate::analysis::poles::targeted::iteration::Start;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
 use nalgebra::{DMatrix, Schur};
 
 /// A relative imaginary part below this is rounding error.
@@ -40,7 +40,7 @@ fn start(frame: &Frame, s: Complex<f64>, seed: usize) -> Option<Start> {
         let inertia = if i == j { s * s + Complex::real(frame.k[(i, i)].value) } else { Complex::ZERO };
         inertia + s.scale(frame.c[(i, j)].value)
     };
-    let factors = Factors::of(Matrix::from_fn(count, count, entry))?;
+    let factors = Lu::nearly_singular(Matrix::from_fn(count, count, entry))?;
     let golden = |i: usize| ((i + 1 + 977 * seed) as f64 * 0.618_033_988_749_894_9).fract() + 0.5;
     let mut y: Vec<Complex<f64>> = (0..count).map(|i| Complex::real(golden(i))).collect();
     for _ in 0..2 {

@@ -5,13 +5,13 @@ use super::step::Step;
 use super::{Off, Row};
 use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes;
-use crate::analysis::modes::squares::Squares;
 use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::propagator::scales;
 use crate::analysis::response::{UNIT, UP};
 use crate::analysis::transfer::modal::ModalSum;
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::dense::Matrix;
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// eta'' + c eta' + k eta = force . w for each mode, as z' = A z + B w with z = (s eta, eta').
@@ -187,7 +187,7 @@ impl Oscillators {
             q[i.index()] = displacement.to_ball();
             v[i.index()] = velocity.to_ball();
         }
-        let m = Squares::of(&system.m);
+        let m = Squares::of_form(&system.m);
         let seen = |x: &[Ball]| -> Vec<Ball> {
             let mut image = vec![Ball::ZERO; n];
             for t in 0..m.len() {

@@ -10,12 +10,12 @@
 mod lanes;
 
 use crate::analysis::answer::{Modes, PRECISE};
-use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
-use crate::analysis::modes::squares::Squares;
+use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, least_stiffness, off_diagonal, sizes};
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number, larger};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
 use std::ops::RangeInclusive;
 
@@ -69,7 +69,7 @@ impl ModalSum {
             return None;
         }
         let form = ModalForm::of(system, modes, gram)?;
-        let damping = gram(&Squares::of(&system.c), &form.shapes);
+        let damping = gram(&Squares::of_form(&system.c), &form.shapes);
         let c: Vec<Dd> = (0..n).map(|i| damping[(i, i)].mid).collect();
         let k = form.stiffnesses();
         let least = least_stiffness(&kinds(&modes.list), &k);
