@@ -8,10 +8,10 @@ use crate::analysis::modes::buckling::Buckling;
 use crate::analysis::modes::splits::Split;
 use crate::analysis::response::History;
 use crate::analysis::transfer::Disc;
-use crate::base::{Ball, Dd, Number, Rounded};
+use crate::base::{Ball, Dd, Number, Rounded, down, up};
 
-/// Covers the few rounding errors of the bound itself.
-const UP: f64 = 1.0 + 1e-14;
+/// Covers the few roundings of a bound itself.
+const UP: f64 = up::DOZENS;
 
 /// Converts rad/s to Hz.
 pub fn hertz(omega: Ball) -> Ball {
@@ -185,11 +185,11 @@ impl Disc {
     /// A bound of |printed - true| / |true| for the printed numbers: the two parts in the complex plane, and the gain.
     pub fn error_bound(&self) -> f64 {
         let part = |x: Dd| Rounded::bound_of(Ball::exact(x));
-        let size = self.value.to_f64().abs() * (1.0 - 1e-15) - self.radius;
+        let size = self.value.to_f64().abs() * down::FEW - self.radius;
         let lost = self.radius + part(self.value.re) + part(self.value.im);
         let in_plane = match (lost, size) {
             (0.0, _) => 0.0,
-            (_, size) if size > 0.0 => lost / size * (1.0 + 1e-12),
+            (_, size) if size > 0.0 => lost / size * up::THOUSANDS,
             _ => f64::INFINITY,
         };
         in_plane.max(Rounded::relative_bound_of(self.gain()))

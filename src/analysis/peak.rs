@@ -6,10 +6,10 @@ use crate::analysis::error::AnalysisError;
 use crate::analysis::measures::Measurement;
 use crate::analysis::response::course::{Followed, follow};
 use crate::analysis::response::square::mean_square;
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, Rational, up};
 use crate::system::{LinearSystem, Signal};
 
-const UP: f64 = 1.0 + 1e-12;
+const UP: f64 = up::THOUSANDS;
 /// Twice the relative error of one operation in two words.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 const TOO_LONG: Measurement =

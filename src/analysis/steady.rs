@@ -6,7 +6,7 @@
 //! it.
 
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, up};
 use crate::kernel::complex::Complex;
 use crate::system::Signal;
 
@@ -48,7 +48,7 @@ fn scaled(gain: Gain, value: &Number, phase: &Number) -> Gain {
     };
     let amplitude = Complex::new(cosine.to_ball(), sine.to_ball()).scale(value.to_ball());
     let product = disc.value.to_ball() * amplitude;
-    let radius = (product.radius() + disc.radius * value.to_ball().magnitude()) * (1.0 + 1e-12);
+    let radius = (product.radius() + disc.radius * value.to_ball().magnitude()) * up::THOUSANDS;
     Gain::Finite(Disc { value: product.mid(), radius })
 }
 
@@ -57,7 +57,7 @@ fn plus(a: Gain, b: Gain) -> Gain {
     match (a, b) {
         (Gain::Finite(a), Gain::Finite(b)) => {
             let sum: Complex<Ball> = a.value.to_ball() + b.value.to_ball();
-            Gain::Finite(Disc { value: sum.mid(), radius: (sum.radius() + a.radius + b.radius) * (1.0 + 1e-12) })
+            Gain::Finite(Disc { value: sum.mid(), radius: (sum.radius() + a.radius + b.radius) * up::THOUSANDS })
         }
         (Gain::Infinite, Gain::Finite(_)) | (Gain::Finite(_), Gain::Infinite) => Gain::Infinite,
         _ => Gain::Unknown,

@@ -16,6 +16,6 @@ pub use dimension::{Angle, Dimension, Quantity};
 pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;
 pub use name::{Name, Symbol, Words};
-pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, larger};
+pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, down, larger, rounding, up};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

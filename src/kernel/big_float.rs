@@ -2,7 +2,7 @@
 //! until they are cut to a number of bits. Used for roots of polynomials that double-double does not separate. See
 //! docs/method/poles.md#exact-arithmetic.
 
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, up};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use std::cmp::Ordering;
@@ -109,8 +109,8 @@ impl Float {
         if left.is_zero() && radius == 0.0 {
             return Ball::new(mid, 0.0);
         }
-        // Near the lower end of the range the words lose bits; two_sum loses none.
-        Ball::new(mid, (left.abs().to_f64_above() + radius) * (1.0 + 1e-14) + f64::MIN_POSITIVE)
+        // Near the bottom of the range the words lose bits; two_sum loses none.
+        Ball::new(mid, (left.abs().to_f64_above() + radius) * up::DOZENS + f64::MIN_POSITIVE)
     }
 
     pub fn abs(&self) -> Float {

@@ -1,7 +1,7 @@
 //! Answers to the lines `solve` and `require`: plain data for reports.
 
 use super::cover::Proof;
-use crate::base::{Ball, Number, Span, Unproven};
+use crate::base::{Ball, Number, Span, Unproven, up};
 use crate::model::scene::Written;
 use std::borrow::Cow;
 
@@ -140,7 +140,7 @@ impl Solved {
 
     /// The bound in the parameter's own unit.
     pub fn shown_bound(&self) -> Option<f64> {
-        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * (1.0 + 1e-15))
+        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * up::FEW)
     }
 
     /// The target of the measure, as it was written.

@@ -6,7 +6,7 @@
 //! lies on the same side at both ends. Other parts are halved as long as the effort allows.
 
 use super::over::Over;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, up};
 use std::cmp::Ordering;
 
 /// A part of a range.
@@ -116,12 +116,12 @@ impl Part {
     pub fn ball(&self) -> Ball {
         let middle = (self.low + self.high).scale(0.5);
         let radius = (self.high - middle).hi.abs().max((middle - self.low).hi.abs());
-        Ball::exact(middle).widen(radius * (1.0 + 1e-15) + middle.hi.abs() * 2f64.powi(-100))
+        Ball::exact(middle).widen(radius * up::FEW + middle.hi.abs() * 2f64.powi(-100))
     }
 
     /// The distance from a number to the part's far end.
     pub fn reach(&self, from: Dd) -> f64 {
-        (self.low - from).abs().to_f64().max((self.high - from).abs().to_f64()) * (1.0 + 1e-15)
+        (self.low - from).abs().to_f64().max((self.high - from).abs().to_f64()) * up::FEW
     }
 
     /// `None` if no number lies between the ends.

@@ -8,7 +8,7 @@ use super::error::AskedError;
 use super::over::{Centre, Moved};
 use super::search::{Difference, Root, exactly};
 use super::together::{Pairing, Unknowns, between, known};
-use crate::base::{Ball, Dd, Jet, Number};
+use crate::base::{Ball, Dd, Jet, Number, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::real::Scalar;
@@ -223,7 +223,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         let y = columns?;
         // |Y F(m)|
         let step: Vec<f64> = (0..n)
-            .map(|i| (0..n).map(|e| y[e][i].hi.abs() * end.differences[e].magnitude()).sum::<f64>() * (1.0 + 1e-12))
+            .map(|i| (0..n).map(|e| y[e][i].hi.abs() * end.differences[e].magnitude()).sum::<f64>() * up::THOUSANDS)
             .collect();
         let rounding = |i: usize| end.x[i].hi.abs().max(self.high[i].hi.abs() * 1e-9) * 2f64.powi(-98);
         let mut radius: Vec<f64> = (0..n).map(|i| 2.0 * step[i] + rounding(i)).collect();
@@ -234,7 +234,7 @@ impl<'a, 'b> Problem<'a, 'b> {
                     let product = (0..n).fold(Ball::ZERO, |sum, e| sum + Ball::exact(y[e][i]) * slopes[e][j]);
                     (product - if i == j { Ball::ONE } else { Ball::ZERO }).magnitude()
                 };
-                (step[i] + (0..n).map(|j| left(j) * radius[j]).sum::<f64>()) * (1.0 + 1e-12)
+                (step[i] + (0..n).map(|j| left(j) * radius[j]).sum::<f64>()) * up::THOUSANDS
             };
             let image: Vec<f64> = (0..n).map(image).collect();
             if image.iter().zip(&radius).all(|(image, radius)| image < radius) {

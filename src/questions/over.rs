@@ -4,7 +4,7 @@
 
 use super::probe::Probe;
 use crate::analysis::range::{Course, Family, Phasor};
-use crate::base::{Ball, Jet, Number};
+use crate::base::{Ball, Jet, Number, up};
 use crate::kernel::complex::Complex;
 use crate::model::scene::Question;
 use crate::system::Signal;
@@ -104,7 +104,7 @@ impl Centre {
     /// Whether what lies in `start` at the middle of the box stays in this enclosure, given these derivatives over it.
     pub fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
         let by = reach(moved, radius);
-        let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * (1.0 + 1e-12) < wide.rad || by == 0.0;
+        let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * up::THOUSANDS < wide.rad || by == 0.0;
         match (*self, *start) {
             (Centre::Eigenvalue(wide), Centre::Eigenvalue(start)) => inside(wide, start, by.0),
             (Centre::Pole(re, im), Centre::Pole(re_start, im_start)) => {

@@ -11,7 +11,7 @@ use super::search::{Difference, Look, Root, Seen};
 use super::trial::{Known, Text};
 use crate::analysis::Measurement;
 use crate::analysis::derived::hertz;
-use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven};
+use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven, up};
 use crate::model::scene::{Measure, Question, Solve};
 use crate::model::{CheckedScene, Setting};
 
@@ -232,7 +232,7 @@ impl<'a> Unknowns<'a> {
         let solve = &self.solves[unknown];
         let value = shortest(root, solve.parameter.unit.factor.as_ref());
         let away = (value.to_ball() - Ball::exact(root.near)).magnitude();
-        self.within[unknown] = root.proof.map(|_| (root.within + away) * (1.0 + 1e-12));
+        self.within[unknown] = root.proof.map(|_| (root.within + away) * up::THOUSANDS);
         self.others[unknown] = others;
         self.values[unknown] = value;
         self.looks[unknown] = looks;

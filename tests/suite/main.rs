@@ -56,6 +56,7 @@ mod readme;
 mod reports;
 mod response;
 mod rest;
+mod sanitizer;
 mod schema;
 mod solve;
 mod some_modes;

@@ -7,7 +7,7 @@
 //! Aishima 2018): two steps turn 1e-16 into 1e-31. Shapes that come in double-double need none.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
-use crate::base::{Ball, Dd, larger};
+use crate::base::{Ball, Dd, larger, up};
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::kernel::simd::simd;
 use crate::kernel::squares::Squares;
@@ -28,7 +28,7 @@ pub(in crate::analysis) struct ModalForm {
 const STEPS: usize = 2;
 /// The accuracy limit of this computation: a basis with a smaller error is not refined.
 pub(in crate::analysis) const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
-const UP: f64 = 1.0 + 1e-12;
+const UP: f64 = up::THOUSANDS;
 
 impl ModalForm {
     /// `gram` computes X^T A X. `None` if modes are missing.

@@ -11,14 +11,14 @@
 //! u = 2^-53; and gamma = (T + 4) 2^-151 in triple words. See docs/method/modes.md#certificate.
 
 use crate::analysis::modes::terms::Terms;
-use crate::base::Dd;
+use crate::base::{Dd, rounding, up};
 use crate::kernel::dense::{Matrix, dot};
 use crate::kernel::triple::{Precise, Triple};
 
-/// Covers the rounding errors of sums of up to a million non-negative binary64 numbers.
-pub const SLACK: f64 = 1.0 + 1e-9;
+/// Covers the roundings of sums of up to eight million numbers that are not negative.
+pub const SLACK: f64 = up::MILLIONS;
 /// u^2 = 2^-106.
-const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+const UNIT_SQUARED: f64 = rounding::UNIT_SQUARED;
 /// Products below 2^-969 lose bits of their low parts, a few units of 2^-1074 each.
 const UNDERFLOW: f64 = 1e-318;
 

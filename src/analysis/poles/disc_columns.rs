@@ -5,7 +5,7 @@
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, rounding};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, error, product};
@@ -14,8 +14,8 @@ use crate::kernel::squares::Squares;
 use crate::kernel::triple::Precise;
 
 /// Unit roundoff of binary64.
-pub const U: f64 = f64::EPSILON / 2.0;
-/// Covers the rounding errors of sums of up to 2^20 non-negative numbers.
+pub const U: f64 = rounding::UNIT;
+/// Covers the rounding of sums of up to 2^20 non-negative numbers.
 pub const UP: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
 
 /// A complex number in binary64 and a bound of its distance from the true one.

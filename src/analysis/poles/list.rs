@@ -8,7 +8,7 @@ use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, up};
 use crate::kernel::complex::Complex;
 use std::cmp::Ordering;
 
@@ -210,7 +210,7 @@ impl PoleList {
         self.list.push(Pole {
             re,
             im,
-            relative_error: if low > 0.0 && size.is_finite() { radius / low * (1.0 + 1e-12) } else { f64::INFINITY },
+            relative_error: if low > 0.0 && size.is_finite() { radius / low * up::THOUSANDS } else { f64::INFINITY },
             damping_ratio: zeta.is_finite().then_some(zeta),
             kind: known.kind,
             cluster: known.cluster,

@@ -3,7 +3,7 @@
 //! docs/method/poles.md#quadratics.
 
 use crate::analysis::answer::PoleKind;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::real::Real;
 use crate::kernel::triple::Precise;
@@ -56,7 +56,7 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
 /// Sharpens the bounds of the roots: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
 /// evaluated in triple words; the balls above collect the rounding of every step in double-double.
 fn sharpened(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
-    const UP: f64 = 1.0 + 1e-14;
+    const UP: f64 = up::DOZENS;
     let bound = |own: &Root, other: &Root| {
         let s = Complex::new(Precise::of_dd(own.re.mid), Precise::of_dd(own.im.mid));
         let value = (s.scale(m) + Complex::real(c)) * s + Complex::real(k);

@@ -4,7 +4,7 @@
 
 pub mod linear;
 
-use crate::base::{Ball, Dd, Jet, Number, larger};
+use crate::base::{Ball, Dd, Jet, Number, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, Form, LinearSystem};
@@ -108,7 +108,7 @@ impl<'a> Family<'a> {
             let left = |j: usize| if i == j { quotient[(i, j)] - mean } else { quotient[(i, j)] };
             (0..count).map(|j| left(j).magnitude()).sum()
         };
-        let farthest = (0..count).map(row).fold(0.0, larger) * (1.0 + 1e-12);
+        let farthest = (0..count).map(row).fold(0.0, larger) * up::THOUSANDS;
         let all = Ball::exact(mean.mid).widen(farthest + mean.rad);
         let each = each_eigenvalue(&slope, &mass)?;
         (!self.lost && all.is_finite()).then_some((all, each))

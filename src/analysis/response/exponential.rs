@@ -7,7 +7,7 @@
 //! evaluated in eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2,
 //! and the norms of the computed powers are used, so that a decayed exponential keeps its relative error.
 
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled, dot};
 
@@ -44,8 +44,8 @@ pub struct Parts {
 
 /// Twice the relative error of one operation.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
-const UP: f64 = 1.0 + 1e-12;
-/// Terms in a block of the polynomial, and number of blocks.
+const UP: f64 = up::THOUSANDS;
+/// Terms in a block of the polynomial, and blocks.
 const BLOCK: usize = 5;
 /// 2^100 times the fastest period is longer than any useful time.
 const MOST_SQUARINGS: u32 = 100;

@@ -22,7 +22,7 @@ use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
 use crate::analysis::response::trail::Trail;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
@@ -88,7 +88,7 @@ struct Run<'a> {
 /// Number of different steps that are cached.
 const STEPS_KEPT: usize = 8;
 const UNIT: f64 = 2.0 * Dd::EPSILON;
-const UP: f64 = 1.0 + 1e-12;
+const UP: f64 = up::THOUSANDS;
 
 /// The outputs at ascending times, for a sum of signals on each input.
 pub fn respond(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {

@@ -3,7 +3,7 @@
 //! R, a bound of |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*,
 //! Acta Numerica 19 (2010), section 10). See docs/method/transfer.md.
 
-use crate::base::{Ball, Dd, larger};
+use crate::base::{Ball, Dd, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::{Matrix, lu};
 use crate::kernel::real;
@@ -66,8 +66,8 @@ const CONTRACTION_LIMIT: f64 = 0.25;
 const TINY: f64 = 1e-290;
 /// Added to each component, which may have underflowed at any scale.
 const UNDERFLOW: f64 = 1e-317;
-/// Covers the rounding errors of a bound that is itself a sum of a few thousand binary64 numbers.
-const UP: f64 = 1.0 + 1e-12;
+/// Covers the roundings of a bound that is itself a sum of a few thousand numbers in binary64.
+const UP: f64 = up::THOUSANDS;
 
 impl<T: Scalar> Inverse<T> {
     /// `None` if Q is singular to the precision of T, or its inverse cannot be proven.

@@ -22,7 +22,7 @@ use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
-use crate::base::{Ball, Dd, Number, larger};
+use crate::base::{Ball, Dd, Number, down, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
@@ -168,8 +168,8 @@ impl Disc {
         if self.radius == 0.0 {
             return 0.0;
         }
-        let size = self.value.to_f64().abs() * (1.0 - 1e-15);
-        if size > self.radius { self.radius / (size - self.radius) * (1.0 + 1e-12) } else { f64::INFINITY }
+        let size = self.value.to_f64().abs() * down::FEW;
+        if size > self.radius { self.radius / (size - self.radius) * up::THOUSANDS } else { f64::INFINITY }
     }
 }
 
@@ -405,7 +405,7 @@ impl<'a> Transfer<'a> {
                     radius += (0..power).fold(p.magnitude() * x.error[i] + least, times_omega);
                 }
             }
-            let radius = (y.radius() + radius) * (1.0 + 1e-12);
+            let radius = (y.radius() + radius) * up::THOUSANDS;
             if radius.is_finite() { Gain::Finite(Disc { value: y.mid(), radius }) } else { Gain::Unknown }
         };
         outputs.iter().map(gain).collect()

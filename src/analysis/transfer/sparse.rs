@@ -9,7 +9,7 @@
 
 use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::simd::simd;
 use crate::kernel::sparse::order::least_fill;
@@ -221,7 +221,7 @@ simd! {
 impl Factors<'_, Disc> {
     /// Whether D, and so the factored matrix, is certainly positive definite; for real matrices.
     pub fn is_positive(&self) -> bool {
-        self.lower.reciprocal.iter().all(|d| d.value.re.hi * (1.0 - 1e-15) > d.radius)
+        self.lower.reciprocal.iter().all(|d| d.value.re.hi * down::FEW > d.radius)
     }
 }
 
@@ -241,8 +241,8 @@ impl<T: Scalar> Factors<'_, T> {
 /// Relative error of a complex operation in double-double: two products and a sum for each part are below 2^-100 of the
 /// modulus, a reciprocal below 2^-98.
 const UNIT: f64 = 4.0 * Dd::EPSILON;
-/// Covers the rounding errors of a radius, and underflow.
-const UP: f64 = 1.0 + 1e-14;
+/// Covers the roundings of a radius, and underflow.
+const UP: f64 = up::DOZENS;
 const TINY: f64 = 1e-300;
 /// Underflow error of the four products and two sums of a complex product.
 const UNDERFLOW: f64 = 1e-317;

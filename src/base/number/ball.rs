@@ -6,6 +6,7 @@
 //! so that structural zeros stay structural.
 
 use super::dd::Dd;
+use super::rounding::down;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number known to lie within `rad` of `mid`.
@@ -88,7 +89,7 @@ impl Ball {
     #[inline]
     pub fn contains_zero(&self) -> bool {
         // A midpoint that is no number excludes nothing.
-        let away = self.mid.hi.abs() * (1.0 - 1e-15) > self.rad;
+        let away = self.mid.hi.abs() * down::FEW > self.rad;
         !away
     }
 

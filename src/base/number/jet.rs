@@ -6,6 +6,7 @@
 //! Where a number is turned into a plain ball its derivative is lost; [`watched`] tells whether that happened, so that what
 //! was computed from such a ball is not taken for constant.
 
+use super::rounding::up;
 use super::{Ball, Dd, Number};
 use std::cell::Cell;
 
@@ -95,7 +96,7 @@ fn square(x: Ball) -> Ball {
     if half == 0.0 {
         x.square()
     } else {
-        (Ball::exact(x.mid).square() + Ball::from(half)).widen(2.0 * x.mid.hi.abs() * x.rad * (1.0 + 1e-15) + half)
+        (Ball::exact(x.mid).square() + Ball::from(half)).widen(2.0 * x.mid.hi.abs() * x.rad * up::FEW + half)
     }
 }
 

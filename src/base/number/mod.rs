@@ -11,6 +11,7 @@ mod functions;
 pub mod jet;
 pub mod rational;
 pub mod rounded;
+pub mod rounding;
 pub mod surd;
 
 pub use ball::{Ball, larger};
@@ -18,6 +19,7 @@ pub use dd::Dd;
 pub use jet::Jet;
 pub use rational::{Literals, Rational};
 pub use rounded::{Rounded, Unproven};
+pub use rounding::{down, up};
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};

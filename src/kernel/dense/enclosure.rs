@@ -1,6 +1,6 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with known errors.
 
-use crate::base::{Ball, Dd, larger};
+use crate::base::{Ball, Dd, larger, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::inverse;
 
@@ -18,8 +18,8 @@ pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f6
         largest_column = larger(largest_column, column);
     }
     let largest_row = row_sums.iter().copied().fold(0.0, larger);
-    // The rounding error of a thousand rows of sums in binary64 is below 1e-12.
-    squares.sqrt().min((largest_row * largest_column).sqrt()) * (1.0 + 1e-12)
+    // A thousand rows of sums in binary64 lose less than 1e-12.
+    squares.sqrt().min((largest_row * largest_column).sqrt()) * up::THOUSANDS
 }
 
 impl Matrix<Ball> {
@@ -152,7 +152,7 @@ fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     solution.is_finite().then_some(solution)
 }
 
-const UP: f64 = 1.0 + 1e-12;
+const UP: f64 = up::THOUSANDS;
 
 fn unit(i: usize, j: usize) -> Ball {
     if i == j { Ball::ONE } else { Ball::ZERO }

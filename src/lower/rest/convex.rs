@@ -13,7 +13,7 @@ use super::enclosure::Refinement;
 use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
 use super::proof::Proven;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::sparse::ldl::Factors;
 use crate::lower::kinematics::Index;
 
@@ -66,8 +66,8 @@ fn prove(
     let gradient = part.energy(local, n, Detail::Gradient).gradient;
     let scale = &curvature.scale;
     let forces = gradient.iter().zip(scale).map(|(force, scale)| (force.to_ball().magnitude() * scale).powi(2));
-    // Sums and products of n positive numbers: the factor covers their rounding errors for n below 1e8.
-    let force = forces.sum::<f64>().sqrt() * (1.0 + 1e-7);
+    // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
+    let force = forces.sum::<f64>().sqrt() * up::HUNDREDS_OF_MILLIONS;
     let sigma = 0.5 * estimate(factors, n);
     // Twice the radius that suffices if half of sigma remains, and never below the rounding error of the middle itself.
     let rounding = middle.iter().zip(scale).map(|(at, scale)| at.hi.abs() * Dd::EPSILON / scale).fold(0.0, f64::max);
@@ -75,7 +75,7 @@ fn prove(
     if !radius.is_finite() {
         return None;
     }
-    part.place(moving, middle, |i| radius * scale[i] * (1.0 + 1e-15));
+    part.place(moving, middle, |i| radius * scale[i] * up::FEW);
     let within = Scaled::by(scale.clone(), entries(part.energy(local, n, Detail::Curvature)));
     Proven::convexity(force, within?.least_eigenvalue(sigma)?, radius)
 }

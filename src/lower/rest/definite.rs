@@ -6,7 +6,7 @@
 //! entries, here ones). The difference between the true matrix and the factored one is bounded by its largest row of
 //! radii.
 
-use crate::base::{Ball, larger};
+use crate::base::{Ball, larger, up};
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
 
 /// A symmetric matrix S H S: one entry for each place, with a bound of its error.
@@ -48,8 +48,8 @@ impl Scaled {
             let middle = ball.mid.hi * factor;
             result.places.push(here);
             result.middles.push(middle);
-            // The low part, the radius, and the rounding errors of two products.
-            let spread = (ball.mid.lo.abs() + ball.rad) * factor * (1.0 + 1e-14) + 2.0 * f64::EPSILON * middle.abs();
+            // The low part, the radius, and the roundings of two products.
+            let spread = (ball.mid.lo.abs() + ball.rad) * factor * up::DOZENS + 2.0 * f64::EPSILON * middle.abs();
             result.spreads.push(spread);
         }
         Some(result)
@@ -85,7 +85,7 @@ impl Scaled {
                 rows[*j as usize] += spread;
             }
         }
-        rows.into_iter().fold(0.0, larger) * (1.0 + 1e-9)
+        rows.into_iter().fold(0.0, larger) * up::MILLIONS
     }
 }
 

@@ -7,7 +7,7 @@
 //! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
 use super::proof::Proven;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, up};
 use nalgebra::{DMatrix, DVector};
 
 /// Equations F(z) = 0 with a current box of z.
@@ -122,8 +122,8 @@ impl Inverse {
             let identity = if i == j { 1.0 } else { 0.0 };
             (identity - product[(i, j)]).abs() * (1.0 + f64::EPSILON) + sizes[(i, j)]
         });
-        // Sums of n positive numbers: each is accurate to n roundings, which the factor covers for all n of dense parts.
-        (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * (1.0 + 1e-12)).collect()
+        // Sums of n positive numbers: each is right to n roundings, which the factor covers for all n that are dense.
+        (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * up::THOUSANDS).collect()
     }
 }
 
@@ -159,7 +159,7 @@ pub fn dense<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: u
     // The low part of the middle, and the radius.
     let spread = DMatrix::from_fn(n, n, |i, j| {
         let ball = at(i, j);
-        (ball.mid.lo.abs() + ball.rad) * (1.0 + 1e-15)
+        (ball.mid.lo.abs() + ball.rad) * up::FEW
     });
     (middle, spread)
 }

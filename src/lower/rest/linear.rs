@@ -10,7 +10,7 @@
 use super::definite::{Scaled, estimate};
 use super::proof::Proven;
 use super::survey::{Part, Survey};
-use crate::base::{Ball, Dd, Number, larger};
+use crate::base::{Ball, Dd, Number, larger, up};
 use crate::elements::Scalar;
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::kernel::squares::{Squares, by_factor};
@@ -187,7 +187,7 @@ impl Stiffness {
         let v: Vec<f64> = self.left(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
         let regular = Proven::positivity(&w, &v)?;
         let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, larger);
-        Some((w.iter().map(|w| w * worst * (1.0 + 1e-15)).collect(), regular))
+        Some((w.iter().map(|w| w * worst * up::FEW).collect(), regular))
     }
 }
 
@@ -203,9 +203,9 @@ impl Stiffness {
         let least = scaled.least_eigenvalue(sigma)?;
         let regular = Proven::definiteness(least)?;
         let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).powi(2));
-        // Sums and products of n positive numbers: the factor covers their rounding errors for n below 1e8.
-        let norm = squares.sum::<f64>().sqrt() * (1.0 + 1e-7);
-        Some((scaled.scale.iter().map(|scale| norm / least * scale * (1.0 + 1e-15)).collect(), regular))
+        // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
+        let norm = squares.sum::<f64>().sqrt() * up::HUNDREDS_OF_MILLIONS;
+        Some((scaled.scale.iter().map(|scale| norm / least * scale * up::FEW).collect(), regular))
     }
 }
 

@@ -2,7 +2,7 @@
 //! claim to be proven without one.
 //! See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and docs/method/rest.md#large-linear-parts.
 
-use crate::base::Number;
+use crate::base::{Number, down};
 
 /// Proof that the rest lies in the enclosure reported. Only the tests in this file make one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ impl Proven {
     /// The energy rises everywhere on a sphere: `force` is an upper bound of the gradient at its centre, `least` a lower
     /// bound of the curvature inside.
     pub fn convexity(force: f64, least: f64, radius: f64) -> Option<Proven> {
-        let rises = least > 0.0 && radius.is_finite() && force <= least * radius * (1.0 - 1e-15);
+        let rises = least > 0.0 && radius.is_finite() && force <= least * radius * down::FEW;
         rises.then_some(Proven(()))
     }
 

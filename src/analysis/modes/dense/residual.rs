@@ -15,7 +15,7 @@
 
 use crate::analysis::modes::gram::SLACK;
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::base::{Dd, larger};
+use crate::base::{Dd, larger, rounding};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product;
 use crate::kernel::lanes::Double;
@@ -23,7 +23,7 @@ use crate::kernel::simd::{Eight, LANES, simd};
 use crate::kernel::symmetric::tridiagonal::dot;
 
 /// u^2 = 2^-106.
-const UNIT_SQUARED: f64 = Dd::EPSILON / 16.0;
+const UNIT_SQUARED: f64 = rounding::UNIT_SQUARED;
 /// Products lose bits of their low words below 2^-969: some units of 2^-1074.
 const UNDERFLOW: f64 = 1e-320;
 

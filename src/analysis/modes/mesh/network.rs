@@ -5,12 +5,13 @@
 //! separate in v. In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::terms::{Factor, Terms};
+use crate::base::{rounding, up};
 use crate::kernel::triple::{Precise, Triple};
 
 /// Unit roundoff.
-pub const U: f64 = f64::EPSILON / 2.0;
-/// Covers the rounding errors of sums of up to ten million bounds.
-pub const UP: f64 = 1.0 + 1e-9;
+pub const U: f64 = rounding::UNIT;
+/// Covers the roundings of sums of up to eight million bounds.
+pub const UP: f64 = up::MILLIONS;
 
 /// A matrix with more entries than this in all rows together does not count as sparse.
 const MOST_PAIRS: usize = 20_000_000;

@@ -5,7 +5,7 @@
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::base::Dd;
+use crate::base::{Dd, up};
 use crate::kernel::simd::simd;
 
 /// A x of a form, and a bound of each entry's error.
@@ -121,14 +121,14 @@ pub struct Residual {
 /// The residual of x at theta.
 pub fn residual(k: &Multiplier, m: &Multiplier, x: &[Dd], theta: Dd, scale: &[f64]) -> Residual {
     let (forces, momenta) = (k.apply(x), m.apply(x));
-    let size = theta.hi.abs() * (1.0 + 1e-15);
+    let size = theta.hi.abs() * up::FEW;
     let mut value = Vec::with_capacity(x.len());
     let mut sum = 0.0;
     for (i, &scale) in scale.iter().enumerate() {
         let inertia = theta * momenta.value[i];
         let rest = forces.value[i] - inertia;
         let rounding = 2.0 * Dd::EPSILON * (rest.hi.abs() + inertia.hi.abs());
-        let most = rest.hi.abs() * (1.0 + 1e-15) + forces.error[i] + size * momenta.error[i] + rounding;
+        let most = rest.hi.abs() * up::FEW + forces.error[i] + size * momenta.error[i] + rounding;
         sum += most * most / scale;
         value.push(rest.hi);
     }

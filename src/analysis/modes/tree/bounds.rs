@@ -23,7 +23,7 @@ use crate::analysis::modes::mesh::close::CLOSE;
 use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::taken;
-use crate::base::Dd;
+use crate::base::{Dd, up};
 use crate::kernel::pairwise::PairwiseSum;
 use crate::kernel::real::Float;
 use crate::kernel::triple::Triple;
@@ -83,9 +83,9 @@ impl Enclosed {
     }
 }
 
-/// Covers the few rounding errors of a radius computed in binary64 with pairwise sums.
-const UP: f64 = 1.0 + 1e-12;
-/// Powers of two from the module's text.
+/// Covers the few roundings of a radius computed in binary64, sums in pairs.
+const UP: f64 = up::THOUSANDS;
+/// Powers of two of the module's text.
 const LEAST_INERTIA: f64 = 1.0 / (1u128 << 120) as f64;
 const LARGEST_EIGENVALUE: f64 = (1u128 << 125) as f64 * (1u128 << 125) as f64;
 const UNDERFLOW: f64 = 1e-138;

@@ -11,7 +11,7 @@
 
 use crate::analysis::modes::terms::{Factor, Terms};
 use crate::analysis::modes::tree::impedance::LEAST_RATIO;
-use crate::base::Dd;
+use crate::base::{Dd, up};
 use crate::kernel::real::Float;
 use crate::kernel::triple::{Precise, Triple};
 
@@ -149,7 +149,7 @@ impl Forest {
         forest.uncertainty = known.uncertainty(most);
         if !forest.scales.is_empty() {
             let (depth, _) = forest.depth_and_breadth();
-            forest.uncertainty += 4.0 * (depth as f64 + 3.0) * (known.relative[1] + Dd::EPSILON) * (1.0 + 1e-9);
+            forest.uncertainty += 4.0 * (depth as f64 + 3.0) * (known.relative[1] + Dd::EPSILON) * up::MILLIONS;
         }
         inertia.into(&mut forest)?;
         (known.in_range && forest.is_in_range()).then_some(forest)
@@ -387,7 +387,7 @@ impl Known {
 
     fn taken(&mut self, number: Precise, kind: usize) -> Dd {
         let (value, dropped) = number.value.split();
-        let relative = (number.radius + dropped.abs()) / value.hi.abs() * (1.0 + 1e-9);
+        let relative = (number.radius + dropped.abs()) / value.hi.abs() * up::MILLIONS;
         self.relative[kind] = self.relative[kind].max(relative);
         self.in_range &= kind == 0 || is_ratio(value.hi);
         value
@@ -403,7 +403,7 @@ impl Known {
     /// Relative error of any of the numbers, each a sum of at most `terms` terms: that of a weight, twice that of a
     /// factor, and the rounding errors of products and sums.
     fn uncertainty(&self, terms: u32) -> f64 {
-        (self.relative[0] + 2.0 * self.relative[1] + f64::from(terms + 4) * Dd::EPSILON) * (1.0 + 1e-9)
+        (self.relative[0] + 2.0 * self.relative[1] + f64::from(terms + 4) * Dd::EPSILON) * up::MILLIONS
     }
 }
 

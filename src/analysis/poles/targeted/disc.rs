@@ -15,7 +15,7 @@ use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::targeted::frame::{Frame, Level};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -127,7 +127,7 @@ impl Slope {
     }
 
     fn least(&self) -> f64 {
-        (self.value.abs() - self.error) * (1.0 - 1e-14)
+        (self.value.abs() - self.error) * down::DOZENS
     }
 }
 
@@ -136,7 +136,7 @@ fn square(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> (Comple
     let (mut sum, mut sizes) = (Complex::ZERO, 0.0);
     for (w, t) in squares.weights.iter().zip(stretches) {
         let near = t.to_f64();
-        let size = near.abs() * (1.0 + 1e-15) + t.re.radius + t.im.radius;
+        let size = near.abs() * up::FEW + t.re.radius + t.im.radius;
         sum = sum + (near * near).scale(w.value.hi());
         sizes += (w.value.hi().abs() + w.radius) * size * size;
         // The uncertainty of the radii is far below the rounding errors, or it is added here.
@@ -251,11 +251,11 @@ fn sizes_of_forces(squares: &Squares<Precise>, stretches: &[Complex<Precise>], n
     let mut sizes = vec![0.0; n];
     for (t, stretch) in stretches.iter().enumerate() {
         let w = squares.weights[t];
-        let stretch = stretch.to_f64().abs() * (1.0 + 1e-15) + stretch.re.radius + stretch.im.radius;
+        let stretch = stretch.to_f64().abs() * up::FEW + stretch.re.radius + stretch.im.radius;
         let force = (w.value.hi().abs() + w.radius) * stretch;
         let (indices, values) = squares.row(t);
         for (&i, a) in indices.iter().zip(values) {
-            sizes[i as usize] += (a.value.hi().abs() * (1.0 + 1e-15) + a.radius) * force;
+            sizes[i as usize] += (a.value.hi().abs() * up::FEW + a.radius) * force;
         }
     }
     sizes.iter_mut().for_each(|size| *size *= UP);

@@ -17,7 +17,7 @@ use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::{Image, Multiplier};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::poles::targeted::elimination::Networks;
-use crate::base::Dd;
+use crate::base::{Dd, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::simd::simd;
@@ -134,7 +134,7 @@ impl<'a> Frame<'a> {
     /// half plane: with real m, c, k = y^H (M, C, K) y, im(y^H Q(s) y / s) = im s (m - k / |s|^2), and m <= k / mu.
     pub fn stiffness(&self, level: Level, s: Complex<f64>, radius: f64) -> f64 {
         let (size, height) = ((s.abs() + radius) * UP, s.im - radius);
-        let slack = 1.0 + 1e-12;
+        let slack = up::THOUSANDS;
         let part = 1.0 - size * size * slack / level.mu;
         height / size * part / (1.0 + self.norm.tau / level.mu) / slack
     }
@@ -184,7 +184,7 @@ impl<'a> DualNorm<'a> {
             m: Multiplier::of(&forms.m, n),
             tau,
             scale: least_inertia(&networks.m)?,
-            least: (below + tau) * (1.0 - 1e-12),
+            least: (below + tau) * down::THOUSANDS,
         })
     }
 
@@ -226,7 +226,7 @@ impl<'a> DualNorm<'a> {
 
 /// Upper bounds of the magnitudes of an image's entries.
 fn sizes(f: &Image) -> impl Iterator<Item = f64> {
-    f.value.iter().zip(&f.error).map(|(f, error)| f.hi.abs() * (1.0 + 1e-15) + error)
+    f.value.iter().zip(&f.error).map(|(f, error)| f.hi.abs() * up::FEW + error)
 }
 
 /// A bound of |u|_P, where P u is the image: sums of a million products in double-double have an error below 1e-24 of
@@ -248,7 +248,7 @@ simd! {
             let part = g * factor;
             let sizes = value.hi.abs() + part.hi.abs();
             *value -= part;
-            *error = (*error + factor.abs() * g_error + 2.0 * Dd::EPSILON * sizes) * (1.0 + 1e-15);
+            *error = (*error + factor.abs() * g_error + 2.0 * Dd::EPSILON * sizes) * up::FEW;
         }
     }
 }

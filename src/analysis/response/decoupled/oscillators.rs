@@ -9,7 +9,7 @@ use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_ap
 use crate::analysis::response::propagator::scales;
 use crate::analysis::response::{UNIT, UP};
 use crate::analysis::transfer::modal::ModalSum;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, rounding};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
@@ -59,7 +59,7 @@ pub struct Output {
 }
 
 /// (2^-53)^2
-const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
+const SQUARE: f64 = rounding::UNIT_SQUARED;
 
 impl Oscillators {
     /// `None` if modes are missing or coupled by the damping; `known` are all modes.

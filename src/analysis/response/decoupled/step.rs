@@ -9,7 +9,7 @@
 use super::lanes::Lanes;
 use super::oscillators::Oscillators;
 use crate::analysis::response::exponential::growth;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, rounding, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::lanes::Double;
 use crate::kernel::simd::{Vector, simd};
@@ -59,9 +59,9 @@ const LEFT_OUT: f64 = 1e-32;
 /// Twice the relative error of one operation.
 const UNIT: f64 = 2.0 * Dd::EPSILON;
 /// (2^-53)^2
-const SQUARE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
-const UP: f64 = 1.0 + 1e-12;
-/// 2^100 times the fastest period is longer than any useful time.
+const SQUARE: f64 = rounding::UNIT_SQUARED;
+const UP: f64 = up::THOUSANDS;
+/// A time of 2^100 over the fastest rate is more than any that is worth a number.
 const MOST_SQUARINGS: usize = 100;
 
 /// The input of the loop over lanes.

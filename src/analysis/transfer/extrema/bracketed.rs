@@ -7,7 +7,7 @@ use super::{Extrema, Extremum, FeatureKind};
 use crate::analysis::answer::Poles;
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::{Disc, Gain, Transfer};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, down, up};
 use crate::kernel::complex::Complex;
 
 /// The most steps towards one extremum, and the most doublings of its enclosure.
@@ -38,8 +38,8 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
     let (Some(first), Some(last)) = (gains.first(), gains.last()) else {
         return Extrema { list: Vec::new(), complete: None, open: Vec::new() };
     };
-    // Slightly more than the range, because its ends are rounded here.
-    let range = (first.0 * two_pi * (1.0 - 1e-15), last.0 * two_pi * (1.0 + 1e-15));
+    // A little more than the range, whose ends are rounded here.
+    let range = (first.0 * two_pi * down::FEW, last.0 * two_pi * up::FEW);
     let infinite = axis_poles(poles, range);
     let holds_pole = |(low, high): Interval| infinite.iter().any(|pole| (low..=high).contains(&pole.to_f64()));
     let mut list: Vec<Extremum> = (told_brackets(gains).into_iter())
@@ -151,7 +151,7 @@ impl Pair<'_> {
         for _ in 0..DOUBLINGS {
             let ends = [omega - Dd::from(reach), omega + Dd::from(reach)];
             if self.sign(ends[0]) == before && self.sign(ends[1]) == -before {
-                let ball = Ball::new(omega, reach * (1.0 + 1e-12));
+                let ball = Ball::new(omega, reach * up::THOUSANDS);
                 let alone = self.jet(ball).is_some_and(|jet| sign_of(jet.curvature()) == -before);
                 return alone.then_some(ball);
             }

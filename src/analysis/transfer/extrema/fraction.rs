@@ -6,7 +6,7 @@
 use super::expansion::{Sized, spread};
 use super::roots::{Coefficients, Root, roots};
 use crate::analysis::modes::parts::Part;
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, Rational, down, up};
 use crate::kernel::polynomial::{Polynomial, determinant};
 use crate::system::{CoordinateId, Form, LinearSystem};
 use num_bigint::BigInt;
@@ -150,14 +150,14 @@ impl Determinant {
         let (s, found) = values.iter().enumerate().find(|(_, value)| !value.is_zero())?;
         let all = (0..rows.len()).fold(BigInt::one(), |power, _| power * &common);
         let factor = BigRational::new(found.clone(), all * value(&middle, s as i64));
-        let sized = |x: &Known| Sized { size: x.middle.to_f64().abs() * (1.0 + 1e-15), radius: x.radius };
+        let sized = |x: &Known| Sized { size: x.middle.to_f64().abs() * up::FEW, radius: x.radius };
         let radii = if is_exact {
             Vec::new()
         } else {
             let sized: Vec<Vec<[Sized; 3]>> =
                 rows.iter().map(|row| row.iter().map(|entry| entry.each_ref().map(sized)).collect()).collect();
-            let scale = Rational::from(factor.clone()).to_f64().abs() * (1.0 - 1e-15);
-            spread(&sized).into_iter().map(|radius| radius / scale * (1.0 + 1e-14)).collect()
+            let scale = Rational::from(factor.clone()).to_f64().abs() * down::FEW;
+            spread(&sized).into_iter().map(|radius| radius / scale * up::DOZENS).collect()
         };
         Some(Determinant { factor, polynomial: Coefficients { middle, radii } })
     }

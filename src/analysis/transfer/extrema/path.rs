@@ -17,7 +17,7 @@ use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::modes::modes;
 use crate::analysis::poles::poles;
 use crate::analysis::transfer::{Frequency, MatrixEntry, Transfer, feed_through};
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, Rational, up};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -234,7 +234,7 @@ fn root_of(pole: &Pole) -> Option<Option<Root>> {
         (true, false) => Place::Axis,
         (false, false) => Place::Pair,
     };
-    let radius = (pole.re.rad + pole.im.rad) * (1.0 + 1e-15);
+    let radius = (pole.re.rad + pole.im.rad) * up::FEW;
     let root = Root {
         centre: ComplexFloat::new(wide(pole.re.mid), wide(pole.im.mid)),
         radius: Float::from(radius),

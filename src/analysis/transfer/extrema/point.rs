@@ -7,7 +7,7 @@ use super::slope::{Anchor, anchors};
 use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, down, up};
 use crate::kernel::big_float::Float;
 use crate::kernel::complex::Complex;
 use num_bigint::BigInt;
@@ -101,7 +101,7 @@ impl Exactly {
         }
         // A half-power width may extend beyond the range.
         let top = 2.0 * high.magnitude().max(2.0 * self.largest);
-        let mut search = search(&self.anchors, top, (low.to_f64() * (1.0 - 1e-15), high.to_f64() * (1.0 + 1e-15)));
+        let mut search = search(&self.anchors, top, (low.to_f64() * down::FEW, high.to_f64() * up::FEW));
         let located = self.located(&mut search);
         let inside = |omega: Ball| !(omega - low).is_negative() && !(high - omega).is_negative();
         let list = (0..located.len())
@@ -205,7 +205,7 @@ impl Exactly {
                 return held.then(|| Ball::new(t, 2.0 * reach));
             }
             if before(low) && behind(high) {
-                return Some(Ball::new(t, reach * (1.0 + 1e-12)));
+                return Some(Ball::new(t, reach * up::THOUSANDS));
             }
             reach *= 2.0;
         }

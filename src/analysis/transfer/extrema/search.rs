@@ -3,6 +3,7 @@
 //! stay open are reported. In: anchors. Out: brackets with one extremum each. See docs/method/transfer.md#extrema.
 
 use super::slope::Anchor;
+use crate::base::up;
 
 /// A range of frequencies, as distances from an anchor, rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +134,7 @@ fn alone_within(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
     let mut reach = if whole.low < 0.0 { whole.high.min(-whole.low) } else { whole.high };
     while reach > f64::MIN_POSITIVE {
         let rest = anchor.cell(0.0, reach, false).most();
-        if rest * reach * (1.0 + 1e-12) < weight.abs() {
+        if rest * reach * up::THOUSANDS < weight.abs() {
             return Some(reach);
         }
         reach *= 0.25;

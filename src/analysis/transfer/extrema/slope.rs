@@ -10,7 +10,7 @@
 
 use super::fraction::Factored;
 use super::roots::{Place, Root};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, up};
 use crate::kernel::big_float::Float;
 use crate::kernel::complex::Complex;
 
@@ -103,7 +103,7 @@ impl Anchor {
             let offset = if own { Ball::ZERO } else { difference.to_ball(between + known) };
             let short_re = re.to_f64();
             let lost = (re.mid - Dd::from(short_re)).abs().to_f64();
-            self.terms.push(Term { weight, offset, re, short_re, loose: (offset.rad + re.rad + lost) * (1.0 + 1e-12) });
+            self.terms.push(Term { weight, offset, re, short_re, loose: (offset.rad + re.rad + lost) * up::THOUSANDS });
         };
         push(root.centre.im.clone());
         if root.place != Place::Real {
@@ -302,18 +302,18 @@ impl Cell {
     /// Whether g certainly has no root in the interval; `false` for NaN and infinities.
     pub fn has_no_root(&self) -> bool {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
-        self.g.abs() > (self.g_error + swing) * (1.0 + 1e-12)
+        self.g.abs() > (self.g_error + swing) * up::THOUSANDS
     }
 
     /// Whether g' certainly has no root in the interval.
     pub fn is_monotone(&self) -> bool {
-        self.slope.abs() > (self.slope_error + 2.0 * self.half * self.curvature) * (1.0 + 1e-12)
+        self.slope.abs() > (self.slope_error + 2.0 * self.half * self.curvature) * up::THOUSANDS
     }
 
     /// A bound of |g| over the interval.
     pub fn most(&self) -> f64 {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
-        (self.g.abs() + self.g_error + swing) * (1.0 + 1e-12)
+        (self.g.abs() + self.g_error + swing) * up::THOUSANDS
     }
 
     /// Whether g and g' are dominated by rounding errors, so that cutting would not help.

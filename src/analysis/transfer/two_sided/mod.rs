@@ -18,7 +18,7 @@ mod sweep;
 use crate::analysis::transfer::inverse::Entry;
 use crate::analysis::transfer::sparse::{Pattern, Symbolic};
 use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
-use crate::base::{Ball, Dd, Number, larger};
+use crate::base::{Ball, Dd, Number, down, larger, up};
 use crate::kernel::complex::Complex;
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
@@ -96,7 +96,7 @@ impl<'a> TwoSided<'a> {
         let plan = Plan::of(pattern, n, entries);
         let mut weights = vec![0.0; n];
         for (i, d) in diagonal.iter().enumerate() {
-            weights[pattern.place(i)] = 1.0 / (d * gamma) * (1.0 + 1e-15);
+            weights[pattern.place(i)] = 1.0 / (d * gamma) * up::FEW;
         }
         Some(TwoSided { pattern, plan, weights, loose })
     }
@@ -155,12 +155,12 @@ impl<'a> TwoSided<'a> {
 
 fn with_through(disc: Disc, frequency: &Frequency, d: &[Ball; 3]) -> Disc {
     let sum = disc.value.to_ball() + frequency.polynomial(*d);
-    Disc { value: sum.mid(), radius: (disc.radius + sum.radius()) * (1.0 + 1e-12) }
+    Disc { value: sum.mid(), radius: (disc.radius + sum.radius()) * up::THOUSANDS }
 }
 
 /// The radius relative to the magnitude.
 fn looseness(ball: Ball) -> f64 {
-    if ball.rad == 0.0 { 0.0 } else { ball.rad / (ball.mid.hi.abs() * (1.0 - 1e-15)) }
+    if ball.rad == 0.0 { 0.0 } else { ball.rad / (ball.mid.hi.abs() * down::FEW) }
 }
 
 /// gamma such that C - gamma diag(C) is positive definite: all pivots of its elimination in discs are certainly

@@ -10,7 +10,7 @@
 
 use super::{Lane, NOTHING, Plan, Polynomial, Sparse, TwoSided};
 use crate::analysis::transfer::{Disc, Frequency};
-use crate::base::Dd;
+use crate::base::{Dd, rounding, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::lanes::{Double, Pair, two_sum};
 use crate::kernel::simd::{MOST, Twice, Vector, simd};
@@ -73,11 +73,11 @@ struct Point<V> {
     loose: V,
 }
 
-const U: f64 = f64::EPSILON / 2.0;
-/// Covers the rounding errors of sums of up to a million positive numbers.
-const UP: f64 = 1.0 + 1e-9;
-/// Loss below the range of binary64: products of numbers near 1e-300 do not occur (gains are far larger, or the radius
-/// shows it).
+const U: f64 = rounding::UNIT;
+/// Covers the roundings of sums of positive numbers: up to a million of them.
+const UP: f64 = up::MILLIONS;
+/// What is lost below the range of binary64: products of numbers near 1e-300 do not happen (gains are far larger, or the
+/// radius tells).
 const TINY: f64 = 1e-300;
 
 /// The input of a sweep.
