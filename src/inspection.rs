@@ -69,9 +69,6 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
         }
         found = Diagnostics::new();
         lowered = dynamics::lowered(&reading.scene, &mut found);
-    } else if is_whole {
-        // No unknowns: only the simulation time has to be found.
-        reading.settle(diagnostics);
     }
     diagnostics.extend(found);
     let is_modal = matches!(reading.scene.scene().damping, Some(Damping::Modal { .. }));

@@ -313,7 +313,7 @@ pub fn analyze_and_explain(
 
 /// The modal report of a model. If there is none, its system is returned.
 fn reported(
-    reading: Reading,
+    mut reading: Reading,
     mut damped: Damped,
     request: &Request,
     study: &Study,
@@ -323,8 +323,15 @@ fn reported(
         return Err(Box::new(damped));
     };
     let known = WrittenOut { lowered: damped.lowered, modes: None };
-    let system = Some(&known).filter(|known| !known.lowered.system.is_chained());
-    let requirements = reading.requirements(system, Some((&modes, &poles)), diagnostics);
+    let requirements = match known.lowered.system.is_chained() && !reading.scene.scene().requires.is_empty() {
+        false => reading.requirements(Some(&known), Some((&modes, &poles)), diagnostics),
+        true => {
+            // Requirements are measured over the coordinates alone.
+            let mut flat = known.clone();
+            let flat = flat.lowered.flatten().is_ok().then_some(&flat);
+            reading.requirements(flat, Some((&modes, &poles)), diagnostics)
+        }
+    };
     let Lowered { system, rest, .. } = known.lowered;
     let sensitivities = match study.sensitivity {
         true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
@@ -665,7 +672,7 @@ pub fn check(
     until: Option<&Number>,
 ) -> Outcome<Vec<Requirement>> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, until, diagnostics)?;
+        let mut reading = reading::settled(sources, model, overrides, until, diagnostics)?;
         let scene = reading.scene.scene();
         if scene.requires.is_empty() && scene.damping.is_none() {
             // No number is requested, so the scene may hang deeper than analyses allow.

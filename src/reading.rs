@@ -7,7 +7,7 @@ use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sourc
 use crate::dynamics::{self, WrittenOut};
 use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
 use crate::questions::error::AskedError;
-use crate::questions::{self, Known, Requirement, Settled, Solved, Text};
+use crate::questions::{self, Known, Requirement, Settled, Solved, Text, trial};
 use crate::syntax;
 use crate::syntax::tree::Tree;
 use crate::system::LinearSystem;
@@ -98,13 +98,16 @@ impl<'a> Reading<'a> {
         Reading { sources, overrides, until: None, tree, scene, settings: Vec::new(), solved: Vec::new() }
     }
 
-    /// Finds the simulation time and the parameters that the model solves for. `None` after an error.
+    /// Finds what the model solves for. `None` after an error.
     pub fn settle(&mut self, diagnostics: &mut Diagnostics) -> Option<()> {
-        if self.until.is_none() {
-            self.until = self.text().usual_time(&self.scene);
-        }
         if self.scene.scene().solves.is_empty() {
             return Some(());
+        }
+        if self.until.is_none() && trial::asks_of_motion(&self.scene) {
+            // That of the scene as declared: it stays the same in all trials, so that measures do not jump with it.
+            let system = dynamics::written_out(&self.scene, &mut Diagnostics::new());
+            let spectrum = system.as_ref().and_then(trial::spectrum);
+            self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
         }
         match questions::solve(&self.text(), &self.scene) {
             Ok(Settled { scene, settings, solved, unsettled }) => {
@@ -132,7 +135,7 @@ impl<'a> Reading<'a> {
 
     /// Whether the requirements hold. The system, modes and poles are not computed again if they are known.
     pub fn requirements(
-        &self,
+        &mut self,
         system: Option<&WrittenOut>,
         spectrum: Option<(&Modes, &Poles)>,
         diagnostics: &mut Diagnostics,
@@ -140,7 +143,15 @@ impl<'a> Reading<'a> {
         if self.scene.scene().requires.is_empty() {
             return Vec::new();
         }
-        let spectrum = spectrum.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
+        let mut spectrum = spectrum.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
+        let found;
+        if self.until.is_none() && trial::asks_of_motion(&self.scene) {
+            if spectrum.is_none() {
+                found = system.and_then(trial::spectrum);
+                spectrum = found.as_ref().map(|(modes, poles)| (modes, poles));
+            }
+            self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, poles));
+        }
         let known = Known { system, spectrum };
         let (list, errors) = questions::requirements(&self.text(), &self.scene, &self.settings, known);
         diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
@@ -203,4 +214,66 @@ pub(crate) fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
         .label(format!("byte 0x{byte:02x} belongs to no character"))
         .help("save the file as UTF-8 (plain ASCII is UTF-8 too); a `.vib` file of another program cannot be read");
     Some(diagnostic)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::base::{SourceFile, runs};
+    use crate::{Effort, FileId, Overrides, Request, Sources, Study};
+
+    /// Damping ratios need modes and poles, peaks a time to follow the motion for.
+    const MODEL: &str = "model cart\n\
+        body cart { mass = 2 kg, moves x }\n\
+        spring s: ground -- cart { k = 200 N/m }\n\
+        damper d: ground -- cart { c = 4 N*s/m }\n\
+        force push: cart along x = step(1 N, 0 s)\n\
+        output place = cart.x\n\
+        require peak(place) <= 1 m\n\
+        require rms(place) <= 1 m\n\
+        require damping(1) >= 1 %\n";
+
+    /// The stages that begin while something is asked of a model.
+    fn stages(model: &str, ask: impl FnOnce(&Sources, FileId)) -> Vec<&'static str> {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("cart.vib", model));
+        runs::during(|| ask(&sources, file))
+    }
+
+    #[test]
+    fn no_stage_runs_twice_for_one_answer() {
+        let (nothing, request, study) = (Overrides::default(), Request::default(), Study::default());
+        let once = ["parse", "check", "lower", "modes", "poles"];
+        let analyze = stages(MODEL, |sources, file| {
+            let outcome = crate::analyze_with(sources, file, &nothing, &request, &study);
+            assert_eq!(outcome.answer.expect("an answer").requirements.len(), 3, "{:?}", outcome.diagnostics);
+        });
+        assert_eq!(analyze, once);
+        let explain = stages(MODEL, |sources, file| {
+            assert!(crate::analyze_and_explain(sources, file, &nothing, &request, &study).0.answer.is_some());
+        });
+        assert_eq!(explain, once);
+        let check = stages(MODEL, |sources, file| {
+            assert_eq!(crate::check(sources, file, &nothing, None).answer.expect("an answer").len(), 3);
+        });
+        assert_eq!(check, once);
+        for effort in [Effort::Whole, Effort::UpTo(100)] {
+            let editor = stages(MODEL, |sources, file| {
+                assert_eq!(crate::inspect(sources, file, &nothing, effort).requirements.len(), 3);
+            });
+            assert_eq!(editor, once, "{effort:?}");
+        }
+    }
+
+    /// A time that is given leaves `check` without modes where no requirement needs them.
+    #[test]
+    fn what_is_not_needed_does_not_run() {
+        let peak_only: String =
+            MODEL.lines().filter(|line| !line.contains("damping(")).map(|line| format!("{line}\n")).collect();
+        let nothing = Overrides::default();
+        let until = crate::Number::from(2);
+        let check = stages(&peak_only, |sources, file| {
+            assert_eq!(crate::check(sources, file, &nothing, Some(&until)).answer.expect("an answer").len(), 2);
+        });
+        assert_eq!(check, ["parse", "check", "lower"]);
+    }
 }

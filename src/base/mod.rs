@@ -7,6 +7,7 @@ pub mod line_index;
 pub mod name;
 pub mod number;
 pub mod readable;
+pub mod runs;
 pub mod source;
 pub mod unit;
 pub mod vector;

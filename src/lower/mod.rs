@@ -29,7 +29,7 @@ pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use poses::Poses;
 pub use rest::{Dependent, Proven, Rest, Tension};
 
-use crate::base::{Diagnostic, Diagnostics};
+use crate::base::{Diagnostic, Diagnostics, runs};
 use crate::model::CheckedScene;
 use crate::model::scene::Scene;
 use crate::system::LinearSystem;
@@ -55,6 +55,7 @@ pub struct Outcome {
 
 /// The linear system of a scene about its rest.
 pub fn lower(scene: &CheckedScene) -> Outcome {
+    runs::begins("lower");
     let mut diagnostics = Diagnostics::new();
     let lowered = match lowered(scene.scene()) {
         Ok((lowered, notes)) => {

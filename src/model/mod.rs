@@ -36,7 +36,9 @@ mod value;
 pub mod written;
 
 use crate::base::unit::Unit;
-use crate::base::{Code, Diagnostic, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words};
+use crate::base::{
+    Code, Diagnostic, Diagnostics, FileId, Literals, Quantity, Sources, Span, Symbol, Vec3, Words, runs,
+};
 use crate::syntax::limits;
 use crate::syntax::tree::Tree;
 use bodies::Directions;
@@ -117,6 +119,7 @@ pub fn check_written(
 }
 
 fn checking<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, values: &[Setting]) -> Check<'a> {
+    runs::begins("check");
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
     check.set(values);

@@ -233,25 +233,7 @@ impl Text<'_> {
         matches!(measure, Measure::Peak { .. } | Measure::Rms { .. }).then(|| self.until.cloned()).flatten()
     }
 
-    /// Default simulation time of a scene, from its poles and signals. The time stays the same
-    /// in all trials, so that measures do not jump with it.
-    pub fn usual_time(&self, scene: &CheckedScene) -> Option<Number> {
-        let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
-        let questions = solves.iter().map(|s| &s.question).chain(requires.iter().map(|r| &r.question));
-        let is_of_time = |measure: &Measure| matches!(measure, Measure::Peak { .. } | Measure::Rms { .. });
-        let mut measures = questions.map(|question| &question.measure);
-        if !measures.any(is_of_time) {
-            return None;
-        }
-        let mut said = Diagnostics::new();
-        let WrittenOut { lowered, modes: known } = dynamics::written_out(scene, &mut said)?;
-        let drives = dynamics::drives(scene, &mut said)?;
-        let system = lowered.system;
-        let poles = poles(&system, &known.map_or_else(|| modes(&system), Ok).ok()?).ok()?;
-        peak::usual_time(&poles, &drives)
-    }
-
-    /// The signals, if a probe needs them.
+    /// The signals, where a probe needs them.
     pub fn context(&self, scene: &CheckedScene, probes: &[Probe]) -> Result<Context, String> {
         if !probes.iter().any(Probe::of_signals) {
             return Ok(Context::default());
@@ -262,7 +244,27 @@ impl Text<'_> {
     }
 }
 
-/// The modes and poles that the probes need; `known` holds all modes if they are known.
+/// Whether the model asks for measures of its motion in time.
+pub fn asks_of_motion(scene: &CheckedScene) -> bool {
+    let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
+    let mut questions = solves.iter().map(|s| &s.question).chain(requires.iter().map(|r| &r.question));
+    questions.any(|question| matches!(question.measure, Measure::Peak { .. } | Measure::Rms { .. }))
+}
+
+/// All modes and poles of a system.
+pub fn spectrum(of: &WrittenOut) -> Option<(Modes, Poles)> {
+    let system = &of.lowered.system;
+    let modes = of.modes.clone().map_or_else(|| modes(system), Ok).ok()?;
+    let poles = poles(system, &modes).ok()?;
+    Some((modes, poles))
+}
+
+/// Default simulation time of a scene, from its poles and signals.
+pub fn usual_time(scene: &CheckedScene, poles: &Poles) -> Option<Number> {
+    peak::usual_time(poles, &dynamics::drives(scene, &mut Diagnostics::new())?)
+}
+
+/// The modes and poles that the probes need; `known` are all modes.
 fn computed(
     system: &LinearSystem,
     known: Option<Modes>,

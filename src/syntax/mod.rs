@@ -15,7 +15,7 @@ pub mod words;
 
 pub use error::SyntaxError;
 
-use crate::base::{Diagnostics, FileId, Sources, Span};
+use crate::base::{Diagnostics, FileId, Sources, Span, runs};
 use build::{Built, Refused, RepeatHead, Yard};
 use error::{Expected, Meant, Remark};
 use report::Report;
@@ -33,6 +33,7 @@ pub struct Parsed {
 
 /// Parses a model file.
 pub fn parse(sources: &Sources, file: FileId) -> Parsed {
+    runs::begins("parse");
     let text = sources.text(file);
     let mut parse = Parse::new(text, file);
     if text.len() > limits::FILE {

@@ -40,7 +40,7 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
-use crate::base::{Ball, Number, Unproven};
+use crate::base::{Ball, Number, Unproven, runs};
 use crate::kernel::triple::Triple;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -72,6 +72,7 @@ pub fn all_modes(system: &LinearSystem, request: &Request) -> Result<Modes, Anal
 
 /// The requested undamped modes, ascending in omega^2. Rows may be chained.
 pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
+    runs::begins("modes");
     if system.is_chained() {
         return linkage::modes(system, request);
     }

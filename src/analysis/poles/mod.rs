@@ -45,12 +45,13 @@ use crate::analysis::poles::refinement::{Pair, refine};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
 use crate::analysis::poles::scaling::scaled;
 use crate::analysis::poles::targeted::targeted;
-use crate::base::Number;
+use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
 
 /// All poles.
 pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+    runs::begins("poles");
     if system.c.is_empty() {
         let mut found = PoleList::default();
         found.undamped(modes);
