@@ -2,14 +2,19 @@
 //! 2 zeta omega_i (M x_i)(M x_i)^T over the oscillations. In: a system. Out: its C with these terms added. See
 //! docs/method/response.md.
 
-use crate::analysis::answer::{ModeKind, Modes, PRECISE};
-use crate::analysis::modes::form;
-use crate::base::{Ball, Dd, Name, Number};
+use crate::analysis::AnalysisError;
+use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::modes::condense::condense;
+use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
+use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
+use crate::analysis::modes::structure;
+use crate::base::{Ball, Dd, Name, Number, up};
+use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 
-/// Covers the rounding errors of sums of magnitudes.
-const UP: f64 = 1.0 + 1e-9;
+/// Sums of magnitudes are rounded upwards.
+const UP: f64 = up::MILLIONS;
 
 /// Adds alpha M + beta K, term by term; exact if the terms are.
 pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
@@ -35,12 +40,28 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
 /// uncertainty of the modes is in C, and so in every bound that is computed from it.
 ///
 /// The modes keep the shapes that were refined for it: they are those of the damped system too.
-pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) {
-    let n = system.n();
-    let m = Squares::of_form(&system.m);
-    let shapes = form::shapes(system, modes);
-    if n <= PRECISE {
-        modes.list.iter_mut().enumerate().for_each(|(i, mode)| mode.precise = Some(shapes.column(i).to_vec()));
+pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
+    let mut terms: Vec<Option<Term>> = vec![None; modes.list.len()];
+    for part in &independent_undamped(system) {
+        let own = of_part(part, &modes.list);
+        if !own.iter().any(|&i| modes.list[i].kind == ModeKind::Oscillation) {
+            continue;
+        }
+        let list: Vec<Mode> = own.iter().map(|&i| local(&modes.list[i], part)).collect();
+        let unknown = || AnalysisError::uncertain_modes(system, part.coordinates[0] as usize);
+        let basis = Basis::of(system, part, &list).ok_or_else(unknown)?;
+        for (column, &i) in own.iter().enumerate() {
+            let mode = &mut modes.list[i];
+            if mode.kind == ModeKind::Oscillation {
+                terms[i] = Some(basis.term(column, part));
+            }
+            if system.n() <= PRECISE
+                && let Some(shape) = basis.shape(column)
+            {
+                let precise = mode.precise.get_or_insert_with(|| vec![Dd::ZERO; mode.shape.len()]);
+                part.coordinates.iter().zip(shape).for_each(|(&c, &x)| precise[c as usize] = x);
+            }
+        }
     }
     let source = source(system);
     for Term { omega, row } in terms.into_iter().flatten() {
@@ -85,9 +106,9 @@ impl Basis {
         let mut place = vec![0u32; system.n()];
         part.coordinates.iter().zip(0..).for_each(|(&c, i)| place[c as usize] = i);
         let (m, k) = (chosen(&system.m, &part.m, &place), chosen(&system.k, &part.k, &place));
-        let masses = Squares::of(&m);
+        let masses = Squares::of_form(&m);
         let (form, motions) = if modes.len() == n {
-            let form = ModalForm::refined(shapes(modes), &kinds(modes), &masses, &Squares::of(&k), gram);
+            let form = ModalForm::refined(shapes(modes), &kinds(modes), &masses, &Squares::of_form(&k), gram);
             let motions = form.shapes.clone();
             (form, motions)
         } else {
@@ -124,7 +145,8 @@ fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Opt
     let whole = shapes(modes);
     let left =
         Matrix::from_fn(modes.len(), modes.len(), |i, j| condensed.seen_by_inertia(condensed.kept[i], whole.column(j)));
-    let form = ModalForm::refined(left, &kinds(modes), &Squares::of(&condensed.m), &Squares::of(&condensed.k), gram);
+    let form =
+        ModalForm::refined(left, &kinds(modes), &Squares::of_form(&condensed.m), &Squares::of_form(&condensed.k), gram);
     let mut moving = Matrix::zeros(n, modes.len());
     for j in 0..modes.len() {
         condensed.kept.iter().zip(form.shapes.column(j)).for_each(|(&i, &x)| moving[(i, j)] = x);

@@ -1,4 +1,4 @@
-//! Several binary64 numbers side by side, and the choice of the processor's widest instructions for a loop over them.
+//! Several binary64 numbers in parallel lanes, and the choice of the processor's widest instructions for a loop over them.
 //!
 //! A loop is written once, over a type [`Vector`] (as many lanes as the processor's registers have) or [`Eight`] (eight lanes
 //! on every processor), inside [`simd!`], which compiles it for AVX-512, for AVX2 with fused multiply-add, and for any
@@ -20,9 +20,9 @@ pub trait Vector:
 {
     const WIDTH: usize;
     fn splat(x: f64) -> Self;
-    /// The first [`Vector::WIDTH`] numbers.
+    /// Loads the first [`Vector::WIDTH`] numbers.
     fn load(x: &[f64]) -> Self;
-    /// Into the first [`Vector::WIDTH`] numbers.
+    /// Stores into the first [`Vector::WIDTH`] numbers.
     fn store(self, x: &mut [f64]);
     /// self b + c, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
@@ -46,10 +46,10 @@ pub const LANES: usize = 8;
 
 /// Eight lanes on every processor.
 pub trait Eight: Vector {
-    /// How many of them a third of the registers hold: 3 where one register holds eight numbers, else 1.
+    /// Height, in [`Eight`]s, of the block that a product keeps in registers: there are 16, or 32 that hold an [`Eight`] each.
     const ROWS: usize;
 
-    /// The sum of the lanes, in one order.
+    /// The sum of the lanes, in a fixed order.
     #[inline(always)]
     fn sum(self) -> f64 {
         let x = self.to_array();
@@ -184,7 +184,7 @@ impl Vector for f64 {
     }
 }
 
-/// N vectors as one: two registers of four lanes are eight lanes, and of two registers one works while the other waits.
+/// N vectors as one: two registers of four lanes are eight lanes, and the latencies of two registers overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Several<V, const N: usize>([V; N]);
 

@@ -13,7 +13,7 @@
 //! doubled; if exact squares still outnumber the entries of a symmetric matrix, Lagrange's reduction rewrites their sum
 //! with at most one square for each coordinate. See docs/method/modes.md#motions-without-inertia.
 
-use crate::base::{Number, Rational};
+use crate::base::{Dd, Number, Rational};
 use crate::kernel::triple::{Precise, Triple};
 use crate::system::{CoordinateId, Form, Nature};
 use std::collections::{BTreeMap, BTreeSet};

@@ -10,7 +10,7 @@
 mod lanes;
 
 use crate::analysis::answer::{Modes, PRECISE};
-use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, least_stiffness, off_diagonal, sizes};
+use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number, larger, up};
 use crate::kernel::complex::Complex;
@@ -54,8 +54,8 @@ struct Residues {
 }
 
 const UP: f64 = up::THOUSANDS;
-/// The errors above are relative: they hold where no product underflows. With frequencies, 1/s or rad/s, in this range, D_i (their
-/// squares, down to a resonance hit to 1e-32) and its square are far inside binary64 ...
+/// The errors above are relative: they hold if no product underflows. With frequencies, 1/s or rad/s, in this range,
+/// D_i (a difference of their squares, down to a resonance met to 1e-32) and its square are well inside binary64 ...
 const FREQUENCIES: RangeInclusive<f64> = 1e-25..=1e25;
 /// ... and the underflow error of a quotient, at most 1e-318, is below this after a product with D_i and a sum over the
 /// modes.
