@@ -168,7 +168,8 @@ fn transfer_of_uneven() {
 fn motion() {
     let system = chain(20);
     let times = analysis::grid(&Number::from(100), &Number::from("0.1"));
-    let force = Signal::Harmonic { value: Number::ONE, frequency: Number::from("1.5"), phase: Number::ZERO };
+    let force =
+        Signal::Harmonic { value: Number::ONE, frequency: Number::from("1.5"), phase: Number::ZERO, at: Number::ZERO };
     let drives = [vec![force]];
     say("motion of 20 coordinates under a harmonic force over 100 s at 1,001 times");
     let each = time(|| analysis::respond(black_box(&system), &drives, &times));

@@ -132,13 +132,9 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 /// A steady load: the input, and its value.
 pub type Loads = Vec<(usize, Number)>;
 
-/// The lasting part of a sum of signals: steps, ramps at their end, the last value of a table.
-pub fn lasting(signals: &[Signal]) -> Number {
-    signals.iter().fold(Number::ZERO, |sum, signal| match signal {
-        Signal::Step { value, .. } | Signal::Ramp { value, .. } => &sum + value,
-        Signal::Table { values, .. } => values.last().map_or(sum.clone(), |last| &sum + last),
-        _ => sum,
-    })
+/// The lasting part of a sum of signals: steps, ramps at their end, the last value of a table; `None` if one of them grows without end.
+pub fn lasting(signals: &[Signal]) -> Option<Number> {
+    signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
 }
 
 /// The final value of an output under steady loads (input, value): sum H(0) load.
@@ -196,6 +192,7 @@ mod tests {
             value: Number::from(value),
             frequency: frequency.clone(),
             phase: if quarter { &Number::pi() / &Number::from(2) } else { Number::ZERO },
+            at: Number::ZERO,
         };
         assert_eq!(value(amplitude(&transfer, &[vec![force(10, false)]], 0)), 1.0 / 12.0);
         let two = value(amplitude(&transfer, &[vec![force(5, false), force(5, true)]], 0));

@@ -285,10 +285,17 @@ fn times_of(signal: &Signal) -> (f64, f64) {
     match signal {
         Signal::Step { at, .. } | Signal::Impulse { at, .. } => (at.to_f64(), 0.0),
         Signal::Ramp { to, .. } | Signal::Pulse { to, .. } => (to.to_f64(), 0.0),
-        Signal::Harmonic { frequency, .. } if frequency.to_f64() != 0.0 => (0.0, 1.0 / frequency.to_f64().abs()),
-        Signal::Harmonic { .. } => (0.0, 0.0),
-        Signal::Chirp { duration, .. } => (duration.to_f64(), 0.0),
-        Signal::Table { times, .. } => (times.last().map_or(0.0, Number::to_f64), 0.0),
+        Signal::Harmonic { frequency, at, .. } if frequency.to_f64() != 0.0 => {
+            (at.to_f64(), 1.0 / frequency.to_f64().abs())
+        }
+        Signal::Harmonic { at, .. } => (at.to_f64(), 0.0),
+        Signal::Chirp { duration, at, .. } => ((at + duration).to_f64(), 0.0),
+        Signal::Table(table) => (table.times.last().map_or(0.0, Number::to_f64), 0.0),
+        Signal::Integral { of, .. } => times_of(of),
+        Signal::Delayed { of, by } => {
+            let (event, cycle) = times_of(of);
+            (event + by.to_f64(), cycle)
+        }
     }
 }
 

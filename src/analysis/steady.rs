@@ -26,7 +26,7 @@ pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) ->
     let mut list: Vec<Steady> = Vec::new();
     for (input, signals) in drives.iter().enumerate() {
         for signal in signals {
-            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
+            let Signal::Harmonic { value, frequency, phase, .. } = signal else { continue };
             let gains = &transfer.between(&Frequency::hertz(frequency), &[input], outputs)[0];
             let added = gains.iter().map(|gain| scaled(*gain, value, phase));
             match list.iter_mut().find(|known| known.frequency == *frequency) {

@@ -88,7 +88,10 @@ fn problem(system: &LinearSystem, drives: &[Vec<Signal>]) -> (LinearSystem, Vec<
     let name = system.coordinates[at[0].0.index()].name;
     let nothing = || [Vec::new(), Vec::new(), Vec::new()];
     system.outputs = vec![Output { name, unit: "m".into(), p: [at, Vec::new(), Vec::new()], d: nothing() }];
-    let plain = |signal: &Signal| matches!(signal, Signal::Harmonic { .. } | Signal::Step { .. });
+    let plain = |signal: &Signal| match signal {
+        Signal::Harmonic { at, .. } => at.is_zero(),
+        signal => matches!(signal, Signal::Step { .. }),
+    };
     let forces = |(input, signals): (&crate::system::Input, &Vec<Signal>)| {
         signals.is_empty() || input.b[1].is_empty() && input.b[2].is_empty() && signals.iter().all(plain)
     };
@@ -251,7 +254,7 @@ impl Wave<'_> {
     /// The value at an index; indices must ascend.
     fn at(&mut self, index: usize) -> f64 {
         match self.signal {
-            Signal::Harmonic { value, frequency, phase } => {
+            Signal::Harmonic { value, frequency, phase, .. } => {
                 self.state = if index.is_multiple_of(ROTATIONS) {
                     let time = &exact(self.step) * &Number::from(index as i64);
                     angle(&(frequency * &time), phase)

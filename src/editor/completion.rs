@@ -399,8 +399,8 @@ impl<'a> Place<'a> {
         let mut items = self.indices();
         let asked = self.argument().filter(|(_, argument)| *argument == 0);
         let asked = asked.and_then(|(function, _)| functions::function(function)?.1.arguments.first());
-        if let Some(Argument::Path | Argument::Output) = asked {
-            let asks_input = asked == Some(&Argument::Path) && self.last(1) != "->";
+        if let Some(Argument::Path | Argument::Output | Argument::Input) = asked {
+            let asks_input = asked != Some(&Argument::Output) && self.last(1) != "->";
             return self.parts(|keyword| {
                 let is_input = kinds::declaration(keyword).is_some_and(|declaration| declaration.signal().is_some());
                 is_input == asks_input
@@ -465,6 +465,6 @@ fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Op
         Argument::Amplitude => declaration.signal().map(|signal| signal.amplitude.dimension),
         Argument::Impulse => declaration.signal().map(|signal| signal.impulse.dimension),
         Argument::Time | Argument::LaterTime => Some(Dimension::TIME),
-        Argument::Any | Argument::File | Argument::Mode | Argument::Output | Argument::Path => None,
+        Argument::Any | Argument::File | Argument::Mode | Argument::Output | Argument::Path | Argument::Input => None,
     }
 }

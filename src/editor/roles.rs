@@ -193,13 +193,19 @@ impl Reader<'_> {
         if self.text[end..].starts_with('(') {
             return Role::Function;
         }
+        let in_call = open.last().is_some_and(|open| open.function.is_some());
+        if in_call && self.is(self.next(at), "=") {
+            return Role::Field;
+        }
         let after = self.after_indices(at);
         let named_before = [".", "@", "->"].iter().any(|sign| self.is(after, sign));
         let of_output = open
             .last()
             .and_then(|open| open.function)
             .and_then(|function| functions::function(self.word(function)))
-            .is_some_and(|(_, function)| function.arguments.first() == Some(&Argument::Output));
+            .is_some_and(|(_, function)| {
+                matches!(function.arguments.first(), Some(Argument::Output | Argument::Input))
+            });
         if named_before || self.is(last, "->") || of_output {
             return part(word);
         }

@@ -15,6 +15,15 @@ pub struct Function {
     pub arguments: &'static [Argument],
     /// How many of the last arguments may be left out.
     pub optional: usize,
+    /// Arguments that are given by name, as in `speed = 20 m/s`; each may be left out.
+    pub named: &'static [NamedArgument],
+}
+
+/// An argument that is given by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NamedArgument {
+    pub name: &'static str,
+    pub expected: Expected,
 }
 
 /// The type of an argument of a function.
@@ -34,6 +43,8 @@ pub enum Argument {
     LaterTime,
     /// The name of a file in quotes.
     File,
+    /// An input with a signal.
+    Input,
     /// The number of a mode, from 1.
     Mode,
     /// An output: its name, or a combination of motions.
@@ -50,7 +61,7 @@ impl Function {
 }
 
 /// What the signal of an input is measured in.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SignalKind {
     pub amplitude: Expected,
     /// Its integral over time.
@@ -74,6 +85,30 @@ pub const ANGLE_SIGNAL: SignalKind = SignalKind {
     impulse: Expected::new("an angle times a time", Dimension::TIME, "1 rad*s"),
 };
 
+/// What the signal of a base may be: the motion itself, its rate or its acceleration, in this order.
+pub const TRANSLATION_SIGNALS: [SignalKind; 3] = [
+    DISPLACEMENT_SIGNAL,
+    SignalKind {
+        amplitude: Expected::new("a velocity", Dimension::VELOCITY, "0.1 m/s"),
+        impulse: Expected::new("a displacement", Dimension::LENGTH, "1 mm"),
+    },
+    SignalKind {
+        amplitude: Expected::new("an acceleration", Dimension::ACCELERATION, "2 m/s^2"),
+        impulse: Expected::new("a change of velocity", Dimension::VELOCITY, "0.1 m/s"),
+    },
+];
+pub const ROTATION_SIGNALS: [SignalKind; 3] = [
+    ANGLE_SIGNAL,
+    SignalKind {
+        amplitude: Expected::new("an angular velocity", Dimension::ANGULAR_VELOCITY, "1 rad/s"),
+        impulse: Expected::new("an angle", Dimension::NONE, "2 deg"),
+    },
+    SignalKind {
+        amplitude: Expected::new("an angular acceleration", Dimension::ANGULAR_ACCELERATION, "1 rad/s^2"),
+        impulse: Expected::new("a change of angular velocity", Dimension::ANGULAR_VELOCITY, "1 rad/s"),
+    },
+];
+
 /// A function and its meaning for the stage that reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct Named<K> {
@@ -93,7 +128,7 @@ const fn entry<K: Copy>(
     arguments: &'static [Argument],
 ) -> Named<K> {
     let [name, form, example] = words;
-    Named { kind, function: Function { name, form, example, meaning, arguments, optional: 0 } }
+    Named { kind, function: Function { name, form, example, meaning, arguments, optional: 0, named: &[] } }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +168,12 @@ pub enum Signal {
     Pulse,
     Harmonic,
     Chirp,
+    HalfSine,
+    Haversine,
+    Sawtooth,
+    Trapezoid,
     Table,
+    Delayed,
 }
 
 /// Every signal of an input.
@@ -177,6 +217,7 @@ pub const SIGNALS: &[Named<Signal>] = &[
             meaning: "a sin(2 pi f t + phase); the phase may be left out.",
             arguments: &[Argument::Amplitude, Argument::Frequency, Argument::Number(Dimension::NONE)],
             optional: 1,
+            named: &[],
         },
     },
     entry(
@@ -186,10 +227,50 @@ pub const SIGNALS: &[Named<Signal>] = &[
         &[Argument::Amplitude, Argument::Frequency, Argument::Frequency, Argument::Time],
     ),
     entry(
-        Signal::Table,
-        ["table", "table(\"file.csv\")", "table(\"file.csv\")"],
-        "Two columns of a file: time in s, value in SI units.",
-        &[Argument::File],
+        Signal::HalfSine,
+        ["half_sine", "half_sine(a, from, to)", "half_sine(50 N, 0 s, 11 ms)"],
+        "Half a wave of a sine with the peak a, between two times.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime],
+    ),
+    entry(
+        Signal::Haversine,
+        ["haversine", "haversine(a, from, to)", "haversine(50 N, 0 s, 11 ms)"],
+        "A whole wave a (1 - cos) / 2 with the peak a, between two times.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime],
+    ),
+    entry(
+        Signal::Sawtooth,
+        ["sawtooth", "sawtooth(a, from, to)", "sawtooth(50 N, 0 s, 11 ms)"],
+        "From 0 to the terminal peak a, then 0 at once.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime],
+    ),
+    entry(
+        Signal::Trapezoid,
+        ["trapezoid", "trapezoid(a, from, rise, fall, to)", "trapezoid(50 N, 0 s, 1 ms, 10 ms, 11 ms)"],
+        "Rises from 0 at `from` to a at `rise`, falls from a at `fall` to 0 at `to`.",
+        &[Argument::Amplitude, Argument::Time, Argument::LaterTime, Argument::LaterTime, Argument::LaterTime],
+    ),
+    Named {
+        kind: Signal::Table,
+        function: Function {
+            name: "table",
+            form: "table(\"file.csv\", unit)",
+            example: "table(\"file.csv\", 1 kN)",
+            meaning: "Two columns of a file: time, and value in multiples of the unit, which the heading may give instead. \
+                      With `speed = 20 m/s` the first column is a distance.",
+            arguments: &[Argument::File, Argument::Amplitude],
+            optional: 1,
+            named: &[NamedArgument {
+                name: "speed",
+                expected: Expected::new("a speed", Dimension::VELOCITY, "20 m/s"),
+            }],
+        },
+    },
+    entry(
+        Signal::Delayed,
+        ["delayed", "delayed(input, time)", "delayed(front, 0.1 s)"],
+        "The signal of another input, later.",
+        &[Argument::Input, Argument::Time],
     ),
 ];
 

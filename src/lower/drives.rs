@@ -1,11 +1,12 @@
-//! The signals of a scene's inputs as data of the linear system. In: a scene. Out: a sum of signals for each input, in
-//! the order of the system's inputs. A table is interpolated linearly for a force, by a cubic spline for a base.
+//! The signals of a scene's inputs as data of the linear system. In: a scene; out: a sum of signals for each input, in the
+//! order of the system's inputs. A base whose rate or acceleration is given gets the integrals: it starts at rest.
 //! See docs/method/response.md.
 
 use super::error::LowerError;
+use crate::base::{Ball, Number};
 use crate::model::CheckedScene;
 use crate::model::scene::{self, Input, InputKind};
-use crate::system::Signal;
+use crate::system::{Course, Signal, Table};
 
 /// The signals that drive each input. A constant load is part of the rest and drives nothing.
 pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
@@ -13,23 +14,87 @@ pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
-    let spline = matches!(input.kind, InputKind::Base { .. });
-    input.signal.iter().filter_map(|signal| of_signal(signal, spline).transpose()).collect()
+    let course = match (&input.kind, input.derivative) {
+        (InputKind::Base { .. }, 0) => Course::Spline,
+        (InputKind::Base { .. }, _) => Course::LinesToZero,
+        _ => Course::Lines,
+    };
+    let mut list = Vec::new();
+    for signal in &input.signal {
+        for (signal, delay) in undelayed(signal) {
+            if let Some(signal) = of_signal(signal, course)? {
+                let integrals = integral(signal, input.derivative);
+                list.extend(integrals.into_iter().map(|signal| delayed(signal, delay)));
+            }
+        }
+    }
+    Ok(list)
 }
 
-fn of_signal(signal: &scene::Signal, spline: bool) -> Result<Option<Signal>, LowerError> {
-    let signal = signal.clone();
-    Ok(Some(match signal {
-        scene::Signal::Constant { .. } => return Ok(None),
+/// A signal, or those that it is a delay of.
+fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
+    match signal {
+        scene::Signal::Delayed { by, signals } => signals.iter().map(|signal| (signal, Some(by))).collect(),
+        signal => vec![(signal, None)],
+    }
+}
+
+fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, LowerError> {
+    Ok(Some(match signal.clone() {
+        // A delay of a delay is one delay: the check adds them up.
+        scene::Signal::Constant { .. } | scene::Signal::Delayed { .. } => return Ok(None),
         scene::Signal::Step { value, at } => Signal::Step { value, at },
         scene::Signal::Impulse { value, at } => Signal::Impulse { value, at },
         scene::Signal::Ramp { value, from, to } => Signal::Ramp { value, from, to },
         scene::Signal::Pulse { value, from, to } => Signal::Pulse { value, from, to },
-        scene::Signal::Harmonic { value, frequency, phase } => Signal::Harmonic { value, frequency, phase },
-        scene::Signal::Chirp { value, from, to, duration } => Signal::Chirp { value, from, to, duration },
+        scene::Signal::Harmonic { value, frequency, phase } => {
+            Signal::Harmonic { value, frequency, phase, at: Number::ZERO }
+        }
+        scene::Signal::Chirp { value, from, to, duration, at, phase } => {
+            Signal::Chirp { value, from, to, duration, at, phase }
+        }
         scene::Signal::Table { span, rows, .. } => match rows {
-            Some(rows) => Signal::Table { times: rows.times.clone(), values: rows.values.clone(), spline },
+            Some(rows) => Signal::Table(Table { times: rows.times.clone(), values: rows.values.clone(), course }),
             None => return Err(LowerError::TableUnread { span }),
         },
     }))
+}
+
+/// The integral of a signal, taken so many times from zero at t = 0, as a sum of signals.
+fn integral(signal: Signal, times: u8) -> Vec<Signal> {
+    match (signal, times) {
+        (signal, 0) => vec![signal],
+        (Signal::Harmonic { value, frequency, phase, at }, times) => {
+            integral_of_harmonic(value, frequency, phase, at, times)
+        }
+        (Signal::Impulse { value, at }, times) => integral(Signal::Step { value, at }, times - 1),
+        (of, times) => vec![Signal::Integral { of: Box::new(of), times }],
+    }
+}
+
+/// The integral of a harmonic is one a quarter of a turn back, and a step that takes its first value away.
+fn integral_of_harmonic(value: Number, frequency: Number, phase: Number, at: Number, times: u8) -> Vec<Signal> {
+    let omega = &(&Number::pi() * &Number::from(2)) * &frequency;
+    // A phase without digits left is one of an unknown sine.
+    let sine = |angle: &Number| angle.sin_cos().map_or(Number::Ball(Ball::ZERO.widen(1.0)), |(sine, _)| sine);
+    let Some(size) = value.checked_div(&omega) else {
+        // It stands at its first value.
+        return integral(Signal::Step { value: &value * &sine(&phase), at }, times);
+    };
+    let phase = &phase - &(&Number::pi() / &Number::from(2));
+    let start = Signal::Step { value: -&(&size * &sine(&phase)), at: at.clone() };
+    let swing = Signal::Harmonic { value: size, frequency, phase, at };
+    integral(start, times - 1).into_iter().chain(integral(swing, times - 1)).collect()
+}
+
+/// A signal that comes so much later; of a harmonic, its phase at t = 0.
+fn delayed(signal: Signal, by: Option<&Number>) -> Signal {
+    let Some(by) = by.filter(|by| !by.is_zero()) else { return signal };
+    match signal {
+        Signal::Harmonic { value, frequency, phase, at } => {
+            let turned = &(&(&Number::pi() * &Number::from(2)) * &frequency) * by;
+            Signal::Harmonic { value, frequency, phase: &phase - &turned, at: &at + by }
+        }
+        of => Signal::Delayed { of: Box::new(of), by: by.clone() },
+    }
 }

@@ -128,6 +128,7 @@ impl<'a> Check<'a> {
             ExprKind::Member { .. } | ExprKind::At { .. } => {
                 self.fail(environment, ValueError::MotionAsValue { span: node.span })
             }
+            ExprKind::Named { .. } => self.fail(environment, ValueError::ArgumentName { span: node.span }),
             ExprKind::Text => {
                 self.fail(environment, ValueError::Kind { span: node.span, needed: "a number", found: "a text" })
             }

@@ -4,10 +4,11 @@ use super::Check;
 use super::error::PartError;
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
-use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part, Signal};
+use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part};
 use super::scope::{Environment, Instance};
+use super::signals::Signals;
 use crate::base::{Span, Vec3};
-use crate::kinds::functions::{ANGLE_SIGNAL, DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
+use crate::kinds::functions::{FORCE_SIGNAL, ROTATION_SIGNALS, TORQUE_SIGNAL, TRANSLATION_SIGNALS};
 use crate::syntax::tree::{DeclKind, EndId, ExprId, Ident, Rare};
 use std::sync::Arc;
 
@@ -48,7 +49,7 @@ impl<'a> Check<'a> {
             (Some(direction), ends) => InputKind::Force { ends, direction: (*direction).clone() },
             (None, ends) => self.undirected_force(ends, environment)?,
         };
-        let signal = self.signal(signal, &FORCE_SIGNAL, environment)?;
+        let signal = self.signal(signal, &[FORCE_SIGNAL], environment)?;
         self.push_input(ident, kind, signal, environment)
     }
 
@@ -94,7 +95,7 @@ impl<'a> Check<'a> {
             let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ident.span);
             return self.fail(environment, PartError::NoEndTurns { span, torsional: None });
         }
-        let signal = self.signal(signal, &TORQUE_SIGNAL, environment)?;
+        let signal = self.signal(signal, &[TORQUE_SIGNAL], environment)?;
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)
     }
 
@@ -128,11 +129,15 @@ impl<'a> Check<'a> {
         &mut self,
         ident: Ident,
         kind: InputKind,
-        (signal, signal_span): (Vec<Signal>, Option<Span>),
+        signals: Signals,
         environment: Environment,
     ) -> Evaluated<()> {
         let name = self.name(ident, environment)?;
-        self.scene.inputs.push(Input { name, span: ident.span, kind, signal, signal_span });
+        let Signals { list: signal, span: signal_span, derivative, delay } = signals;
+        if let Some(delay) = delay {
+            self.delay_next_input(delay, environment);
+        }
+        self.scene.inputs.push(Input { name, span: ident.span, kind, signal, derivative, signal_span });
         Ok(())
     }
 
@@ -146,20 +151,24 @@ impl<'a> Check<'a> {
         let turns = self.scene.bases[base.index()].turns;
         let motions = (0..translations).map(Some).chain(turns.then_some(None));
         let motions: Vec<Option<usize>> = motions.collect();
-        let (signal, signal_span) = match (signal, &motions[..]) {
+        let signals = match (signal, &motions[..]) {
             (Some(signal), [one]) => {
-                let expected = if one.is_some() { &DISPLACEMENT_SIGNAL } else { &ANGLE_SIGNAL };
-                self.signal(Some(signal), expected, environment)?
+                let kinds = if one.is_some() { &TRANSLATION_SIGNALS } else { &ROTATION_SIGNALS };
+                self.signal(Some(signal), kinds, environment)?
             }
             (Some(signal), _) => {
                 let span = self.tree.expr(signal).span;
                 return self.fail(environment, PartError::SignalOfManyMotions { span });
             }
-            (None, _) => (Vec::new(), None),
+            (None, _) => Signals::default(),
         };
+        let Signals { list: signal, span: signal_span, derivative, delay } = signals;
+        if let Some(delay) = delay {
+            self.delay_next_input(delay, environment);
+        }
         for translation in motions {
             let kind = InputKind::Base { base, translation };
-            self.scene.inputs.push(Input { name, span, kind, signal: signal.clone(), signal_span });
+            self.scene.inputs.push(Input { name, span, kind, signal: signal.clone(), derivative, signal_span });
         }
         Ok(())
     }

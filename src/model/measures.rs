@@ -379,7 +379,7 @@ impl<'a> Check<'a> {
     }
 
     /// A force, a torque, or a motion of a base: `floor`, or `floor.y` if it has several.
-    fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
+    pub fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
         let node = *self.tree.expr(expr);
         let (name, motion) = match node.kind {
             ExprKind::Member { base, member_len } => {
@@ -483,7 +483,7 @@ fn flipped(comparison: Comparison) -> Comparison {
 }
 
 /// The dimension of an input.
-fn dimension_of(kind: &InputKind) -> Dimension {
+pub fn dimension_of(kind: &InputKind) -> Dimension {
     match kind {
         InputKind::Force { .. } | InputKind::ForceBetween { .. } => Dimension::FORCE,
         InputKind::Torque { .. } => Dimension::TORQUE,

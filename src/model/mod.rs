@@ -10,6 +10,7 @@
 mod bodies;
 mod collect;
 mod couplings;
+mod delays;
 mod elements;
 mod ends;
 mod error;
@@ -134,6 +135,7 @@ fn checking<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, val
     check.needs();
     check.elements();
     check.inputs();
+    check.settle_delays();
     check.outputs();
     check.couples();
     check.initials();
@@ -229,6 +231,8 @@ struct Check<'a> {
     broken_joints: bool,
     broken_elements: bool,
     broken_inputs: bool,
+    /// Inputs whose signal is another one's, later.
+    delays: Vec<delays::Delay>,
     /// Tables that have been read, each once; `None` for one with an error.
     tables: HashMap<FileId, Option<Arc<TableRows>>>,
     scene: Scene,
@@ -265,6 +269,7 @@ impl<'a> Check<'a> {
             broken_joints: false,
             broken_elements: false,
             broken_inputs: false,
+            delays: Vec::new(),
             tables: HashMap::new(),
             scene: empty_scene(sources.file(tree.file).stem()),
         }

@@ -101,6 +101,7 @@ impl<'a> Check<'a> {
             ExprKind::Binary { left, right, .. } => self.has_motion(left) || self.has_motion(right),
             ExprKind::Call { arguments, .. } => tree.list(arguments).iter().any(|&argument| self.has_motion(argument)),
             ExprKind::Tuple { items } => tree.list(items).iter().any(|&item| self.has_motion(item)),
+            ExprKind::Named { value, .. } => self.has_motion(value),
             ExprKind::Literal { .. } | ExprKind::Name { .. } | ExprKind::Text => false,
         }
     }

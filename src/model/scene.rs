@@ -262,6 +262,8 @@ pub struct Input {
     pub kind: InputKind,
     /// A sum of signals; empty if none is declared.
     pub signal: Vec<Signal>,
+    /// Which derivative of a base's motion the signal is: 0 the motion itself, 1 its rate, 2 its acceleration.
+    pub derivative: u8,
     /// The place where the signal is written.
     pub signal_span: Option<Span>,
 }
@@ -309,11 +311,14 @@ pub enum Signal {
         frequency: Number,
         phase: Number,
     },
+    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration)) + phase), t from `at` on, for `duration`
     Chirp {
         value: Number,
         from: Number,
         to: Number,
         duration: Number,
+        at: Number,
+        phase: Number,
     },
     /// Two columns: time in s, value in SI units.
     Table {
@@ -321,6 +326,11 @@ pub enum Signal {
         span: Span,
         /// `None` if the file was not given to the check.
         rows: Option<Arc<TableRows>>,
+    },
+    /// Other signals, so much later.
+    Delayed {
+        by: Number,
+        signals: Arc<[Signal]>,
     },
 }
 

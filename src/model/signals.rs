@@ -8,35 +8,88 @@ use super::expect::Expected;
 use super::scene::Signal;
 use super::scope::Environment;
 use super::suggestion::nearest;
+use super::value::Value;
+use super::{delays, tables};
 use crate::base::{Dimension, Number, Span};
 use crate::kinds::functions::{self, Named, SIGNALS, SignalKind};
 use crate::syntax::tree::{Binary, ExprId, ExprKind};
 
 const TIME: Expected = Expected::new("a time", Dimension::TIME, "0.5 s");
+const SPEED: Expected = Expected::new("a speed", Dimension::VELOCITY, "20 m/s");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "30 deg");
 
+/// What drives an input.
+#[derive(Debug, Default)]
+pub struct Signals {
+    pub list: Vec<Signal>,
+    pub span: Option<Span>,
+    /// Which derivative of the motion it is: the place of its kind among those that the input takes.
+    pub derivative: u8,
+    /// Another input's signal in place of the list.
+    pub delay: Option<delays::Written>,
+}
+
+/// A call, as far as it is known to be that of a signal.
+struct Called {
+    signal: functions::Signal,
+    span: Span,
+    given: Vec<ExprId>,
+    /// By their places in the function's own list.
+    named: Vec<Option<ExprId>>,
+}
+
 impl<'a> Check<'a> {
-    /// The signals that an expression adds up, and its span; nothing without an expression.
+    /// The signals that an expression adds up, and its span; nothing without an expression. All
+    /// of them are of one of the kinds.
     pub fn signal(
         &mut self,
         expr: Option<ExprId>,
-        kind: &SignalKind,
+        kinds: &[SignalKind],
         environment: Environment,
-    ) -> Evaluated<(Vec<Signal>, Option<Span>)> {
-        let Some(expr) = expr else { return Ok((Vec::new(), None)) };
-        let mut signals = Vec::new();
+    ) -> Evaluated<Signals> {
+        let Some(expr) = expr else { return Ok(Signals::default()) };
+        let span = self.tree.expr(expr).span;
+        let mut found = Signals { span: Some(span), ..Signals::default() };
+        let mut terms = Vec::new();
         // A sum associates to the left: its last term is the right operand at the top.
         let mut rest = expr;
         while let ExprKind::Binary { operator: Binary::Add, left, right } = self.tree.expr(rest).kind {
-            signals.push(self.single_signal(right, kind, environment)?);
+            terms.push(right);
             rest = left;
         }
-        signals.push(self.single_signal(rest, kind, environment)?);
-        signals.reverse();
-        Ok((signals, Some(self.tree.expr(expr).span)))
+        terms.push(rest);
+        let mut known = None;
+        for &term in terms.iter().rev() {
+            let called = self.called_signal(term, environment)?;
+            if called.signal == functions::Signal::Delayed {
+                if terms.len() > 1 {
+                    return self.fail(environment, PartError::DelayInSum { span: called.span });
+                }
+                let by = self.number(called.given[1], environment, &TIME)?;
+                if by.is_negative() {
+                    let span = self.tree.expr(called.given[1]).span;
+                    return self.fail(environment, PartError::DelayNegative { span });
+                }
+                found.delay = Some(delays::Written { source: called.given[0], by });
+                return Ok(found);
+            }
+            let derivative = self.kind_of(&called, kinds, environment)?.or(known);
+            let kind = &kinds[derivative.unwrap_or(0)];
+            self.signal_of(&called, kind, environment, &mut found.list)?;
+            if known.is_some() && derivative != known {
+                return self.fail(environment, PartError::SignalsDiffer { span: called.span });
+            }
+            if derivative.unwrap_or(0) > 0 && called.signal == functions::Signal::Constant {
+                let noun = kind.amplitude.noun;
+                return self.fail(environment, PartError::ConstantOfRate { span: called.span, noun });
+            }
+            known = derivative;
+        }
+        found.derivative = known.unwrap_or(0) as u8;
+        Ok(found)
     }
 
-    fn single_signal(&mut self, expr: ExprId, kind: &SignalKind, environment: Environment) -> Evaluated<Signal> {
+    fn called_signal(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Called> {
         let tree = self.tree;
         let node = *tree.expr(expr);
         let ExprKind::Call { name_len, arguments } = node.kind else {
@@ -44,57 +97,99 @@ impl<'a> Check<'a> {
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         let text = self.sources.slice(word);
-        let given = tree.list(arguments);
         let Some(Named { kind: signal, function }) = functions::named(SIGNALS, text) else {
             let suggestion = nearest(text, SIGNALS.iter().map(|signal| signal.function.name));
             return self.fail(environment, PartError::UnknownSignal { span: word, word: text.to_string(), suggestion });
         };
+        let (mut given, mut named) = (Vec::new(), vec![None; function.named.len()]);
+        for &argument in tree.list(arguments) {
+            let node = *tree.expr(argument);
+            let ExprKind::Named { name_len, value } = node.kind else {
+                given.push(argument);
+                continue;
+            };
+            let start = node.span.start();
+            let name = self.sources.slice(Span::new(node.span.file(), start, start + usize::from(name_len)));
+            match function.named.iter().position(|known| known.name == name) {
+                Some(place) if named[place].is_none() => named[place] = Some(value),
+                _ => return self.fail(environment, PartError::SignalArguments { span: node.span, function }),
+            }
+        }
         if !function.takes(given.len()) {
             return self.fail(environment, PartError::SignalArguments { span: node.span, function });
         }
-        self.signal_of(*signal, given, kind, environment)
+        Ok(Called { signal: *signal, span: node.span, given, named })
     }
 
+    /// The place of the kind that the size of a signal has; `None` for a bare zero, and for a size of no kind.
+    fn kind_of(&mut self, called: &Called, kinds: &[SignalKind], environment: Environment) -> Evaluated<Option<usize>> {
+        use functions::Signal as Word;
+        if kinds.len() == 1 {
+            return Ok(Some(0));
+        }
+        let found = match called.signal {
+            Word::Table => self.table_dimension(&called.given, environment)?,
+            _ => match self.evaluate(called.given[0], environment)? {
+                Value::Scalar(scalar) => scalar.dimension(),
+                Value::Vector(_) => None,
+            },
+        };
+        let of = |kind: &SignalKind| if called.signal == Word::Impulse { kind.impulse } else { kind.amplitude };
+        Ok(found.and_then(|found| kinds.iter().position(|kind| of(kind).dimension == found)))
+    }
+
+    /// Adds the signals that a call stands for.
     fn signal_of(
         &mut self,
-        signal: functions::Signal,
-        given: &[ExprId],
+        called: &Called,
         kind: &SignalKind,
         environment: Environment,
-    ) -> Evaluated<Signal> {
+        list: &mut Vec<Signal>,
+    ) -> Evaluated<()> {
         use functions::Signal as Word;
-        if signal == Word::Table {
-            return self.table(given[0], &kind.amplitude, environment);
+        let given = &called.given;
+        if called.signal == Word::Table {
+            let speed = called.named.first().copied().flatten();
+            let table = self.table(given, speed, &kind.amplitude, environment)?;
+            list.push(table);
+            return Ok(());
         }
-        let expected = if signal == Word::Impulse { &kind.impulse } else { &kind.amplitude };
+        let expected = if called.signal == Word::Impulse { &kind.impulse } else { &kind.amplitude };
         let value = self.number(given[0], environment, expected);
         let time = |check: &mut Check<'a>, index: usize| check.number(given[index], environment, &TIME);
-        let signal = match signal {
-            Word::Constant => Signal::Constant { value: value? },
-            Word::Step => Signal::Step { at: time(self, 1)?, value: value? },
-            Word::Impulse => Signal::Impulse { at: time(self, 1)?, value: value? },
-            Word::Ramp | Word::Pulse => {
+        match called.signal {
+            Word::Constant => list.push(Signal::Constant { value: value? }),
+            Word::Step => list.push(Signal::Step { at: time(self, 1)?, value: value? }),
+            Word::Impulse => list.push(Signal::Impulse { at: time(self, 1)?, value: value? }),
+            Word::Ramp | Word::Pulse | Word::HalfSine | Word::Haversine | Word::Sawtooth => {
                 let (from, to) = (time(self, 1)?, time(self, 2)?);
                 self.ordered(&from, &to, given[2], environment)?;
-                if signal == Word::Ramp {
-                    Signal::Ramp { value: value?, from, to }
-                } else {
-                    Signal::Pulse { value: value?, from, to }
+                list.extend(pulse(called.signal, value?, from, to));
+            }
+            Word::Trapezoid => {
+                let times = [time(self, 1)?, time(self, 2)?, time(self, 3)?, time(self, 4)?];
+                for i in 1..4 {
+                    self.ordered(&times[i - 1], &times[i], given[i + 1], environment)?;
                 }
+                let [from, rise, fall, to] = times;
+                let value = value?;
+                list.push(Signal::Ramp { value: value.clone(), from, to: rise });
+                list.push(Signal::Ramp { value: -&value, from: fall, to });
             }
             Word::Harmonic => {
                 let frequency = self.frequency(given[1], environment)?;
                 let phase = given.get(2).map(|&phase| self.number(phase, environment, &PHASE)).transpose()?;
-                Signal::Harmonic { value: value?, frequency, phase: phase.unwrap_or(Number::ZERO) }
+                list.push(Signal::Harmonic { value: value?, frequency, phase: phase.unwrap_or(Number::ZERO) });
             }
-            Word::Chirp | Word::Table => {
+            Word::Chirp | Word::Table | Word::Delayed => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.ordered(&Number::ZERO, &duration, given[3], environment)?;
-                Signal::Chirp { value: value?, from, to, duration }
+                let (at, phase) = (Number::ZERO, Number::ZERO);
+                list.push(Signal::Chirp { value: value?, from, to, duration, at, phase });
             }
-        };
-        Ok(signal)
+        }
+        Ok(())
     }
 
     /// Checks that the later time is certainly later.
@@ -106,17 +201,90 @@ impl<'a> Check<'a> {
         self.fail(environment, PartError::TimesReversed { span })
     }
 
-    fn table(&mut self, expr: ExprId, read: &Expected, environment: Environment) -> Evaluated<Signal> {
-        let node = *self.tree.expr(expr);
+    /// The dimension that the call or the heading of a table states for its values.
+    fn table_dimension(&mut self, given: &[ExprId], environment: Environment) -> Evaluated<Option<Dimension>> {
+        if let Some(&unit) = given.get(1) {
+            return Ok(match self.evaluate(unit, environment)? {
+                Value::Scalar(scalar) => scalar.dimension(),
+                Value::Vector(_) => None,
+            });
+        }
+        let span = self.tree.expr(given[0]).span;
+        let file = self.sources.slice(span).trim_matches('"').to_string();
+        let Some(table) = self.sources.table(span.file(), &file) else { return Ok(None) };
+        Ok(self.heading(table).and_then(|heading| heading.values.unit.map(|unit| unit.dimension)))
+    }
+
+    fn table(
+        &mut self,
+        given: &[ExprId],
+        speed: Option<ExprId>,
+        read: &Expected,
+        environment: Environment,
+    ) -> Evaluated<Signal> {
+        let node = *self.tree.expr(given[0]);
         if !matches!(node.kind, ExprKind::Text) {
             let error = ValueError::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
             return self.fail(environment, error);
         }
+        let unit = match given.get(1) {
+            Some(&unit) => {
+                let factor = self.number(unit, environment, read)?;
+                if factor.may_be_zero() {
+                    let span = self.tree.expr(unit).span;
+                    return self.fail(environment, PartError::TableUnitZero { span });
+                }
+                Some((factor, self.tree.expr(unit).span))
+            }
+            None => None,
+        };
+        let speed = match speed {
+            Some(speed) => {
+                let value = self.number(speed, environment, &SPEED)?;
+                if !value.is_positive() {
+                    let span = self.tree.expr(speed).span;
+                    return self.fail(environment, PartError::TableSpeed { span });
+                }
+                Some(value)
+            }
+            None => None,
+        };
         let file = self.sources.slice(node.span).trim_matches('"').to_string();
         let rows = match self.sources.table(node.span.file(), &file) {
-            Some(table) => Some(self.table_rows(table, node.span, read, environment)?),
+            Some(table) => {
+                let asked = tables::Asked { named: node.span, unit, speed, read };
+                Some(self.table_rows(table, &asked, environment)?)
+            }
             None => None,
         };
         Ok(Signal::Table { file, span: node.span, rows })
+    }
+}
+
+/// A pulse between two times as a sum of signals that exist.
+fn pulse(signal: functions::Signal, value: Number, from: Number, to: Number) -> Vec<Signal> {
+    use functions::Signal as Word;
+    let duration = &to - &from;
+    let at = from.clone();
+    // So many half turns on the way.
+    let wave = |value: Number, halves: i64, phase: Number| {
+        let frequency = &Number::from(halves) / &(&duration * &Number::from(2));
+        let (from, to, at, duration) = (frequency.clone(), frequency, at.clone(), duration.clone());
+        Signal::Chirp { value, from, to, duration, at, phase }
+    };
+    match signal {
+        Word::Ramp => vec![Signal::Ramp { value, from, to }],
+        Word::HalfSine => vec![wave(value, 1, Number::ZERO)],
+        // a (1 - cos) / 2
+        Word::Haversine => {
+            let half = &value / &Number::from(2);
+            let quarter = &Number::pi() / &Number::from(2);
+            vec![Signal::Pulse { value: half.clone(), from, to }, wave(-&half, 2, quarter)]
+        }
+        Word::Sawtooth => {
+            let end = Signal::Step { value: -&value, at: to.clone() };
+            vec![Signal::Ramp { value, from, to }, end]
+        }
+        _ => vec![Signal::Pulse { value, from, to }],
     }
 }

@@ -1,5 +1,5 @@
-//! Tables of signals: CSV files with two columns, time in s and value in SI units. In: a file's text. Out: its rows, or
-//! the error and its line. See docs/method/response.md#signals.
+//! Tables of signals: CSV files with two columns, time and value, with their units in the heading or in the model. In: a file's
+//! text. Out: its rows in SI, or the error and its line. See docs/method/response.md#signals.
 //!
 //! The first line may name the columns. Empty lines and lines that begin with `#` are skipped. The file may be anything,
 //! and the model that names it may come from a stranger, so the contents of a file are shown only once a row of it was
@@ -11,7 +11,7 @@ use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::scene::TableRows;
 use super::scope::Environment;
-use crate::base::unit::{self, Scale};
+use crate::base::unit::{self, Scale, Unit};
 use crate::base::{Dimension, FileId, Literals, Number, Rational, Span};
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -23,38 +23,140 @@ const MOST_TOLD: usize = 10;
 /// Limit on the rows of all tables of a model together; each takes some 300 bytes.
 const MOST_ROWS: usize = 1_000_000;
 
-/// Lower-case words of a heading for quantities that no table of a signal holds.
-const OTHER_QUANTITIES: [&str; 12] = [
-    "acceleration",
-    "accel",
-    "acc",
-    "beschleunigung",
-    "ag",
-    "g",
-    "gal",
-    "velocity",
-    "vel",
-    "geschwindigkeit",
-    "speed",
-    "v",
-];
+/// Lower-case words of a heading that name an acceleration.
+const ACCELERATIONS: [&str; 7] = ["acceleration", "accel", "acc", "beschleunigung", "ag", "g", "gal"];
+/// Lower-case words of a heading that name a velocity.
+const VELOCITIES: [&str; 5] = ["velocity", "vel", "geschwindigkeit", "speed", "v"];
+
+/// What a model says of a table that it names.
+pub struct Asked<'e> {
+    pub named: Span,
+    /// What a 1 in the table stands for, SI, and where it is written.
+    pub unit: Option<(Number, Span)>,
+    /// The first column is a distance that is covered at this speed, m/s.
+    pub speed: Option<Number>,
+    /// The quantity of the values.
+    pub read: &'e Expected,
+}
+
+/// The heading of a table.
+pub struct Heading {
+    pub first: Column,
+    pub values: Column,
+}
+
+/// A column of a heading.
+pub struct Column {
+    pub span: Span,
+    /// The unit in square brackets.
+    pub unit: Option<Unit>,
+    /// The text in the brackets is not a unit.
+    pub is_unreadable: bool,
+}
 
 impl<'a> Check<'a> {
-    /// The rows of a table that the model names at `named`, with values read as `read`: for example a displacement in m.
-    pub fn table_rows(
-        &mut self,
-        file: FileId,
-        named: Span,
-        read: &Expected,
-        environment: Environment,
-    ) -> Evaluated<Arc<TableRows>> {
-        self.heading(file, named, read, environment);
-        if let Some(known) = self.tables.get(&file) {
-            return known.clone().ok_or(Stop::Reported);
+    /// The rows of a table, in SI and over time.
+    pub fn table_rows(&mut self, file: FileId, asked: &Asked, environment: Environment) -> Evaluated<Arc<TableRows>> {
+        let heading = self.heading(file);
+        if let Some(heading) = &heading {
+            self.check_heading(heading, asked, environment)?;
         }
-        let rows = self.read_table(file, named, environment);
-        self.tables.insert(file, rows.as_ref().ok().cloned());
-        rows
+        let rows = match self.tables.get(&file) {
+            Some(known) => known.clone().ok_or(Stop::Reported)?,
+            None => {
+                let rows = self.read_table(file, asked.named, environment);
+                self.tables.insert(file, rows.as_ref().ok().cloned());
+                rows?
+            }
+        };
+        if asked.unit.is_none() && heading.as_ref().is_none_or(|heading| heading.values.unit.is_none()) {
+            self.report(environment, PartError::TableWithoutUnit { span: asked.named, read: asked.read.noun });
+        }
+        let factor = |column: &Column| match column.unit.as_ref().map(|unit| &unit.scale) {
+            Some(Scale::Linear(factor)) => factor.clone(),
+            _ => Number::ONE,
+        };
+        let first = heading.as_ref().map_or(Number::ONE, |heading| factor(&heading.first));
+        let first = asked.speed.as_ref().map_or(first.clone(), |speed| &first / speed);
+        let values = match (&asked.unit, &heading) {
+            (Some((unit, _)), _) => unit.clone(),
+            (None, Some(heading)) => factor(&heading.values),
+            (None, None) => Number::ONE,
+        };
+        if first.is_one() && values.is_one() {
+            return Ok(rows);
+        }
+        let scaled = |list: &[Number], by: &Number| list.iter().map(|x| x * by).collect();
+        Ok(Arc::new(TableRows { times: scaled(&rows.times, &first), values: scaled(&rows.values, &values) }))
+    }
+
+    /// Refuses a heading that contradicts what is read, or names a quantity without saying in which unit.
+    fn check_heading(&mut self, heading: &Heading, asked: &Asked, environment: Environment) -> Evaluated<()> {
+        let (named, read) = (asked.named, asked.read.noun);
+        for column in [&heading.first, &heading.values] {
+            if column.is_unreadable {
+                return self.fail(environment, PartError::TableUnitUnknown { span: column.span, named });
+            }
+        }
+        let wanted = if asked.speed.is_some() { Dimension::LENGTH } else { Dimension::TIME };
+        if let Some(unit) = &heading.first.unit
+            && unit.dimension != wanted
+        {
+            let (span, is_distance) = (heading.first.span, unit.dimension == Dimension::LENGTH);
+            return self.fail(environment, PartError::TableFirstColumn { span, named, is_distance });
+        }
+        let span = heading.values.span;
+        match (&heading.values.unit, &asked.unit) {
+            (Some(unit), _) if unit.dimension != asked.read.dimension => {
+                let word = self.sources.slice(span).to_string();
+                self.fail(environment, PartError::TableHeading { span, named, word, read })
+            }
+            (Some(unit), Some((factor, at))) if !matches!(&unit.scale, Scale::Linear(own) if own == factor) => {
+                self.fail(environment, PartError::TableUnitsDiffer { span: *at, heading: span })
+            }
+            (Some(_), _) => Ok(()),
+            (None, unit) => {
+                let stated = unit.as_ref().map(|_| asked.read.dimension);
+                match self.contradiction(span, asked.read.dimension, stated) {
+                    Some(word) => self.fail(environment, PartError::TableHeading { span, named, word, read }),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// A word of a heading without a unit that names another quantity than is read, or one whose unit is open.
+    fn contradiction(&self, span: Span, read: Dimension, stated: Option<Dimension>) -> Option<String> {
+        let is_word = |c: char| c.is_alphanumeric() || matches!(c, '/' | '^' | '*' | '%' | '²');
+        let text = self.sources.slice(span);
+        let words = text.split(|c: char| !is_word(c)).filter(|word| !word.is_empty());
+        let found = words.into_iter().find(|word| match (quantity(word), stated) {
+            (Some(of), Some(stated)) => of != stated,
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            (None, None) => is_other_unit(word, read),
+        });
+        found.map(str::to_string)
+    }
+
+    /// The heading of a table that has one, and rows below it.
+    pub fn heading(&self, file: FileId) -> Option<Heading> {
+        let text = self.sources.text(file);
+        let (place, line) = lines(text).next()?;
+        let fields = fields(line);
+        let is_table = || lines(text).nth(1).is_some_and(|(_, row)| self.is_row(row));
+        if !is_heading(line, &fields, place, text) || !is_table() {
+            return None;
+        }
+        let column = |at: &Range<usize>| {
+            let bracketed = line[at.clone()].split_once('[').and_then(|(_, rest)| rest.split_once(']'));
+            let read = bracketed.map(|(unit, _)| unit::parse(unit.trim()).ok());
+            let is_linear = |unit: &Unit| matches!(unit.scale, Scale::Linear(_));
+            let unit = read.clone().flatten().filter(is_linear);
+            let is_unreadable = read.is_some() && unit.is_none();
+            Column { span: Span::new(file, place + at.start, place + at.end), unit, is_unreadable }
+        };
+        Some(Heading { first: column(&fields[0]), values: column(&fields[1]) })
     }
 
     fn read_table(&mut self, file: FileId, named: Span, environment: Environment) -> Evaluated<Arc<TableRows>> {
@@ -104,49 +206,27 @@ impl<'a> Check<'a> {
         Ok(Arc::new(table))
     }
 
-    /// Warns if the heading names another quantity than the one the values are read as.
-    fn heading(&mut self, file: FileId, named: Span, read: &Expected, environment: Environment) {
-        let text = self.sources.text(file);
-        let Some((place, line)) = lines(text).next() else { return };
-        let fields = fields(line);
-        let is_table = || lines(text).nth(1).is_some_and(|(_, row)| self.is_row(row));
-        if !is_heading(line, &fields, place, text) || !is_table() {
-            return;
-        }
-        let at = fields[1].clone();
-        let is_word = |c: char| c.is_alphanumeric() || matches!(c, '/' | '^' | '*' | '%' | '²');
-        let words = line[at.clone()].split(|c: char| !is_word(c)).filter(|word| !word.is_empty());
-        let Some(word) = words.into_iter().find(|word| is_other(word, read.dimension)).map(str::to_string) else {
-            return;
-        };
-        let span = Span::new(file, place + at.start, place + at.end);
-        self.report(environment, PartError::TableHeading { span, named, word, read: described(read.dimension) });
-    }
-
     fn is_row(&self, line: &str) -> bool {
         row(line, &fields(line), self.literals).is_ok()
     }
 }
 
-/// Whether a word of a heading names a quantity or a unit other than the one that is read.
-fn is_other(word: &str, read: Dimension) -> bool {
-    if OTHER_QUANTITIES.contains(&word.to_lowercase().as_str()) {
-        return true;
+/// The rate or acceleration that a word of a heading names.
+fn quantity(word: &str) -> Option<Dimension> {
+    let word = word.to_lowercase();
+    match word.as_str() {
+        word if ACCELERATIONS.contains(&word) => Some(Dimension::ACCELERATION),
+        word if VELOCITIES.contains(&word) => Some(Dimension::VELOCITY),
+        _ => None,
     }
+}
+
+/// A word of a heading is a unit, and not the SI unit of what is read.
+fn is_other_unit(word: &str, read: Dimension) -> bool {
     // `x` and `F` are names before they are units; so is `a`.
     let Ok(unit) = unit::parse(word) else { return false };
     let is_si = matches!(&unit.scale, Scale::Linear(factor) if *factor == Number::ONE);
     word.chars().count() > 1 && unit.dimension != Dimension::NONE && !(unit.dimension == read && is_si)
-}
-
-/// The values of a table of this dimension, as a phrase.
-fn described(dimension: Dimension) -> &'static str {
-    match dimension {
-        Dimension::FORCE => "forces in N",
-        Dimension::TORQUE => "torques in N*m",
-        Dimension::LENGTH => "displacements in m",
-        _ => "angles in rad",
-    }
 }
 
 /// The lines that are neither empty nor comments, and where each begins.

@@ -548,7 +548,7 @@ impl<'c, 'a> Writer<'c, 'a> {
                 let &[x, y] = self.check.tree.list(items) else { return None };
                 Some(Form::Pair([self.number(x, environment), self.number(y, environment)]))
             }
-            ExprKind::Member { .. } | ExprKind::At { .. } | ExprKind::Text => None,
+            ExprKind::Member { .. } | ExprKind::At { .. } | ExprKind::Text | ExprKind::Named { .. } => None,
         }
     }
 

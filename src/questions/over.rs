@@ -285,7 +285,7 @@ fn swing(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Phas
     let mut sum = Phasor::ZERO;
     for (input, signals) in signals.iter().enumerate() {
         for signal in signals {
-            let Signal::Harmonic { value, frequency, phase } = signal else { continue };
+            let Signal::Harmonic { value, frequency, phase, .. } = signal else { continue };
             let same = |other: &Number| (other - frequency).is_zero() && frequency.exact().is_some();
             if !known.is_none_or(same) {
                 return None;

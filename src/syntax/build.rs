@@ -355,9 +355,26 @@ impl Build<'_> {
     /// Arguments with their brackets.
     fn arguments(&mut self) -> (ExprList, u16) {
         self.step();
-        let arguments = self.expressions();
+        let base = self.yard.items.len();
+        let mut depth = 0;
+        while let Some(rule @ (Rule::expression | Rule::named)) = self.next {
+            let item = if rule == Rule::named { self.named() } else { self.expression() };
+            depth = depth.max(item.depth);
+            self.yard.items.push(item.id);
+        }
+        let list = self.tree.push_list(&self.yard.items[base..]);
+        self.yard.items.truncate(base);
         self.step();
-        arguments
+        (list, depth)
+    }
+
+    /// `speed = 20 m/s`
+    fn named(&mut self) -> Operand {
+        let start = self.step();
+        let name_len = self.word_at(start).len() as u16;
+        let value = self.expression();
+        let end = self.step();
+        self.node((start, end), ExprKind::Named { name_len, value: value.id }, value.depth)
     }
 
     fn end(&mut self) -> EndId {

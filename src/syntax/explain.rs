@@ -532,12 +532,40 @@ impl Reader<'_> {
         }
     }
 
+    /// The name of `speed = 20 m/s` and its sign, where the next argument has one.
+    fn argument_name(&mut self) {
+        let before = self.at;
+        let has_name = self.word("an argument").is_ok();
+        self.blanks();
+        if has_name && !self.rest().starts_with("==") && self.eat("=") {
+            self.blanks();
+        } else {
+            self.at = before;
+        }
+    }
+
+    /// Arguments up to the closing bracket.
+    fn call(&mut self) -> Read {
+        loop {
+            self.argument_name();
+            self.expression("an argument")?;
+            self.blanks();
+            if self.eat(")") {
+                return Ok(());
+            }
+            if !self.eat(",") {
+                return Err(self.problem(Expected::Comma(')')));
+            }
+            self.blanks();
+        }
+    }
+
     fn reference(&mut self) -> Read {
         self.word("a quantity")?;
         if self.eat("(") {
             self.blanks();
             if !self.eat(")") {
-                self.list("an argument", ')')?;
+                self.call()?;
             }
         } else {
             self.indices()?;

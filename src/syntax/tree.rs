@@ -204,6 +204,11 @@ pub enum ExprKind {
         base: ExprId,
         point: ExprId,
     },
+    /// `speed = 20 m/s`, an argument of a call.
+    Named {
+        name_len: u16,
+        value: ExprId,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

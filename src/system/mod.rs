@@ -9,7 +9,7 @@
 pub mod chain;
 pub mod signal;
 
-pub use signal::Signal;
+pub use signal::{Course, Signal, Table};
 
 use crate::base::{Ball, Name, Number, Rational, Span, Words};
 

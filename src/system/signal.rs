@@ -3,7 +3,7 @@
 
 use crate::base::Number;
 
-/// A function of time; SI units, angles in radians, frequencies in Hz.
+/// A function of time; SI units, angles in radians, frequencies in Hz. Zero before t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
     Step {
@@ -26,24 +26,98 @@ pub enum Signal {
         from: Number,
         to: Number,
     },
-    /// value sin(2 pi frequency t + phase) from t = 0 on
+    /// value sin(2 pi frequency t + phase) from the time `at` on, which is not negative
     Harmonic {
         value: Number,
         frequency: Number,
         phase: Number,
+        at: Number,
     },
-    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration))) for 0 <= t <= duration
+    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration)) + phase) for 0 <= t <= duration, t from the time `at` on
     Chirp {
         value: Number,
         from: Number,
         to: Number,
         duration: Number,
+        at: Number,
+        phase: Number,
     },
-    /// Values at ascending times, constant before the first and after the last; in between straight lines or a natural
-    /// cubic spline.
-    Table {
-        times: Vec<Number>,
-        values: Vec<Number>,
-        spline: bool,
+    Table(Table),
+    /// The repeated integral of a signal over time, from zero at t = 0. That of a harmonic or an impulse is another of these
+    /// signals.
+    Integral {
+        of: Box<Signal>,
+        times: u8,
     },
+    /// A signal delayed by a time that is not negative.
+    Delayed {
+        of: Box<Signal>,
+        by: Number,
+    },
+}
+
+/// Times ascending and values; kept before the first one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    pub times: Vec<Number>,
+    pub values: Vec<Number>,
+    pub course: Course,
+}
+
+/// The values of a table between its rows and after the last one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// A line; the last value is kept.
+    Lines,
+    /// A natural cubic spline; the last value is kept.
+    Spline,
+    /// A line; zero after the last row.
+    LinesToZero,
+}
+
+impl Signal {
+    /// The first derivative that may jump: 0 for the signal itself.
+    pub fn first_jump(&self) -> usize {
+        match self {
+            Signal::Step { .. } | Signal::Pulse { .. } | Signal::Impulse { .. } => 0,
+            Signal::Harmonic { phase, at, .. } => usize::from(phase.is_zero() && at.is_zero()),
+            Signal::Table(Table { values, course, .. }) => {
+                let ends = [values.first(), values.last().filter(|_| *course == Course::LinesToZero)];
+                usize::from(ends.into_iter().flatten().all(Number::is_zero))
+            }
+            Signal::Ramp { .. } => 1,
+            Signal::Chirp { from, to, duration, phase, .. } => {
+                let turns = &(&(from + to) * duration) * &Number::pi();
+                let is_zero = |angle: &Number| angle.sin_cos().is_some_and(|(sine, _)| sine.is_zero());
+                usize::from(is_zero(phase) && is_zero(&(&turns + phase)))
+            }
+            Signal::Integral { of, times } => of.first_jump() + usize::from(*times),
+            Signal::Delayed { of, .. } => of.first_jump(),
+        }
+    }
+
+    /// The value that stays on when everything has happened: of a harmonic none. `None` where it grows for ever.
+    pub fn lasting(&self) -> Option<Number> {
+        match self {
+            Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),
+            Signal::Table(Table { values, course: Course::Lines | Course::Spline, .. }) => values.last().cloned(),
+            Signal::Delayed { of, .. } => of.lasting(),
+            Signal::Integral { .. } => None,
+            _ => Some(Number::ZERO),
+        }
+    }
+
+    /// Whether it is ever other than zero.
+    pub fn is_felt(&self) -> bool {
+        match self {
+            Signal::Step { value, .. }
+            | Signal::Impulse { value, .. }
+            | Signal::Ramp { value, .. }
+            | Signal::Pulse { value, .. }
+            | Signal::Harmonic { value, .. }
+            | Signal::Chirp { value, .. } => !value.is_zero(),
+            Signal::Table(table) => table.values.iter().any(|value| !value.is_zero()),
+            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => of.is_felt(),
+        }
+    }
 }

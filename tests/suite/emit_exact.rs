@@ -165,7 +165,7 @@ fn signals(count: usize, step: &str) -> Vec<Vec<Signal>> {
     let at = |steps: &str| &h * &number(steps);
     let all = [
         vec![
-            Signal::Harmonic { value: one.clone(), frequency: number("1.7"), phase: number("0.3") },
+            Signal::Harmonic { value: one.clone(), frequency: number("1.7"), phase: number("0.3"), at: Number::ZERO },
             Signal::Step { value: number("2"), at: at("123.4") },
         ],
         vec![

@@ -80,7 +80,8 @@ fn a_state_is_read_and_set_in_the_models_coordinates() {
     let models =
         [("coupled", floor(COUPLED)), ("uncoupled", floor(UNCOUPLED)), ("carried", CARRIED.into()), ("long", long(23))];
     let held = Signal::Step { value: number("0.3"), at: Number::ZERO };
-    let shaken = Signal::Harmonic { value: number("0.3"), frequency: number("1.1"), phase: number("0.4") };
+    let shaken =
+        Signal::Harmonic { value: number("0.3"), frequency: number("1.1"), phase: number("0.4"), at: Number::ZERO };
     let folder = tempfile::tempdir().expect("a folder");
     let (mut sources, mut exact) = (Vec::new(), Vec::new());
     let (mut includes, mut main) = (String::new(), String::new());

@@ -34,7 +34,7 @@ fn a_microcontroller_computes_the_same_bits() {
     let mut system = with_every_pair(HardCase::load("o29_seed_cart").system);
     system.initial = vec![(CoordinateId(0), number("0.5"), Number::ONE)];
     let signals = vec![
-        Signal::Harmonic { value: Number::ONE, frequency: number("1.7"), phase: number("0.3") },
+        Signal::Harmonic { value: Number::ONE, frequency: number("1.7"), phase: number("0.3"), at: Number::ZERO },
         Signal::Step { value: number("2"), at: number("0.1234") },
     ];
     let mut drives = vec![Vec::new(); system.inputs.len()];

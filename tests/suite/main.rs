@@ -58,6 +58,7 @@ mod response;
 mod rest;
 mod sanitizer;
 mod schema;
+mod signals;
 mod solve;
 mod some_modes;
 mod specification;

@@ -6,7 +6,7 @@ use vibc::analysis::{Signal, respond};
 use vibc::answers;
 use vibc::backend::report;
 use vibc::base::{Ball, Number, Rational};
-use vibc::system::{CoordinateId, Input, LinearSystem, Nature};
+use vibc::system::{CoordinateId, Course, Input, LinearSystem, Nature, Table};
 
 fn n(text: &str) -> Number {
     number(text)
@@ -89,6 +89,7 @@ fn cosine(amplitude: &str, omega: &str) -> Signal {
         value: exact(amplitude),
         frequency: &exact(omega) / &(&Number::pi() * &Number::from(2)),
         phase: &Number::pi() / &Number::from(2),
+        at: Number::ZERO,
     }
 }
 
@@ -291,12 +292,13 @@ fn a_table_is_what_its_rows_say() {
     let system = oscillator("1", "0.5", "9", "0", "0");
     let ramp = Signal::Ramp { value: n("6"), from: Number::ZERO, to: n("2") };
     let numbers = |list: &[&str]| list.iter().map(|text| n(text)).collect::<Vec<_>>();
-    let table =
-        |spline| Signal::Table { times: numbers(&["0", "0.7", "2"]), values: numbers(&["0", "2.1", "6"]), spline };
+    let table = |course| {
+        Signal::Table(Table { times: numbers(&["0", "0.7", "2"]), values: numbers(&["0", "2.1", "6"]), course })
+    };
     let times = ["0.3", "1.9", "5"];
     let expected = motion(&system, vec![ramp], &times);
-    for spline in [false, true] {
-        let other = motion(&system, vec![table(spline)], &times);
+    for course in [Course::Lines, Course::Spline] {
+        let other = motion(&system, vec![table(course)], &times);
         for (a, b) in expected.iter().flatten().zip(other.iter().flatten()) {
             assert!((*a - *b).contains_zero(), "{a:?} {b:?}");
         }
@@ -307,7 +309,16 @@ fn a_table_is_what_its_rows_say() {
 #[test]
 fn a_chirp_is_followed_to_its_bound() {
     let system = oscillator("1", "0.5", "900", "0", "0");
-    let chirp = || vec![Signal::Chirp { value: n("2"), from: n("1"), to: n("10"), duration: n("3") }];
+    let chirp = || {
+        vec![Signal::Chirp {
+            value: n("2"),
+            from: n("1"),
+            to: n("10"),
+            duration: n("3"),
+            at: Number::ZERO,
+            phase: Number::ZERO,
+        }]
+    };
     let fine = motion(&system, chirp(), &["0.1", "0.2", "0.3", "1.7", "4"]);
     let rough = motion(&system, chirp(), &["0.3", "1.7", "4"]);
     for (a, b) in fine[2..].iter().flatten().zip(rough.iter().flatten()) {
@@ -336,7 +347,8 @@ fn motions_are_printed() {
 fn a_steady_state_is_told() {
     let system = oscillator("0.5", "6", "200", "0", "0");
     let f = &n("20") / &(&Number::pi() * &n("2"));
-    let force = |phase: &str| Signal::Harmonic { value: n("10"), frequency: f.clone(), phase: n(phase) };
+    let force =
+        |phase: &str| Signal::Harmonic { value: n("10"), frequency: f.clone(), phase: n(phase), at: Number::ZERO };
     let steady = |system: &LinearSystem, signal: Signal| {
         let transfer = vibc::analysis::Transfer::of(system);
         vibc::analysis::steady(&transfer, &[vec![signal]], &[0, 1])
@@ -360,7 +372,12 @@ fn a_steady_state_is_told() {
     ));
     insta::assert_snapshot!(vibc::backend::simulation::json("shaken", &system, &history, &told));
     let undamped = oscillator("1", "0", "4", "0", "0");
-    let own = Signal::Harmonic { value: n("1"), frequency: Number::pi().recip().expect("not zero"), phase: n("0") };
+    let own = Signal::Harmonic {
+        value: n("1"),
+        frequency: Number::pi().recip().expect("not zero"),
+        phase: n("0"),
+        at: Number::ZERO,
+    };
     let told = steady(&undamped, own);
     assert!(told[0].outputs[0].disc().is_none());
 }
@@ -388,7 +405,12 @@ fn long_and_short_steps_agree_within_their_bounds() {
         let system = observed(b.finish());
         let force = vec![
             Signal::Step { value: Number::from(random(7) as i64), at: n("0.25") },
-            Signal::Harmonic { value: Number::ONE, frequency: Number::from(random(20) as i64), phase: n("0.3") },
+            Signal::Harmonic {
+                value: Number::ONE,
+                frequency: Number::from(random(20) as i64),
+                phase: n("0.3"),
+                at: Number::ZERO,
+            },
         ];
         let drives = [force];
         let rough = respond(&system, &drives, &[n("0.5"), n("2")]).expect("a motion");
@@ -431,7 +453,7 @@ fn energy_is_kept_and_parseval_holds() {
             c.push(damper as f64);
         }
         let system = observed(b.finish());
-        let force = Signal::Harmonic { value: n("3"), frequency: n("0.7"), phase: Number::ZERO };
+        let force = Signal::Harmonic { value: n("3"), frequency: n("0.7"), phase: Number::ZERO, at: Number::ZERO };
         let (h, times) = (1.0 / 256.0, vibc::analysis::grid(&n("4"), &n("0.00390625")));
         let rows = respond(&system, &[vec![force]], &times).expect("a motion").values;
         let value = |row: &Vec<Ball>, i: usize| row[i].to_f64();

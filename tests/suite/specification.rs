@@ -10,27 +10,31 @@ use vibc::base::{SourceFile, Sources};
 use vibc::kinds::DECLARATIONS;
 use vibc::syntax;
 
-/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
-/// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 19] = [
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no model gives): their
+/// pages describe the example in words.
+const IN_WORDS: [&str; 23] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
     "vib::file::not_utf8",
     "vib::limit::signal",
     "vib::limit::states",
-    "vib::motion::still",
-    "vib::motion::unsettled",
     "vib::mass::indefinite",
     "vib::mass::singular",
+    "vib::motion::still",
+    "vib::motion::unsettled",
     "vib::scene::more_findings",
     "vib::signal::base_impulse",
     "vib::syntax::character",
     "vib::syntax::more_errors",
+    "vib::table::first_column",
     "vib::table::heading",
     "vib::table::order",
     "vib::table::row",
+    "vib::table::scale",
     "vib::table::too_short",
+    "vib::table::unit",
+    "vib::table::units_differ",
     "vib::table::unreadable",
 ];
 

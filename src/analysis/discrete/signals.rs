@@ -63,6 +63,7 @@ impl Signals {
         let felt = |at: &Number| until.is_none_or(|until| !(until - at).is_negative());
         for (input, list) in drives.iter().enumerate() {
             let too_long = TooLong { input };
+            let list: Vec<Signal> = list.iter().flat_map(from_zero).collect();
             let sources: Result<Vec<Source>, _> = list.iter().map(|signal| Source::of(signal, None)).collect();
             let sources = sources.map_err(|_| too_long)?;
             let polynomials = pieces::knots(&sources, step, felt).ok_or(too_long)?;
@@ -108,6 +109,25 @@ impl Signals {
     }
 }
 
+/// A harmonic that begins later as one from t = 0 on, less its polynomials until then.
+fn from_zero(signal: &Signal) -> Vec<Signal> {
+    match signal {
+        Signal::Harmonic { value, frequency, phase, at } if !at.is_zero() => {
+            let (value, frequency, phase) = (value.clone(), frequency.clone(), phase.clone());
+            let before = Signal::Chirp {
+                value: -&value,
+                from: frequency.clone(),
+                to: frequency.clone(),
+                duration: at.clone(),
+                at: Number::ZERO,
+                phase: phase.clone(),
+            };
+            vec![Signal::Harmonic { value, frequency, phase, at: Number::ZERO }, before]
+        }
+        signal => vec![signal.clone()],
+    }
+}
+
 /// A chain for the sum of all polynomials of an input.
 fn polynomial(input: usize, start: Vec<Dd>, knots: Vec<Knot>, step: &Number) -> Chain {
     let order = start.len();
@@ -120,7 +140,7 @@ fn polynomial(input: usize, start: Vec<Dd>, knots: Vec<Knot>, step: &Number) -> 
 }
 
 fn harmonic(input: usize, source: &Source, frequency: &Number, step: &Number) -> Option<Chain> {
-    let Source::Harmonic { amplitude, omega, sine, cosine } = source else { return None };
+    let Source::Harmonic { amplitude, omega, sine, cosine, .. } = source else { return None };
     let turn = omega.mid * step.to_ball().mid;
     let generator = Matrix::from_fn(2, 2, |i, j| match (i, j) {
         (0, 1) => turn,

@@ -55,8 +55,9 @@ impl Channel {
         let before = self.active.replace(piece);
         match &self.source {
             Source::Impulse { value, .. } => Blow::Impulse(*value),
-            Source::Harmonic { amplitude, omega, sine, cosine } => {
-                Blow::Jump([*amplitude * *sine, *amplitude * *omega * *cosine])
+            Source::Harmonic { amplitude, omega, at, .. } => {
+                let state = self.state(at);
+                Blow::Jump([*amplitude * state[0], *amplitude * *omega * state[1]])
             }
             Source::Pieces { pieces, .. } if pieces[piece].jump => {
                 let new = &pieces[piece];

@@ -320,17 +320,8 @@ fn is_infinite(run: &Run, before: &[Dd], output: usize) -> bool {
 fn feeds_through_a_jump(system: &LinearSystem, drives: &[Vec<Signal>], output: usize) -> bool {
     let enters = |order: usize, input: usize| system.outputs[output].d[order].iter().any(|(i, _)| *i as usize == input);
     drives.iter().enumerate().any(|(input, signals)| {
-        let value = signals.iter().any(jumps);
-        let rate = value || signals.iter().any(|signal| !matches!(signal, Signal::Impulse { .. }));
+        let first = signals.iter().map(Signal::first_jump).min();
+        let (value, rate) = (first == Some(0), first.is_some_and(|first| first <= 1));
         enters(1, input) && value || enters(2, input) && rate
     })
-}
-
-fn jumps(signal: &Signal) -> bool {
-    match signal {
-        Signal::Step { .. } | Signal::Pulse { .. } | Signal::Impulse { .. } => true,
-        Signal::Harmonic { phase, .. } => !phase.is_zero(),
-        Signal::Table { values, .. } => values.first().is_some_and(|first| !first.is_zero()),
-        Signal::Ramp { .. } | Signal::Chirp { .. } => false,
-    }
 }

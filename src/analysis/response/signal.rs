@@ -4,7 +4,7 @@
 //! breakpoints and coefficients. Every signal is zero before t = 0. See docs/method/response.md.
 
 use crate::base::{Ball, Number};
-use crate::system::Signal;
+use crate::system::{Course, Signal, Table};
 use std::cmp::Ordering;
 
 /// u(t) = sum c_k (t - at)^k / k! from `at` to the start of the next piece.
@@ -20,8 +20,8 @@ pub struct Piece {
 /// A signal, prepared for computation.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// amplitude sin(omega t + phase)
-    Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball },
+    /// amplitude sin(omega t + phase) from the time `at` on; sine and cosine of the phase
+    Harmonic { amplitude: Ball, omega: Ball, sine: Ball, cosine: Ball, at: Number },
     /// Zero before the first piece. `error` bounds |u - piece|; the bound for each further derivative is `rise` times
     /// larger.
     Pieces { order: usize, pieces: Vec<Piece>, error: f64, rise: f64 },
@@ -47,9 +47,13 @@ impl Source {
             Signal::Impulse { value, at } => Source::Impulse { value: value.to_ball(), at: at.clone() },
             Signal::Ramp { value, from, to } => ramp(value, from, to),
             Signal::Pulse { value, from, to } => polynomial(vec![jump(from, &[value]), jump(to, &[&Number::ZERO])]),
-            Signal::Harmonic { value, frequency, phase } => harmonic(value, frequency, phase),
-            Signal::Chirp { value, from, to, duration } => chirp(value, from, to, duration, step)?,
-            Signal::Table { times, values, spline } => polynomial(table(times, values, *spline)),
+            Signal::Harmonic { value, frequency, phase, at } => harmonic(value, frequency, phase, at),
+            Signal::Chirp { value, from, to, duration, at, phase } => {
+                chirp(&Wave { value, from, to, duration, at, phase }, step)?
+            }
+            Signal::Table(rows) => polynomial(table(rows)),
+            Signal::Integral { of, times } => (0..*times).fold(Source::of(of, step)?, |source, _| source.integral()),
+            Signal::Delayed { of, by } => Source::of(of, step)?.delayed(by),
         })
     }
 }
@@ -75,7 +79,7 @@ impl Source {
     /// The times of its events.
     pub fn events(&self) -> Vec<Number> {
         match self {
-            Source::Harmonic { .. } => vec![Number::ZERO],
+            Source::Harmonic { at, .. } => vec![at.clone()],
             Source::Pieces { pieces, .. } => pieces.iter().map(|piece| piece.at.clone()).collect(),
             Source::Impulse { at, .. } => vec![at.clone()],
         }
@@ -120,10 +124,14 @@ fn jump(at: &Number, derivatives: &[&Number]) -> Piece {
     Piece::jump(at.clone(), derivatives.iter().map(|&d| d.clone()).collect())
 }
 
-/// Moves pieces that begin before t = 0 to t = 0.
 fn polynomial(pieces: Vec<Piece>) -> Source {
+    pieces_from_zero(pieces, 0.0, 1.0)
+}
+
+/// Moves pieces that begin before t = 0 to t = 0.
+fn pieces_from_zero(pieces: Vec<Piece>, error: f64, rise: f64) -> Source {
     let order = pieces.iter().map(|piece| piece.derivatives.len()).max().unwrap_or(0);
-    let mut kept: Vec<Piece> = Vec::new();
+    let mut kept: Vec<Piece> = Vec::with_capacity(pieces.len());
     for piece in pieces {
         if !piece.at.is_negative() {
             kept.push(piece);
@@ -135,7 +143,7 @@ fn polynomial(pieces: Vec<Piece>) -> Source {
         kept.clear();
         kept.push(Piece::jump(at_zero, derivatives));
     }
-    Source::Pieces { order, pieces: kept, error: 0.0, rise: 1.0 }
+    Source::Pieces { order, pieces: kept, error, rise }
 }
 
 fn ramp(value: &Number, from: &Number, to: &Number) -> Source {
@@ -145,7 +153,7 @@ fn ramp(value: &Number, from: &Number, to: &Number) -> Source {
     }
 }
 
-fn harmonic(value: &Number, frequency: &Number, phase: &Number) -> Source {
+fn harmonic(value: &Number, frequency: &Number, phase: &Number, at: &Number) -> Source {
     let omega = &(&Number::pi() * &Number::from(2)) * frequency;
     // If no digit of the phase is left, sine and cosine are unknown.
     let unknown = || (Number::Ball(Ball::from(0.0).widen(1.0)), Number::Ball(Ball::from(0.0).widen(1.0)));
@@ -155,20 +163,15 @@ fn harmonic(value: &Number, frequency: &Number, phase: &Number) -> Source {
         omega: omega.to_ball(),
         sine: sine.to_ball(),
         cosine: cosine.to_ball(),
+        at: at.clone(),
     }
 }
 
-/// Polynomials of degree 15 that each cover at most a quarter of a radian. With phase rate w <= W on the piece of
-/// length h, |d^k/dt^k| of exp(i phase) is below k! e^(1.1 W r) / r^k on a circle of radius r = 16 / W around its start
-/// (the rate grows by less than a tenth on it, otherwise the pieces are shorter), so the remainder is below 2 (e^1.1 W
-/// h / 16)^16 < 1e-20.
-fn chirp(
-    value: &Number,
-    from: &Number,
-    to: &Number,
-    duration: &Number,
-    step: Option<&Number>,
-) -> Result<Source, TooManyPieces> {
+/// Polynomials of degree 15 that each cover a quarter of a radian at most. With phase rate w <= W on the piece of length h,
+/// |d^k/dt^k| of exp(i phase) is below k! e^(1.1 W r) / r^k on a circle of radius r = 16 / W around its start (the rate grows
+/// by less than a tenth on it, else the pieces are shorter), so the remainder is below 2 (e^1.1 W h / 16)^16 < 1e-20.
+fn chirp(wave: &Wave, step: Option<&Number>) -> Result<Source, TooManyPieces> {
+    let Wave { value, from, to, duration, at: begin, phase: own } = *wave;
     let two_pi = &Number::pi() * &Number::from(2);
     let (w0, w1) = (&two_pi * from, &two_pi * to);
     let Some(sweep) = (&w1 - &w0).checked_div(duration) else { return Ok(polynomial(Vec::new())) };
@@ -184,16 +187,26 @@ fn chirp(
     for i in 0..count {
         let at = &length * &Number::from(i as i64);
         let rate = &w0 + &(&sweep * &at);
-        let phase = &(&(&w0 + &rate) * &at) / &Number::from(2);
+        let phase = &(&(&(&w0 + &rate) * &at) / &Number::from(2)) + own;
         let derivatives = chirp_derivatives(value.to_ball(), &phase, rate.to_ball(), sweep.to_ball());
-        pieces.push(Piece { at, derivatives, jump: i == 0 });
+        pieces.push(Piece { at: begin + &at, derivatives, jump: i == 0 });
     }
-    pieces.push(Piece { at: duration.clone(), derivatives: Vec::new(), jump: true });
+    pieces.push(Piece { at: begin + duration, derivatives: Vec::new(), jump: true });
     let size = value.abs().to_f64();
     // Each derivative of the remainder is larger by a factor 16 / h.
     let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;
     let rise = 17.0 / length.to_f64();
-    Ok(Source::Pieces { order: CHIRP_DEGREE + 1, pieces, error: lost, rise })
+    Ok(pieces_from_zero(pieces, lost, rise))
+}
+
+/// What a chirp is made of.
+struct Wave<'a> {
+    value: &'a Number,
+    from: &'a Number,
+    to: &'a Number,
+    duration: &'a Number,
+    at: &'a Number,
+    phase: &'a Number,
 }
 
 /// A length of at most `most` that divides the step, or the duration.
@@ -223,15 +236,16 @@ fn chirp_derivatives(value: Ball, phase: &Number, rate: Ball, sweep: Ball) -> Ve
 }
 
 /// Lines or cubics between the rows of a table.
-fn table(times: &[Number], values: &[Number], spline: bool) -> Vec<Piece> {
+fn table(Table { times, values, course }: &Table) -> Vec<Piece> {
     let n = times.len();
     let Some((first, last)) = values.first().zip(values.last()) else { return Vec::new() };
-    let bends = if spline { spline_bends(times, values) } else { vec![Number::ZERO; n] };
+    let is_spline = *course == Course::Spline;
+    let bends = if is_spline { spline_bends(times, values) } else { vec![Number::ZERO; n] };
     let mut pieces = vec![jump(&Number::ZERO, &[first])];
     for i in 0..n.saturating_sub(1) {
         let h = &times[i + 1] - &times[i];
         let slope = &(&values[i + 1] - &values[i]) / &h;
-        if !spline {
+        if !is_spline {
             pieces.push(jump(&times[i], &[&values[i], &slope]));
             continue;
         }
@@ -242,8 +256,53 @@ fn table(times: &[Number], values: &[Number], spline: bool) -> Vec<Piece> {
         piece.jump = i == 0;
         pieces.push(piece);
     }
-    pieces.push(jump(&times[n - 1], &[last]));
+    let end: &[&Number] = if *course == Course::LinesToZero { &[] } else { &[last] };
+    pieces.push(jump(&times[n - 1], end));
     pieces
+}
+
+impl Source {
+    /// The integral of a piecewise source from zero at t = 0; of others the source itself, which `lower::drives` replaces.
+    ///
+    /// The remainder of a piece grows to `error` times its length until the next one starts: there it goes into the value.
+    /// Within a piece of length h the remainder r of the integral has |r| <= error h, and its derivatives are the remainder's.
+    fn integral(self) -> Source {
+        let Source::Pieces { order, pieces, error, rise } = self else { return self };
+        let mut value = Number::ZERO;
+        let mut longest: f64 = 0.0;
+        let mut made: Vec<Piece> = Vec::with_capacity(pieces.len());
+        for (i, piece) in pieces.iter().enumerate() {
+            if let Some(before) = made.last() {
+                let length = (&piece.at - &before.at).to_f64();
+                value = before.after(&piece.at)[0].clone();
+                if error > 0.0 && before.derivatives.len() > 1 {
+                    longest = longest.max(length);
+                    value = Number::Ball(value.to_ball().widen(error * length * 1.01));
+                }
+            }
+            let derivatives: Vec<Number> =
+                std::iter::once(value.clone()).chain(piece.derivatives.iter().cloned()).collect();
+            // The value goes on; the slope is the old value, and jumps where that did.
+            made.push(Piece { jump: piece.jump || i == 0, ..Piece::jump(piece.at.clone(), derivatives) });
+        }
+        // The k-th derivative of the new remainder is below error h rise^k for k = 0, and for all others below what the (k-1)-th
+        // one of the old was, error rise^(k-1): h rise is at least 1 where pieces have a remainder.
+        let (error, rise) = if error > 0.0 { (error * longest * 1.01, rise.max(1.0 / longest)) } else { (0.0, rise) };
+        Source::Pieces { order: order + 1, pieces: made, error, rise }
+    }
+
+    /// The same so much later.
+    fn delayed(self, by: &Number) -> Source {
+        match self {
+            Source::Pieces { order, mut pieces, error, rise } => {
+                pieces.iter_mut().for_each(|piece| piece.at = &piece.at + by);
+                Source::Pieces { order, pieces, error, rise }
+            }
+            Source::Impulse { value, at } => Source::Impulse { value, at: &at + by },
+            // `lower::drives` turns the phase of a harmonic.
+            harmonic => harmonic,
+        }
+    }
 }
 
 /// Second derivatives of the natural cubic spline (zero at both ends): a diagonally dominant tridiagonal system
@@ -290,7 +349,14 @@ mod tests {
     #[test]
     fn a_chirp_follows_its_formula() {
         let n = |text: &str| Number::from(text);
-        let chirp = Signal::Chirp { value: n("3"), from: n("1"), to: n("5"), duration: n("10") };
+        let chirp = Signal::Chirp {
+            value: n("3"),
+            from: n("1"),
+            to: n("5"),
+            duration: n("10"),
+            at: Number::ZERO,
+            phase: Number::ZERO,
+        };
         let source = Source::of(&chirp, None).expect("few pieces");
         for t in ["0.1", "3.3", "9.99"] {
             let x = t.parse::<f64>().expect("a number");
@@ -305,7 +371,14 @@ mod tests {
     #[test]
     fn what_a_chirp_leaves_out_is_told() {
         let n = |text: &str| Number::from(text);
-        let chirp = Signal::Chirp { value: n("3"), from: n("1"), to: n("5"), duration: n("10") };
+        let chirp = Signal::Chirp {
+            value: n("3"),
+            from: n("1"),
+            to: n("5"),
+            duration: n("10"),
+            at: Number::ZERO,
+            phase: Number::ZERO,
+        };
         let source = Source::of(&chirp, None).expect("few pieces");
         let Source::Pieces { pieces, .. } = &source else { panic!("pieces") };
         let two_pi = &Number::pi() * &Number::from(2);
@@ -329,7 +402,11 @@ mod tests {
     #[test]
     fn a_spline_keeps_a_line_and_its_ends() {
         let numbers = |list: &[&str]| list.iter().map(|&text| Number::from(text)).collect::<Vec<_>>();
-        let line = Signal::Table { times: numbers(&["0", "1", "3"]), values: numbers(&["0", "2", "6"]), spline: true };
+        let line = Signal::Table(Table {
+            times: numbers(&["0", "1", "3"]),
+            values: numbers(&["0", "2", "6"]),
+            course: Course::Spline,
+        });
         let source = Source::of(&line, None).expect("three pieces");
         assert!((value(&source, "2.5") - 5.0).abs() < 1e-15);
         assert!((value(&source, "9") - 6.0).abs() < 1e-15);

@@ -62,7 +62,7 @@ fn pieces(source: &Source) -> &[Piece] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::system::Signal;
+    use crate::system::{Course, Signal, Table};
 
     /// At and between all knots, the value and slope of the sum are the sums of the values and slopes, and signals that
     /// add up to zero have no state.
@@ -74,7 +74,11 @@ mod tests {
             Signal::Step { value: n("3"), at: n("0.5") },
             Signal::Ramp { value: -&n("10"), from: n("0.25"), to: n("1.75") },
             Signal::Pulse { value: -&n("7"), from: n("0.5"), to: n("1") },
-            Signal::Table { times: numbers(&["0.1", "1", "1.2"]), values: numbers(&["0", "2", "7"]), spline: false },
+            Signal::Table(Table {
+                times: numbers(&["0.1", "1", "1.2"]),
+                values: numbers(&["0", "2", "7"]),
+                course: Course::Lines,
+            }),
             Signal::Step { value: n("0.1"), at: n("2.5") },
             Signal::Step { value: -&n("0.1"), at: n("3") },
         ];

@@ -17,7 +17,7 @@ pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
     for (i, displacement, velocity) in &system.initial {
         is_moved[parts.of(i.index())] |= !(displacement.is_zero() && velocity.is_zero());
     }
-    let acts = |input: usize| drives.get(input).is_some_and(|signals| signals.iter().any(is_felt));
+    let acts = |input: usize| drives.get(input).is_some_and(|signals| signals.iter().any(Signal::is_felt));
     for (_, input) in system.inputs.iter().enumerate().filter(|&(input, _)| acts(input)) {
         for (i, _) in input.b.iter().flatten() {
             is_moved[parts.of(i.index())] = true;
@@ -28,19 +28,6 @@ pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
             || output.d.iter().flatten().any(|(input, _)| acts(*input as usize))
     };
     system.outputs.iter().map(reaches).collect()
-}
-
-/// Whether a signal is not zero at all times.
-fn is_felt(signal: &Signal) -> bool {
-    match signal {
-        Signal::Step { value, .. }
-        | Signal::Impulse { value, .. }
-        | Signal::Ramp { value, .. }
-        | Signal::Pulse { value, .. }
-        | Signal::Harmonic { value, .. }
-        | Signal::Chirp { value, .. } => !value.is_zero(),
-        Signal::Table { values, .. } => values.iter().any(|value| !value.is_zero()),
-    }
 }
 
 /// Coordinates that are coupled: each refers to a representative of its part.

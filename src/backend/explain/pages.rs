@@ -58,11 +58,11 @@ pub const PAGES: &[Page] = pages! {
     scene: empty more_findings;
     setting: duplicate form not_a_parameter solved toml unknown;
     shape: size unknown;
-    signal: arguments base_impulse many_motions times unknown;
+    signal: arguments base_impulse constant_rate cycle delayed differ many_motions times unknown;
     solve: independent no_root no_value range several_roots singular twice unsettled;
     spring: free_length_and_preload negative no_length;
     syntax: character more_errors stray too_deep too_large unclosed unclosed_string unexpected unknown_keyword;
-    table: heading order row too_short unreadable;
+    table: first_column heading order row scale too_short unit units_differ unreadable;
     unit: ambiguous cycles exponent frequency malformed mismatch missing unknown;
     unused: element gravity input parameter point property;
     value: comparison components kind motion negative;

@@ -52,6 +52,19 @@ pub enum PartError {
     TableOrder { span: Span, named: Span },
     TableTooShort { span: Span, rows: usize },
     TableHeading { span: Span, named: Span, word: String, read: &'static str },
+    TableWithoutUnit { span: Span, read: &'static str },
+    TableUnitUnknown { span: Span, named: Span },
+    TableUnitsDiffer { span: Span, heading: Span },
+    TableUnitZero { span: Span },
+    TableSpeed { span: Span },
+    TableFirstColumn { span: Span, named: Span, is_distance: bool },
+    SignalsDiffer { span: Span },
+    ConstantOfRate { span: Span, noun: &'static str },
+    DelayInSum { span: Span },
+    DelayNegative { span: Span },
+    DelayOfOtherKind { span: Span, name: String, declared: Span },
+    DelayOfNothing { span: Span, name: String, declared: Span },
+    DelayOfItself { span: Span, name: String },
     NotATable { span: Span, line: usize },
 }
 
@@ -235,9 +248,67 @@ impl PartError {
             }
             TableHeading { span, named, word, read } => {
                 let message = format!("the values of this table are read as {read}, and its heading says `{word}`");
-                Diagnostic::warning(Code::model("vib::table::heading"), span, message)
+                error("vib::table::heading", span, message)
                     .related(named, "the table is named here")
-                    .help("a table has SI units: s, and N, N*m, m or rad; rewrite its values, or its heading")
+                    .help("give the unit in the heading, as in `acceleration [m/s^2]`, or in the call: `table(\"file.csv\", 1 g0)`")
+            }
+            TableWithoutUnit { span, read } => {
+                let message = format!("this table says no unit: its values are read as {read} in SI units");
+                Diagnostic::warning(Code::model("vib::table::unit"), span, message)
+                    .help("give the unit in the call, as in `table(\"file.csv\", 1 kN)`, or in the heading, as in `force [kN]`")
+            }
+            TableUnitUnknown { span, named } => {
+                error("vib::unit::unknown", span, "what stands in the brackets of this heading is no unit")
+                    .related(named, "the table is named here")
+                    .help("write a unit in square brackets, as in `acceleration [m/s^2]`")
+            }
+            TableUnitsDiffer { span, heading } => {
+                error("vib::table::units_differ", span, "this unit is not the one in the heading of the table")
+                    .related(heading, "the heading")
+                    .help("keep one of them, or make them agree")
+            }
+            TableUnitZero { span } => error("vib::table::scale", span, "a table in multiples of nothing has no values")
+                .help("write what a 1 in the table stands for, such as `1 mm`"),
+            TableSpeed { span } => error("vib::table::scale", span, "the speed along a table is not above zero")
+                .help("write how fast the distance in the first column is covered, such as `speed = 20 m/s`"),
+            TableFirstColumn { span, named, is_distance } => {
+                let (message, help) = if is_distance {
+                    ("the first column of this table is a distance", "say how fast it is covered: `speed = 20 m/s`")
+                } else {
+                    (
+                        "the first column of this table is not in a unit of time or, with a speed, of length",
+                        "write `time [s]`, or with `speed = 20 m/s` in the call `distance [m]`",
+                    )
+                };
+                error("vib::table::first_column", span, message).related(named, "the table is named here").help(help)
+            }
+            SignalsDiffer { span } => {
+                error("vib::signal::differ", span, "this signal is not of the same dimension as the one before it")
+                    .help("the signals of a base are all displacements, all velocities or all accelerations")
+            }
+            ConstantOfRate { span, noun } => {
+                error("vib::signal::constant_rate", span, format!("a base that has {noun} at rest is never at rest"))
+                    .help("write `step(...)` for one that starts at a time, or a constant displacement")
+            }
+            DelayInSum { span } => error("vib::signal::delayed", span, "`delayed` stands alone, and not in a sum")
+                .help("add to the signal of the input that it is delayed from"),
+            DelayNegative { span } => error("vib::signal::delayed", span, "a signal cannot be had before it comes")
+                .help("swap the two inputs, and give the later one the delay"),
+            DelayOfOtherKind { span, name, declared } => error(
+                "vib::signal::delayed",
+                span,
+                format!("`{name}` is an input of another kind"),
+            )
+            .related(declared, "declared here")
+            .help("a force is delayed from a force, a torque from a torque, a motion along a line from another one"),
+            DelayOfNothing { span, name, declared } => {
+                error("vib::signal::delayed", span, format!("`{name}` has no signal"))
+                    .related(declared, "declared here")
+                    .help("give it one, such as `= step(...)`")
+            }
+            DelayOfItself { span, name } => {
+                error("vib::signal::cycle", span, format!("the signal of `{name}` is delayed from itself"))
+                    .help("give one of the inputs in this circle a signal of its own")
             }
             NotATable { span, line } => error("vib::table::row", span, "this file is no table")
                 .label(format!("its line {line} is not a time and a value"))

@@ -27,6 +27,7 @@ pub enum ValueError {
     ArrowAsValue { span: Span },
     ComparisonAsValue { span: Span },
     ArgumentCount { span: Span, function: &'static str, expected: usize, found: usize },
+    ArgumentName { span: Span },
     Components { span: Span, found: usize },
     NoDirection { span: Span },
     UnlikeDeclared { span: Span, found: Dimension, wanted: Dimension, declared: Option<(String, Span)> },
@@ -88,6 +89,9 @@ impl ValueError {
             ComparisonAsValue { span } => error("vib::value::comparison", span, "a comparison has no value")
                 .help("comparisons stand in `require`, as in `require frequency(1) > 2 Hz`"),
             ArgumentCount { span, function, expected, found } => argument_count(span, function, expected, found),
+            ArgumentName { span } => {
+                error("vib::function::arguments", span, "no argument here has a name").help("write the value alone")
+            }
             Components { span, found } => components(span, found),
             NoDirection { span } => error("vib::direction::zero", span, "this vector has no direction")
                 .label("zero")

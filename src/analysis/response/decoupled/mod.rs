@@ -446,6 +446,7 @@ mod tests {
     use crate::analysis::response::together;
     use crate::analysis::test_systems::{blank, push};
     use crate::system::CoordinateId;
+    use crate::system::{Course, Table};
 
     fn n(text: &str) -> Number {
         Number::from(text)
@@ -498,21 +499,35 @@ mod tests {
     }
 
     fn harmonic(hertz: &str, phase: &str) -> Signal {
-        Signal::Harmonic { value: n("2"), frequency: n(hertz), phase: n(phase) }
+        Signal::Harmonic { value: n("2"), frequency: n(hertz), phase: n(phase), at: n("0") }
     }
 
     #[test]
     fn all_signals_move_a_chain_as_the_whole_matrix_does() {
         let numbers = |list: &[&str]| list.iter().map(|&text| n(text)).collect::<Vec<_>>();
         let (times, values) = (numbers(&["0", "0.7", "2", "2.05"]), numbers(&["0.1", "2.1", "6", "1"]));
+        let table = |course| Signal::Table(Table { times: times.clone(), values: values.clone(), course });
+        let integral = |of, times| Signal::Integral { of: Box::new(of), times };
+        let by = n("0.21");
         let signals = [
             vec![harmonic("1.5", "0.3"), harmonic("40", "0")],
+            vec![Signal::Harmonic { value: n("2"), frequency: n("1.5"), phase: n("0.3"), at: n("0.77") }],
+            vec![integral(table(Course::LinesToZero), 2), integral(Signal::Step { value: n("1"), at: n("0.4") }, 1)],
+            vec![Signal::Delayed { of: Box::new(table(Course::Spline)), by: by.clone() }],
+            vec![Signal::Delayed { of: Box::new(integral(Signal::Impulse { value: n("3"), at: n("0") }, 0)), by }],
             vec![Signal::Step { value: n("3"), at: n("0.33") }, Signal::Impulse { value: n("7"), at: n("1") }],
             vec![Signal::Ramp { value: n("4"), from: n("0.1"), to: n("1.7") }],
             vec![Signal::Pulse { value: n("4"), from: n("0.4"), to: n("0.45") }],
-            vec![Signal::Table { times: times.clone(), values: values.clone(), spline: false }],
-            vec![Signal::Table { times, values, spline: true }],
-            vec![Signal::Chirp { value: n("2"), from: n("1"), to: n("10"), duration: n("1.5") }],
+            vec![table(Course::Lines)],
+            vec![table(Course::Spline)],
+            vec![Signal::Chirp {
+                value: n("2"),
+                from: n("1"),
+                to: n("10"),
+                duration: n("1.5"),
+                at: n("0.1"),
+                phase: n("0.3"),
+            }],
         ];
         for (size, held) in [(1, true), (3, true), (9, true), (3, false)] {
             let mut system = chain(size, held, "0.7");
@@ -539,7 +554,7 @@ mod tests {
             harmonic("3", "0.9"),
             Signal::Step { value: n("0.1"), at: n("0.5") },
             Signal::Ramp { value: n("0.1"), from: n("0.5"), to: n("1.1") },
-            Signal::Chirp { value: n("0.1"), from: n("4"), to: n("0"), duration: n("2") },
+            Signal::Chirp { value: n("0.1"), from: n("4"), to: n("0"), duration: n("2"), at: n("0"), phase: n("0") },
         ] {
             let bound = meets(&format!("{signal:?}"), &system, &[vec![signal]], &grid("2.5", "0.03125"));
             // A chirp's second derivative, which enters inertia forces and accelerations, is known to some 1e-16.
@@ -562,7 +577,12 @@ mod tests {
             system.initial = vec![(CoordinateId(0), n("1"), n("0.5"))];
             system
         };
-        let own = Signal::Harmonic { value: n("1"), frequency: Number::pi().recip().expect("not zero"), phase: n("0") };
+        let own = Signal::Harmonic {
+            value: n("1"),
+            frequency: Number::pi().recip().expect("not zero"),
+            phase: n("0"),
+            at: n("0"),
+        };
         let mut uneven: Vec<Number> = (1..40).map(|i| &n("7") / &Number::from(41 - i)).collect();
         uneven.insert(0, Number::ZERO);
         for times in [grid("20", "0.25"), uneven] {
