@@ -146,7 +146,7 @@ fn tables_are_read_below_the_open_folder_alone() {
     let uri = |name: &str| format!("file://{}", at(name).display());
     let text = |file: &str| {
         format!(
-            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 1 N/m }}\nforce F: b = table(\"{file}\")\n"
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 1 N/m }}\nforce F: b = table(\"{file}\", 1 N)\n"
         )
     };
     let open = json!({ "capabilities": {}, "workspaceFolders": [{ "uri": uri("open"), "name": "open" }] });
