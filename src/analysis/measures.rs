@@ -5,7 +5,7 @@ use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
 
 /// A measured number.
@@ -76,11 +76,25 @@ pub fn critical(poles: &Poles, i: usize) -> Measurement {
 /// The damping ratio of the i-th damped motion: complex pairs and pairs of real poles, ascending in |s|.
 pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
     match damped_motion(poles, i) {
+        Ok(pole) if !is_certain_in_order(poles, pole) => Measurement::None(
+            "another damped motion is as far from zero as this one, so which comes first is not certain",
+        ),
         Ok(pole) => {
             pole.damping_ratio.map_or(Measurement::None("a pole at zero has no damping ratio"), Measurement::Value)
         }
         Err(why) => Measurement::None(why),
     }
+}
+
+/// Whether no pole with another damping ratio may be just as far from zero: two oscillators with the same frequency and
+/// different dampers have poles of the same size, and rounding would choose the first.
+fn is_certain_in_order(poles: &Poles, of: &Pole) -> bool {
+    let size = of.modulus();
+    let ratio = |pole: &Pole| pole.damping_ratio.unwrap_or(Ball::new(Dd::ZERO, f64::INFINITY));
+    let others = poles.list.iter().filter(|pole| !pole.is_lower_half());
+    others
+        .filter(|other| (other.modulus() - size).contains_zero())
+        .all(|other| (ratio(other) - ratio(of)).contains_zero())
 }
 
 /// The last pole of the i-th damped motion, or why there is none.
@@ -168,7 +182,7 @@ fn measured(gain: Gain, of: impl Fn(Disc) -> Option<Ball>) -> Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::test_systems::oscillator;
+    use crate::analysis::test_systems::{blank, oscillator, push};
     use crate::analysis::{modes, poles};
 
     fn value(measurement: Measurement) -> f64 {
@@ -179,6 +193,26 @@ mod tests {
             }
             other => panic!("{other:?}"),
         }
+    }
+
+    /// Two masses on springs of the same frequency: with different dampers both pairs of poles are at |s| = 1 exactly, and with
+    /// dampers of 0.1 and 0.2 one has 5 % and the other 10 %. A third, at |s| = 2, is certain, and so are copies.
+    #[test]
+    fn motions_of_the_same_size_have_no_order() {
+        let ratio = |dampers: [&str; 3], i: usize| {
+            let mut system = blank(3);
+            for (at, (damper, stiffness)) in dampers.into_iter().zip(["1", "1", "4"]).enumerate() {
+                push(&mut system.m, "1", at, None);
+                push(&mut system.c, damper, at, None);
+                push(&mut system.k, stiffness, at, None);
+            }
+            let modes = modes(&system).expect("modes");
+            damping_ratio(&poles(&system, &modes).expect("poles"), i)
+        };
+        let different = ["0.1", "0.2", "0.4"];
+        assert!([1, 2].iter().all(|i| matches!(ratio(different, *i), Measurement::None(_))));
+        assert_eq!(value(ratio(different, 3)), 0.1);
+        assert_eq!([1, 2].map(|i| value(ratio(["0.1", "0.1", "0.4"], i))), [0.05; 2]);
     }
 
     /// S10 of the published cases (VM86): k = 200, c = 6, m = 0.5, 10 N at 20 rad/s give 1/12 m. Two forces of half the

@@ -103,11 +103,16 @@ def check(net, program, tally, rng):
 
 def damping(entry, poles, turns, tally):
     """The derivative of a damping ratio; poles count upwards by size, complex ones once."""
-    order = sorted(range(len(poles)), key=lambda i: float(abs(poles[i]).mid()))
     if any(s.imag == 0 for s in poles) or entry.get("derivative") is None:
         tally.refuse("damping told as " + str(entry.get("kind")))
         return
-    i = order[entry["motion"] - 1]
+    # Sizes may agree in the first twenty digits: they are compared as enclosures.
+    sizes = [abs(s) for s in poles]
+    before = [sum(1 for other in sizes if other < size) for size in sizes]
+    if entry["motion"] - 1 not in before or before.count(entry["motion"] - 1) > 1:
+        tally.refuse("damped motions of one size")
+        return
+    i = before.index(entry["motion"] - 1)
     s, slope = poles[i], turns[i]
     if slope is None:
         return
