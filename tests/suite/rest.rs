@@ -732,6 +732,16 @@ fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
     assert_eq!(held, [None; 2]);
 }
 
+/// A spring that pulls with 100 N and more at any length draws its mass onto its other end, where no force is balanced: the
+/// energy has a kink there. That is no rest, not even one without a proof.
+#[test]
+fn a_spring_that_pulls_to_no_length_leaves_no_rest() {
+    let text = "gravity 9.81 m/s^2
+        body m { mass = 1 kg, inertia = 1 kg*m^2, at = (1 m, 0.3 m), free }
+        spring s: ground@(0, 0) -- m { k = 1 N/m, preload = 100 N }";
+    assert_eq!(super::ask::refusal(text), ["vib::rest::not_found"]);
+}
+
 /// Transfer functions, motions, code and benchmarks have no place for saying that a number has no bound: they are refused by
 /// one finding, as a limit; the caption of a drawn mode has no digits.
 #[test]

@@ -39,6 +39,8 @@ pub const MAX_STEPS: u32 = 500;
 pub const STILL: f64 = 1e-13;
 /// Forces that balance up to this share of their magnitudes: rounding errors of sums of a few terms.
 pub const BALANCED: f64 = 1e-14;
+/// Forces that are unbalanced by more than this share of their magnitudes after the last step are not rounding errors.
+const KINKED: f64 = 0.1;
 pub const FIRST_RADIUS: f64 = 0.5;
 /// Angles turn by no more than about this in one step, so that no rest is skipped.
 pub const LARGEST_RADIUS: f64 = 1.0;
@@ -91,7 +93,9 @@ impl Descent<'_> {
                 }
             }
             if step.length <= STILL {
-                return Descended { settled: true, steps: steps + 1, energy };
+                // Steps that do not help shrink too, toward a place with a kink: where a spring that still pulls has no length.
+                let settled = imbalance(&energy) <= KINKED;
+                return Descended { settled, steps: steps + 1, energy };
             }
             if self.is_away(&measure) {
                 break;
