@@ -26,5 +26,5 @@ pub const KIND: Kind = Kind {
     ],
     units: ["N*s/m", "N*m*s/rad"],
     order: Order::Velocity,
-    negative: Negative::Noted(Code::model("vib::damper::negative"), "this damping is negative: it feeds energy in"),
+    negative: Negative::Noted(Code::model("vib::damper::negative"), "this damping is negative: it adds energy"),
 };

@@ -13,7 +13,7 @@ pub const KIND: Kind = Kind {
     plural: "inerters",
     form: "inerter b: ground -- block { b = 20 kg }",
     forms: "inerter b: ground -- block { b = 20 kg }\ninerter t: ground -- rod { b = 0.5 kg*m^2 }",
-    summary: "An inerter between two parts: its force is proportional to the acceleration of its ends against each other; \
+    summary: "An inerter between two parts: its force is proportional to the relative acceleration of its ends; \
               torsional if its inertance is in kg*m^2.",
     rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
             they have different known places, and otherwise along the one line on which both parts can move.\n\n\

@@ -46,7 +46,7 @@ pub const KIND: Kind = Kind {
     order: Order::Displacement,
     negative: Negative::Noted(
         Code::model("vib::spring::negative"),
-        "this stiffness is negative: it drives away from rest",
+        "this stiffness is negative: it pushes away from the rest",
     ),
 };
 

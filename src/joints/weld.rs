@@ -7,7 +7,7 @@ pub const KIND: Kind = Kind {
     form: "weld w: block -- box",
     forms: "weld w: block -- box",
     summary: "Fixes two parts to each other, as drawn.",
-    rules: "Two points written for a weld must coincide. A weld that closes a loop becomes a constraint.",
+    rules: "If both ends name a point, the points must coincide. A weld that closes a loop becomes a constraint.",
     heading: "Joints",
     synonyms: &["fixed"],
     turns: false,

@@ -156,7 +156,7 @@ pub const BODY_FIELDS: [Field; 7] = [
         "moves",
         Takes::Motions,
         "moves x",
-        "The body stands on the ground and moves so: `x`, `y`, `x y`, or `along (1, 1)`.",
+        "The motions of the body relative to the ground: `x`, `y`, `x y`, or `along (1, 1)`.",
     ),
     Field::new("at", Takes::Position, "at = (0, 0)", "The centre of mass in the drawing."),
     Field::new(
@@ -195,7 +195,7 @@ const FIRST: [Declaration; 6] = [
         Page {
             forms: "model cart",
             summary: "Names the model; reports and emitted code use the name.",
-            rules: "Without it the model has the name of its file. Stands at most once in a model.",
+            rules: "Without it the model has the name of its file. At most one per model.",
             heading: "Scene",
         },
         &[Piece::Blank, Piece::Word(Naming::Title, "the model")],
@@ -209,8 +209,8 @@ const FIRST: [Declaration; 6] = [
             Page {
                 forms: "param k = 10 N/m",
                 summary: "Declares a number that the command line may replace: `--set k=12N/m`.",
-                rules: "Order does not matter: a parameter may use names that are declared further down. A circle of parameters that \
-                 need each other is an error. The value given from outside must have the dimension of the declared one.",
+                rules: "Order does not matter: a parameter may use names that are declared further down. Parameters that depend on each \
+                 other in a cycle are an error. A value from outside must have the dimension of the declared one.",
                 heading: "Parameters",
             },
             &[
@@ -249,7 +249,7 @@ const FIRST: [Declaration; 6] = [
             Page {
                 forms: "gravity 9.81 m/s^2\ngravity (0, -9.81 m/s^2)",
                 summary: "Switches gravity on. A single number points along -y.",
-                rules: "Without this line there is no gravity. Stands at most once in a model.",
+                rules: "Without this line there is no gravity. At most one per model.",
                 heading: "Scene",
             },
             &[Piece::Apart, Piece::Value("the acceleration of gravity", Content::Number(Dimension::ACCELERATION))],
@@ -285,10 +285,10 @@ const FIRST: [Declaration; 6] = [
             Page {
                 forms: "body block { mass = 1 kg, moves x }\nbody rod { mass = 0.5 kg, shape = rod(A, (0, -2 m)) }",
                 summary: "Declares a rigid body.",
-                rules: "Its freedom clause says how it moves against the ground: `moves x`, `moves y`, `moves x y`, \
+                rules: "Its freedom clause says how it moves relative to the ground: `moves x`, `moves y`, `moves x y`, \
                  `moves along (1, 1)`, `turns`, or `free` for all three. A body without one gets its degrees of freedom from \
                  its joints; a body with neither is an error.\n\n\
-                 `mass`, `at` (the centre of mass), `inertia` and `shape` are needed only where a degree of freedom uses them. \
+                 `mass`, `at` (the centre of mass), `inertia` and `shape` are only needed if a degree of freedom uses them. \
                  `inertia = 0.8 kg*m^2` is about the centre of mass, `inertia = 0.8 kg*m^2 about A` about a point. Centre and \
                  inertia follow from `shape = rod(A, B)`; the inertia alone follows from `disk(r)`, `ring(r)` and `box(w, h)`.",
                 heading: "Bodies",
@@ -307,7 +307,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
         "couple r: wheel.angle = -block.x / 0.3 m",
         Page {
             forms: "couple r: wheel.angle = -block.x / 0.3 m",
-            summary: "Ties motions by a linear relation: gears, racks, rolling wheels, pulleys, levers.",
+            summary: "Couples motions by a linear relation: gears, racks, rolling wheels, pulleys, levers.",
             rules: "Both sides are sums of displacements and angles of bodies and bases, each times or divided by a number, or a \
              bare zero. The relation holds for the deviations from the drawing.",
             heading: "Couplings",
@@ -350,7 +350,7 @@ const LAST: [Declaration; 10] = [
             Page {
                 forms: "force F: block@A along x\nforce F: block along x = harmonic(10 N, 1.5 Hz)\nforce F: a -- b",
                 summary: "A force on a part, or between two parts: an input.",
-                rules: "`force F: a -- b` acts between its ends and is positive where it pushes them apart; with `along` it acts on b in \
+                rules: "`force F: a -- b` acts between its ends and is positive if it pushes them apart; with `along` it acts on b in \
                  that direction and on a the other way. A signal may follow; without one the force is an input for transfer \
                  functions and emitted code.",
                 heading: "Forces and torques",
@@ -398,15 +398,15 @@ const LAST: [Declaration; 10] = [
             Page {
                 forms: "output theta = rod.angle\noutput tip = rod@(0, -2 m).x\noutput pull = s.force",
                 summary: "Names a quantity to be reported: a linear combination of motions.",
-                rules: "Motions of a body, a base or a point of either: `x y angle`, `vx vy omega`, `ax ay alpha`; of a spring or \
-                 damper: `force` and `stretch`. All are deviations from rest.",
+                rules: "Motions of a body, a base or a point of either: `x y angle`, `vx vy omega`, `ax ay alpha`; of an \
+                 element: `force` and `stretch`. All are deviations from rest.",
                 heading: "Outputs",
             },
             &[
                 Piece::Blank,
                 Piece::Name(NEW_PART, "the output"),
-                Piece::Sign(EQUALS, "between the output and what it is"),
-                Piece::Value("what is put out", Content::Motions),
+                Piece::Sign(EQUALS, "between the output and its expression"),
+                Piece::Value("the output's expression", Content::Motions),
             ],
         )
     },
@@ -418,8 +418,8 @@ const LAST: [Declaration; 10] = [
             Page {
                 forms: "damping modal 2 %\ndamping rayleigh(0.1 /s, 1e-4 s)",
                 summary: "Damping of the whole scene, added to the dampers.",
-                rules: "`modal` gives every oscillation the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act against the \
-                 ground. Stands at most once in a model.",
+                rules: "`modal` gives every mode the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act against the \
+                 ground. At most one per model.",
                 heading: "Damping of the whole scene",
             },
             &[
@@ -442,8 +442,8 @@ const LAST: [Declaration; 10] = [
         Page {
             forms: "rest as drawn",
             summary: "Declares that the drawing is the static equilibrium.",
-            rules: "Springs without `preload` and `free_length` get the tensions that make it so: the smallest ones, where several \
-             sets do. Stands at most once in a model.",
+            rules: "Springs without `preload` and `free_length` get the tensions that make it so: the smallest ones, if \
+             several sets do. At most one per model.",
             heading: "Scene",
         },
         &[Piece::Blank, Piece::Marker("as", "after `rest`"), Piece::Marker("drawn", "after `rest as`")],
@@ -457,8 +457,8 @@ const LAST: [Declaration; 10] = [
             Page {
                 forms: "repeat i in 2..100 {\n    body m[i] { mass = 1 kg, moves x }\n}",
                 summary: "Declares its body once for each value of an index, bounds included.",
-                rules: "The names declared inside need the index, as in `m[i]`. Inside, `i` is a plain number. What is declared is \
-                 known everywhere in the model.",
+                rules: "The names declared inside need the index, as in `m[i]`. Inside, `i` is a plain number. The declared \
+                 names are known everywhere in the model.",
                 heading: "Repetition",
             },
             &[

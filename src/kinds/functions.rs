@@ -181,13 +181,13 @@ pub const SIGNALS: &[Named<Signal>] = &[
     entry(
         Signal::Constant,
         ["constant", "constant(a)", "constant(10 N)"],
-        "A load that is there always: part of rest.",
+        "A permanent load: it takes part in the rest.",
         &[Argument::Amplitude],
     ),
     entry(
         Signal::Step,
         ["step", "step(a, at)", "step(10 N, 0 s)"],
-        "Nothing before the time `at`, then a.",
+        "Zero before the time `at`, then a.",
         &[Argument::Amplitude, Argument::Time],
     ),
     entry(
@@ -305,7 +305,7 @@ pub const MEASURES: &[Named<Measure>] = &[
     entry(
         Measure::Phase,
         ["phase", "phase(input -> output, f)", "phase(input -> output, 30 Hz)"],
-        "The phase of the output against the input at a frequency.",
+        "The phase of the output relative to the input at a frequency.",
         &[Argument::Path, Argument::Frequency],
     ),
     entry(
@@ -323,7 +323,7 @@ pub const MEASURES: &[Named<Measure>] = &[
     entry(
         Measure::Peak,
         ["peak", "peak(output)", "peak(output)"],
-        "The largest size over the simulated time.",
+        "The largest absolute value over the simulated time.",
         &[Argument::Output],
     ),
     entry(
@@ -332,7 +332,7 @@ pub const MEASURES: &[Named<Measure>] = &[
         "The root mean square over the simulated time.",
         &[Argument::Output],
     ),
-    entry(Measure::Stable, ["stable", "stable", "stable"], "Whether every motion stays small.", &[]),
+    entry(Measure::Stable, ["stable", "stable", "stable"], "Whether the rest is stable: no small motion grows.", &[]),
 ];
 
 /// The kinds of damping that take arguments.
@@ -348,7 +348,7 @@ const ANGLE: Argument = Argument::Number(Dimension::NONE);
 /// The functions of numbers; `model::value` has their values.
 pub const NUMBERS: &[Named<()>] = &[
     entry((), ["sqrt", "sqrt(x)", "sqrt(x)"], "The square root.", &[Argument::Any]),
-    entry((), ["abs", "abs(x)", "abs(x)"], "The size without the sign.", &[Argument::Any]),
+    entry((), ["abs", "abs(x)", "abs(x)"], "The absolute value.", &[Argument::Any]),
     entry((), ["min", "min(a, b)", "min(a, b)"], "The least of its arguments.", &[Argument::Any]),
     entry((), ["max", "max(a, b)", "max(a, b)"], "The greatest of its arguments.", &[Argument::Any]),
     entry((), ["sin", "sin(x)", "sin(x)"], "The sine of an angle.", &[ANGLE]),
@@ -383,7 +383,7 @@ impl FunctionKind {
         match self {
             FunctionKind::Shape => format!("a shape: write `shape = {}` in a body", function.example),
             FunctionKind::Signal => "a signal: it follows a force, a torque or a base".into(),
-            FunctionKind::Measure => "a measure: it stands in `solve` and `require`".into(),
+            FunctionKind::Measure => "a measure: use it in `solve` and `require`".into(),
             FunctionKind::Damping => format!("a kind of damping: write `damping {}`", function.example),
             FunctionKind::Number => "a function of numbers".into(),
         }

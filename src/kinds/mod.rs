@@ -185,7 +185,7 @@ mod tests {
         #[test]
         fn has_the_messages_of_its_kind() {
             for (gadget, expected) in [
-                ("gadget g ground -- a", "it is written `gadget g: ground -- block { grip = 4 N*s/m }`"),
+                ("gadget g ground -- a", "write it as `gadget g: ground -- block { grip = 4 N*s/m }`"),
                 ("gadgte g: ground -- a { }", "did you mean `gadget`?"),
                 ("gizmo g ground -- a { }", "did you mean `gadget`?"),
                 ("gadget g: ground -- a { }", "a grip is missing here (add `grip = 4 N*s/m`)"),
@@ -200,7 +200,7 @@ mod tests {
             let asked = found(&MODEL.replace("g.force", "g.farce"));
             assert!(asked[0].contains("a gadget"), "{asked:#?}");
             let wrong = found(&MODEL.replace("-- a { k", "-- g { k"));
-            assert!(wrong[0].contains("`g` is a gadget, no body"), "{wrong:#?}");
+            assert!(wrong[0].contains("`g` is a gadget, not a body"), "{wrong:#?}");
             let other = found("xyzzy g\nbody a { mass = 1 kg, moves x }");
             assert!(other[0].contains("gadget"), "{other:#?}");
         }

@@ -191,7 +191,7 @@ impl SyntaxError {
         let error = |code, message: String| Diagnostic::error(code, self.at(), message);
         match self {
             SyntaxError::UnknownKeyword { found, meant, .. } => {
-                let told = error(UNKNOWN_KEYWORD, format!("{found} starts no declaration")).help(meant.help());
+                let told = error(UNKNOWN_KEYWORD, format!("{found} does not start a declaration")).help(meant.help());
                 meant.mended(told)
             }
             SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
@@ -213,7 +213,7 @@ impl SyntaxError {
                     .help(format!("write `{}` where the bracket ends", closing(*bracket)))
                     .mend(self.at(), Change::Close(closing(*bracket)))
             }
-            SyntaxError::Stray { bracket, .. } => error(STRAY, format!("this `{bracket}` closes nothing"))
+            SyntaxError::Stray { bracket, .. } => error(STRAY, format!("this `{bracket}` has no opening bracket"))
                 .help(format!("delete it, or write the `{}` that it closes", opening(*bracket)))
                 .mend(self.at(), Change::Replace(String::new())),
             SyntaxError::UnclosedString { .. } => error(UNCLOSED_STRING, "this string is not closed".into())
@@ -222,7 +222,7 @@ impl SyntaxError {
             SyntaxError::Character { character, .. } => character_error(self.at(), *character),
             SyntaxError::Nesting { .. } => {
                 error(TOO_DEEP, format!("brackets are nested more than {} levels deep", limits::BRACKETS))
-                    .help("give the inner values names with `let`")
+                    .help("name the inner values with `let`")
             }
             SyntaxError::RepeatNesting { .. } => {
                 error(TOO_DEEP, format!("`repeat`s are nested more than {} levels deep", limits::REPEATS))
@@ -230,11 +230,11 @@ impl SyntaxError {
             }
             SyntaxError::ExpressionDepth { .. } => {
                 error(TOO_DEEP, format!("this expression has more than {} levels", limits::EXPRESSION_DEPTH))
-                    .help("every operator in a row is a level; give parts of it names with `let`")
+                    .help("each operator in a row adds a level; name parts of the expression with `let`")
             }
             SyntaxError::DeclarationLength { .. } => {
                 error(TOO_LARGE, format!("this declaration is longer than {} bytes", limits::DECLARATION))
-                    .help("a declaration ends at the end of its line; write several")
+                    .help("a declaration ends at the end of its line; split it into several")
             }
             SyntaxError::WordLength { .. } => {
                 error(TOO_LARGE, format!("this word is longer than {} bytes", limits::WORD)).help("shorten it")
@@ -245,11 +245,11 @@ impl SyntaxError {
             }
             SyntaxError::FileLength { .. } => {
                 error(TOO_LARGE, format!("this file is larger than {} MiB", limits::FILE >> 20))
-                    .help("write what repeats with `repeat`")
+                    .help("write repeated parts with `repeat`")
             }
             SyntaxError::More { count, .. } => {
                 let errors = if *count == 1 { "error" } else { "errors" };
-                error(MORE, format!("{count} more syntax {errors} from here on")).help("mend the first ones first")
+                error(MORE, format!("{count} more syntax {errors} from here on")).help("fix the first ones first")
             }
         }
     }
@@ -300,14 +300,14 @@ impl Meant {
 
     fn help(&self) -> String {
         match self {
-            Meant::Declaration(meant) => format!("did you mean `{}`? It is written `{}`", meant.keyword, forms(meant)),
-            Meant::Value => "write `param` before it, or `let` where it is derived from others".into(),
+            Meant::Declaration(meant) => format!("did you mean `{}`? Write it as `{}`", meant.keyword, forms(meant)),
+            Meant::Value => "write `param` before it, or `let` if it follows from other values".into(),
             Meant::Part => {
                 let of = |is: fn(Shape) -> bool| DECLARATIONS.iter().filter(move |d| is(d.shape)).map(|d| d.keyword);
                 let elements = of(|shape| matches!(shape, Shape::Element(_)));
                 let joints = of(|shape| matches!(shape, Shape::Joint(_)));
                 let keywords: Vec<&str> = elements.chain(joints).chain(of(|shape| shape == Shape::Force)).collect();
-                format!("write what it is before it: {}, ...", quoted(&keywords).join(", "))
+                format!("start the line with its kind: {}, ...", quoted(&keywords).join(", "))
             }
             Meant::Comment => Remark::Hash.help(),
             Meant::Nothing => {
@@ -340,16 +340,16 @@ impl Remark {
 
     fn help(&self) -> String {
         let text = match self {
-            Remark::Form(declaration) => return format!("it is written `{}`", forms(declaration)),
+            Remark::Form(declaration) => return format!("write it as `{}`", forms(declaration)),
             Remark::Write(what) => return format!("write {what}"),
             Remark::Plus => "leave out the `+` before a value",
             Remark::Power => "write `^` for powers: `x^2`",
             Remark::UnitApart => "write one blank, or none, between a number and its unit: `10 N/m`",
             Remark::UnitGlued => {
-                "what is glued to a number is its unit; to multiply, write ` * ` with spaces: `2 m * cos(x)`"
+                "a word directly after a number is its unit; to multiply, write ` * ` with spaces: `2 m * cos(x)`"
             }
             Remark::UnitOfNoNumber => {
-                "a unit stands after a number only; with anything else, multiply by one of it: `L * 1 N/m`"
+                "a unit can only follow a number; multiply anything else by one unit: `L * 1 N/m`"
             }
             Remark::FunctionApart => "write a function and its bracket without a blank between them: `sqrt(x)`",
             Remark::IndexApart => "write a name and its index without a blank between them: `m[1]`",
@@ -358,8 +358,10 @@ impl Remark {
             Remark::NameLetters => "names are made of the letters a to z, Greek letters, digits and `_`",
             Remark::NameStart => "a name starts with a letter or `_`",
             Remark::FieldColon => "write `=` between a field and its value: `mass = 1 kg`",
-            Remark::LineGoesOn => "a declaration ends at the end of its line; brackets around a value let it go on",
-            Remark::LineOfItsOwn => "write each declaration on a line of its own",
+            Remark::LineGoesOn => {
+                "a declaration ends at the end of its line; put a value in brackets to continue it on the next line"
+            }
+            Remark::LineOfItsOwn => "write each declaration on its own line",
             Remark::Semicolon => {
                 "write no `;`: a declaration ends with its line, fields are separated by commas or line ends"
             }
@@ -385,16 +387,13 @@ fn character_error(at: Span, character: char) -> Diagnostic {
     let number = character as u32;
     let (message, help) = match character {
         '\0' => (
-            "a NUL character stands here: this file is no text".to_string(),
+            "this file contains a NUL character: it is not text".to_string(),
             "save the file as UTF-8; a `.vib` file of another program cannot be read",
         ),
-        '\r' => (
-            "a carriage return without a line feed stands here".to_string(),
-            "save the file with line ends of LF or CR LF",
-        ),
+        '\r' => ("a carriage return without a line feed".to_string(), "save the file with line ends of LF or CR LF"),
         '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => (
             format!("a character that reverses the direction of the text (U+{number:04X}) is not allowed"),
-            "delete it: it makes the text look other than it is",
+            "delete it: it makes the text look different from what it is",
         ),
         _ => (format!("a control character (U+{number:04X}) is not allowed"), "delete it"),
     };

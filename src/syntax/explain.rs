@@ -61,7 +61,7 @@ pub(super) fn shown(thing: &str) -> String {
         Some(c)
             if c.is_whitespace() && !c.is_ascii() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{feff}' | '\u{ad}') =>
         {
-            format!("a character that looks like a blank or nothing (U+{:04X})", c as u32)
+            format!("an invisible character, or one that looks like a blank (U+{:04X})", c as u32)
         }
         Some('\n') => "a line end".into(),
         _ if thing.chars().count() > 40 => format!("`{}...`", thing.chars().take(37).collect::<String>()),
