@@ -46,7 +46,7 @@ fn an_editor_starts_asks_and_says_goodbye() {
     std::fs::write(folder.path().join("push.csv"), "0, 0\n1, 2\n").expect("a table");
     let text = |file: &str| {
         format!(
-            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 1 N/m }}\nforce F: b = table(\"{file}\")\n"
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 1 N/m }}\nforce F: b = table(\"{file}\", 1 N)\n"
         )
     };
     let uri = format!("file://{}/m%6Fdel.vib", folder.path().display());
