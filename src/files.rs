@@ -119,7 +119,7 @@ impl Tables {
         self.room = self
             .room
             .checked_sub(bytes.len())
-            .ok_or_else(|| format!("the tables of a model have at most {} MiB in all", limits::TABLES >> 20))?;
+            .ok_or_else(|| format!("the tables of a model have at most {} MiB in total", limits::TABLES >> 20))?;
         Ok(bytes)
     }
 }

@@ -168,7 +168,7 @@ impl<'a> Check<'a> {
         let before: usize = self.tables.values().flatten().map(|table| table.times.len()).sum();
         for (place, line) in lines(text) {
             if before + table.times.len() == MOST_ROWS {
-                let reason = format!("the tables of a model have at most {MOST_ROWS} rows in all");
+                let reason = format!("the tables of a model have at most {MOST_ROWS} rows in total");
                 return self.fail(environment, PartError::TableUnread { span: named, reason });
             }
             let span = |at: &Range<usize>| Span::new(file, place + at.start, place + at.end);

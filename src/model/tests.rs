@@ -363,7 +363,7 @@ fn an_index_out_of_range_names_those_declared() {
     let text = "repeat i in 1..3 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1 N/m }\n}";
     let found = checked(text);
     assert_eq!(codes(&found), ["vib::name::index"]);
-    assert!(said(&found).contains("there is no `m[0]` [i = 1] (declared are `m[1..3]`)"), "{}", said(&found));
+    assert!(said(&found).contains("there is no `m[0]` [i = 1] (the declared ones are `m[1..3]`)"), "{}", said(&found));
 }
 
 // Values from outside

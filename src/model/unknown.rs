@@ -74,7 +74,7 @@ impl<'a> Check<'a> {
     /// What a word is that was used like a parameter.
     fn instead_of_value(&self, text: &str) -> Option<String> {
         if self.outside {
-            return Some("a value from outside knows no name of the model: write a number with its unit".into());
+            return Some("a value from outside cannot use names of the model: write a number with its unit".into());
         }
         let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol)));
         if let Some(part) = part {
@@ -106,8 +106,9 @@ impl<'a> Check<'a> {
         let suggestion = if help.is_none() { self.nearest_part(text) } else { None };
         let ground = || {
             let is_meant = WORDS_FOR_GROUND.contains(&text.to_ascii_lowercase().as_str());
-            is_meant
-                .then(|| "what does not move is called `ground`; what is moved from outside is a `base`".to_string())
+            is_meant.then(|| {
+                "a support that does not move is `ground`; one with a prescribed motion is a `base`".to_string()
+            })
         };
         let help = help.or_else(ground);
         NameError::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }

@@ -167,12 +167,12 @@ fn tables_have_limits_of_their_own() {
     write(folder.path(), "long.csv", rows);
     let long = run(&["check", &write(folder.path(), "m.vib", driven("long.csv"))]);
     assert_eq!(status(&long), 3);
-    assert!(told(&long).contains("at most 1000000 rows in all"), "{}", told(&long));
+    assert!(told(&long).contains("at most 1000000 rows in total"), "{}", told(&long));
     let file = fs::File::create(folder.path().join("large.csv")).expect("a file");
     file.set_len((64 << 20) + 1).expect("a hole in it");
     let large = run(&["check", &write(folder.path(), "m.vib", driven("large.csv"))]);
     assert_eq!(status(&large), 3);
-    assert!(told(&large).contains("at most 64 MiB in all"), "{}", told(&large));
+    assert!(told(&large).contains("at most 64 MiB in total"), "{}", told(&large));
 }
 
 #[cfg(unix)]
@@ -336,7 +336,7 @@ fn a_hundred_errors_are_told_and_the_others_counted() {
     // Warnings are counted separately: they hide no error.
     let unused: String = (0..300).map(|i| format!("param p{i} = 1 m\n")).collect();
     let found = checked(&(body.to_string() + &unused + "spring s: ground -- b { k = 1 N/m }\n"));
-    assert_eq!((found.len(), found[100].message.as_str()), (101, "200 more warnings and notes on this model"));
+    assert_eq!((found.len(), found[100].message.as_str()), (101, "200 more warnings and notes in this model"));
 }
 
 #[test]

@@ -67,8 +67,10 @@ impl NameError {
             NotWhole { span } => error("vib::index::not_whole", span, "a whole number is expected here")
                 .help("indices and bounds are whole numbers without a unit, below 2^31"),
             Duplicate { span, name, first } => duplicate(span, &name, first),
-            Reserved { span, word } => error("vib::name::reserved", span, format!("`{word}` has a meaning of its own"))
-                .help("choose another name"),
+            Reserved { span, word } => {
+                error("vib::name::reserved", span, format!("`{word}` is a word of the language"))
+                    .help("choose another name")
+            }
             Cycle { span, members } => cycle(span, &members),
             TooManyInstances { span, limit, what } => {
                 error("vib::limit::repeat", span, format!("this makes more than {limit} {what}"))
@@ -76,11 +78,11 @@ impl NameError {
             }
             MoreErrors { span, count } => {
                 let errors = if count == 1 { "error" } else { "errors" };
-                error(MORE, span, format!("{count} more {errors} in this model")).help("mend the first ones first")
+                error(MORE, span, format!("{count} more {errors} in this model")).help("fix the first ones first")
             }
             MoreWarnings { span, count } => {
                 let findings = if count == 1 { "warning or note" } else { "warnings and notes" };
-                Diagnostic::note(Code::model(MORE), span, format!("{count} more {findings} on this model"))
+                Diagnostic::note(Code::model(MORE), span, format!("{count} more {findings} in this model"))
             }
             ReversedBounds { span, first, last } => {
                 error("vib::repeat::reversed", span, "the last value of the index is below the first one")
@@ -88,11 +90,11 @@ impl NameError {
                     .mend(span, Change::Replace(format!("{last}..{first}")))
             }
             NoEqualsSign { span } => {
-                error("vib::setting::form", span, "this sets nothing").help("write `NAME=VALUE`, such as `k=12N/m`")
+                error("vib::setting::form", span, "this is not a setting").help("write `NAME=VALUE`, such as `k=12N/m`")
             }
             NotToml { span, message } => error("vib::setting::toml", span, format!("this is not TOML: {message}"))
                 .help("write a line for each parameter, such as `k = \"12 N/m\"`"),
-            SettingName { span } => error("vib::setting::form", span, "this is no name of a parameter")
+            SettingName { span } => error("vib::setting::form", span, "this is not the name of a parameter")
                 .help("write `NAME=VALUE`, such as `k=12N/m` or `k[3]=12N/m`"),
             SettingValue { span } => error("vib::setting::form", span, "a number with its unit is expected here")
                 .help("write it as in a model: `12N/m`, `30 Hz`, `2 %`; in TOML in quotes"),
@@ -133,7 +135,7 @@ impl NameError {
                     .mend_by_field(span, &[expected.example])
             }
             NotABody { span, word, found, declared } => {
-                error("vib::part::kind", span, format!("`{word}` is {found}, no body"))
+                error("vib::part::kind", span, format!("`{word}` is {found}, not a body"))
                     .related(declared, "declared here")
                     .help("name a body, a base or `ground`")
             }
@@ -153,7 +155,7 @@ fn index_out_of_range(
         error("vib::name::index", span, format!("there is no `{name}`")).related(declared, "declared here");
     let indices: String = ranges.iter().map(|(low, high)| format!("[{low}..{high}]")).collect();
     match (given == ranges.len(), ranges.is_empty()) {
-        (true, _) => diagnostic.help(format!("declared are `{word}{indices}`")),
+        (true, _) => diagnostic.help(format!("the declared ones are `{word}{indices}`")),
         (false, true) => diagnostic.help(format!("`{word}` has no index: write `{word}`")),
         (false, false) => diagnostic.help(format!("its indices are `{word}{indices}`")),
     }
@@ -162,14 +164,14 @@ fn index_out_of_range(
 fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
     let diagnostic = error("vib::name::duplicate", span, format!("`{name}` is declared twice"));
     match first {
-        Some(first) if first == span => diagnostic
-            .help(format!("each repetition needs a name of its own: write `{name}[i]`"))
-            .mend(span, Change::Rename),
+        Some(first) if first == span => {
+            diagnostic.help(format!("each repetition needs its own name: write `{name}[i]`")).mend(span, Change::Rename)
+        }
         Some(first) => diagnostic
             .related(first, "declared first here")
             .help("choose another name for one of them")
             .mend(span, Change::Rename),
-        None => diagnostic.help("the `repeat` around it has this index already: choose another one"),
+        None => diagnostic.help("the enclosing `repeat` already uses this index: choose another one"),
     }
 }
 
@@ -182,16 +184,16 @@ fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
     }
     names.extend(members.first().map(|(name, _)| format!("`{name}`")));
     let message = format!("the value depends on itself: {}", names.join(" -> "));
-    let mut diagnostic = error("vib::parameter::cycle", span, message).label("closes the circle");
+    let mut diagnostic = error("vib::parameter::cycle", span, message).label("closes the cycle");
     for (name, place) in members.iter().take(SHOWN) {
         diagnostic = diagnostic.related(*place, format!("`{name}` is declared here"));
     }
-    diagnostic.help("give one of them a value of its own")
+    diagnostic.help("give one of them a value that does not depend on the others")
 }
 
 fn not_a_parameter(span: Span, word: &str, kind: DefinitionKind, declared: Span) -> Diagnostic {
     let what = if kind == DefinitionKind::Let { "derived: declared with `let`" } else { "a point" };
-    error("vib::setting::not_a_parameter", span, format!("`{word}` is no parameter, it is {what}"))
+    error("vib::setting::not_a_parameter", span, format!("`{word}` is not a parameter but {what}"))
         .related(declared, "declared here")
         .help("declare it with `param` to give it a value from outside or to solve for it")
 }

@@ -94,7 +94,7 @@ impl PartError {
                     .help("an inertia about a point is at least mass times distance squared of the centre `at`")
             }
             GivenTwice { span, other, what } => {
-                error("vib::body::given_twice", span, format!("{what} follows from the shape already"))
+                error("vib::body::given_twice", span, format!("the shape already determines {what}"))
                     .related(other, "from this shape")
                     .help("keep one of them")
                     .mend(span, Change::DropField)
@@ -103,35 +103,37 @@ impl PartError {
                 let forms = || SHAPES.iter().map(|shape| format!("`{}`", shape.function.form)).collect::<Vec<_>>();
                 let help = suggestion.is_none().then(|| format!("write {}", listed(&forms(), "or")));
                 with_suggestion(
-                    error("vib::shape::unknown", span, "this is no shape"),
+                    error("vib::shape::unknown", span, "this is not a shape"),
                     suggestion.map(str::to_string),
                     help,
                 )
             }
             ShapeSize { span, what } => error("vib::shape::size", span, what),
-            FreeAndMore { span, free } => {
-                error("vib::body::freedom", span, "`free` gives the body every motion already")
-                    .related(free, "here")
-                    .help("keep `free`, or the single motions")
-                    .mend(span, Change::DropField)
-                    .mend(free, Change::DropField)
-            }
-            MovesWhere { span } => error("vib::body::freedom", span, "where it moves is not clear")
+            FreeAndMore { span, free } => error("vib::body::freedom", span, "`free` already includes every motion")
+                .related(free, "here")
+                .help("keep `free`, or the single motions")
+                .mend(span, Change::DropField)
+                .mend(free, Change::DropField),
+            MovesWhere { span } => error("vib::body::freedom", span, "the direction of its motion is not clear")
                 .help("write `moves x`, `moves y`, `moves x y` or `moves along (1, 1)`"),
             BaseWithoutMotion { span, name } => {
                 error("vib::base::no_motion", span, format!("the base `{name}` has no motion"))
-                    .help("write `moves x`, `moves y` or `turns` in it; what never moves is `ground`")
+                    .help("write `moves x`, `moves y` or `turns` in it; a support that never moves is `ground`")
                     .mend_by_field(span, &["moves x", "moves y", "turns"])
             }
-            NoFreedom { span, name } => error("vib::body::no_freedom", span, format!("`{name}` has no freedom"))
-                .label("neither a freedom clause nor a joint")
-                .help(format!(
-                    "say how it moves, such as `moves x`, or tie it with a joint: `pivot p: ground@(0, 0) -- {name}`"
-                ))
-                .mend_by_field(span, &["moves x", "moves y", "turns", "free"]),
+            NoFreedom { span, name } => error(
+                "vib::body::no_freedom",
+                span,
+                format!("`{name}` has no degree of freedom"),
+            )
+            .label("neither a freedom clause nor a joint")
+            .help(format!(
+                "say how it moves, such as `moves x`, or connect it with a joint: `pivot p: ground@(0, 0) -- {name}`"
+            ))
+            .mend_by_field(span, &["moves x", "moves y", "turns", "free"]),
             PropertyMissing { span, name, what, freedom } => property_missing(span, &name, what, freedom),
             CentreMissing { span, name } => {
-                error("vib::body::no_place", span, format!("`{name}` turns, and the place of its mass is not known"))
+                error("vib::body::no_place", span, format!("`{name}` turns, but its centre of mass is not known"))
                     .label("no position")
                     .help("give the centre of mass: `at = (0, -1 m)`, or `shape = rod(A, B)`")
                     .mend_by_field(span, &["at = (0, -1 m)"])
@@ -141,7 +143,7 @@ impl PartError {
                 .mend(span, Change::Declare("body block { mass = 1 kg, moves x }")),
             JointOfOnePart { span, part } => {
                 error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
-                    .help("a joint ties two different parts")
+                    .help("a joint connects two different parts")
             }
             SlideWithoutDirection { span, kind } => {
                 error("vib::joint::direction", span, format!("a {} needs a direction", kind.keyword))
@@ -149,12 +151,14 @@ impl PartError {
                     .mend(span, Change::Append(" along (1, 0)"))
                     .mend(span, Change::Append(" along (0, 1)"))
             }
-            PivotWithoutPlace { span, part } => error("vib::joint::no_place", span, "where the pivot is, is not known")
-                .help(format!("write the point after one of the ends: `{part}@(0, 0)`"))
-                .mend(span, Change::After("@(0, 0)".into())),
+            PivotWithoutPlace { span, part } => {
+                error("vib::joint::no_place", span, "the place of the pivot is not known")
+                    .help(format!("write the point after one of the ends: `{part}@(0, 0)`"))
+                    .mend(span, Change::After("@(0, 0)".into()))
+            }
             EndsApart { spans, places } => ends_apart(spans, places),
             EqualEnds { span, part } => error("vib::element::equal_ends", span, format!("both ends are on `{part}`"))
-                .help("the two ends are on different parts; what acts within one part moves nothing"),
+                .help("the two ends must be on different parts: a force within one part has no effect"),
             ZeroLength { span } => error("vib::element::zero_length", span, "the two ends are the same point as drawn")
                 .label("no line between them")
                 .help("draw the ends apart, or give a fixed direction: `along = x`")
@@ -167,7 +171,7 @@ impl PartError {
             }
             DirectionOfTorsion { span, kind } => {
                 let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
-                error("vib::element::torsion_along", span, "what acts on the rotation has no direction")
+                error("vib::element::torsion_along", span, "a torsional element has no direction")
                     .help(format!("leave `along` out, or write {noun} in {unit}"))
                     .mend(span, Change::DropField)
             }
@@ -184,23 +188,23 @@ impl PartError {
                 span,
                 "without positions the spring has no drawn length to compare with",
             )
-            .help("give `preload` in place of `free_length`, or draw the ends: `ground@(-0.5 m, 0)`"),
+            .help("give `preload` instead of `free_length`, or draw the ends: `ground@(-0.5 m, 0)`"),
             NegativeCoefficient { span, code, message } => Diagnostic::note(code, span, message),
             DampingFeeds { span } => Diagnostic::note(
                 Code::model("vib::damping::negative"),
                 span,
-                "this damping is negative: it feeds energy in",
+                "this damping is negative: it adds energy",
             ),
             DampingOverCritical { span, ratio } => {
                 let message =
-                    format!("a damping ratio of {} is {} %: no mode swings", short(ratio), short(100.0 * ratio));
+                    format!("a damping ratio of {} is {} %: no mode oscillates", short(ratio), short(100.0 * ratio));
                 Diagnostic::warning(Code::model("vib::damping::large"), span, message)
                     .help("critical damping is 1, or 100 %; write a ratio in percent as `2 %`")
             }
             DampingBesideBase { span, base, name } => {
                 let message = format!("this damping acts against the ground, not against the moving base `{name}`");
                 Diagnostic::warning(Code::model("vib::damping::base"), span, message)
-                    .related(base, "it moves against the ground")
+                    .related(base, "it moves relative to the ground")
                     .help("for damping against the base write dampers: `damper d: base -- body { c = 1 N*s/m }`")
             }
             ForceWithoutDirection { span } => {
@@ -210,18 +214,20 @@ impl PartError {
                     .mend(span, Change::After(" along y".into()))
             }
             InputWithoutEffect { span, part } => {
-                error("vib::input::no_effect", span, format!("nothing on `{part}` moves by this"))
+                error("vib::input::no_effect", span, format!("this moves nothing on `{part}`"))
                     .help("a force or torque acts on a body")
             }
-            SignalOfManyMotions { span } => {
-                error("vib::signal::many_motions", span, "the base has several motions: which one has this signal?")
-                    .help("declare one base for each motion")
-            }
+            SignalOfManyMotions { span } => error(
+                "vib::signal::many_motions",
+                span,
+                "the base has several motions: which of them does this signal prescribe?",
+            )
+            .help("declare one base for each motion"),
             NotASignal { span } => error("vib::signal::unknown", span, "a signal is expected here")
                 .help("write `constant(10 N)`, `step(10 N, 0 s)`, `harmonic(10 N, 1.5 Hz)`, ... or a sum of them"),
             UnknownSignal { span, word, suggestion } => {
                 let names: Vec<&str> = SIGNALS.iter().map(|signal| signal.function.name).collect();
-                let help = format!("known are {}", names.join(", "));
+                let help = format!("the signals are {}", names.join(", "));
                 let message = format!("there is no signal `{word}`");
                 let help = suggestion.is_none().then_some(help);
                 with_suggestion(error("vib::signal::unknown", span, message), suggestion.map(str::to_string), help)
@@ -230,24 +236,26 @@ impl PartError {
                 error("vib::signal::arguments", span, format!("`{}` has other arguments", function.name))
                     .help(format!("write `{}`", function.example))
             }
-            TimesReversed { span } => error("vib::signal::times", span, "this time is not after the one before it"),
+            TimesReversed { span } => {
+                error("vib::signal::times", span, "this time is not later than the one before it")
+            }
             TableUnread { span, reason } => Diagnostic::error(TABLE_UNREADABLE, span, "this table cannot be read")
                 .label(reason)
                 .help("the file's path is relative to the model's folder"),
             TableRow { span, found, named } => table_row(span, found, named),
             TableOrder { span, named } => {
-                error("vib::table::order", span, "this time is not after that of the row before")
+                error("vib::table::order", span, "this time is not later than that of the previous row")
                     .related(named, "the table is named here")
                     .help("sort the rows by time, each time once")
             }
             TableTooShort { span, rows } => {
                 let found = if rows == 0 { "no row" } else { "one row" };
-                error("vib::table::too_short", span, "a table needs two rows at least")
+                error("vib::table::too_short", span, "a table needs at least two rows")
                     .label(format!("{found} in this file"))
                     .help("write a row for each time, such as `0.5, 12`: time in s, value in SI units")
             }
             TableHeading { span, named, word, read } => {
-                let message = format!("the values of this table are read as {read}, and its heading says `{word}`");
+                let message = format!("the values of this table are read as {read}, but its heading says `{word}`");
                 error("vib::table::heading", span, message)
                     .related(named, "the table is named here")
                     .help("give the unit in the heading, as in `acceleration [m/s^2]`, or in the call: `table(\"file.csv\", 1 g0)`")
@@ -310,7 +318,7 @@ impl PartError {
                 error("vib::signal::cycle", span, format!("the signal of `{name}` is delayed from itself"))
                     .help("give one of the inputs in this circle a signal of its own")
             }
-            NotATable { span, line } => error("vib::table::row", span, "this file is no table")
+            NotATable { span, line } => error("vib::table::row", span, "this file is not a table")
                 .label(format!("its line {line} is not a time and a value"))
                 .help("write a time in s and a value in SI units in each line, such as `0.5, 12`"),
         }
@@ -333,11 +341,11 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
 /// `torsional` is the coefficient of an element whose unit requires a rotation.
 fn no_end_turns(span: Span, torsional: Option<(Span, &'static Kind)>) -> Diagnostic {
     let told = error("vib::element::no_end_turns", span, "none of these parts can turn");
-    let turns = "give a body the freedom to turn: `turns`, `free` or a pivot";
+    let turns = "let a body turn: `turns`, `free` or a pivot";
     match torsional {
         Some((value, kind)) => {
             let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
-            told.related(value, "by the unit of this it acts on the rotation")
+            told.related(value, "its unit makes the element torsional")
                 .help(format!("{turns}; {noun} along a line is in {unit}"))
         }
         None => told.help(turns),
@@ -349,7 +357,7 @@ fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagno
         "mass" => ("vib::mass::missing", "mass = 1 kg"),
         _ => ("vib::inertia::missing", "inertia = 0.8 kg*m^2"),
     };
-    error(code, span, format!("`{name}` {freedom}, and its {what} is missing"))
+    error(code, span, format!("`{name}` {freedom}, but its {what} is missing"))
         .label(format!("needs its {what}"))
         .help(format!("add `{example}`"))
         .mend_by_field(span, &[example])

@@ -44,25 +44,26 @@ impl QuestionError {
             NoMotion { span } => error("vib::motion::none", span, "there is no motion in this")
                 .help("write a motion, such as `block.x`, `rod.angle` or `s.force`"),
             NonLinear { span } => error("vib::motion::non_linear", span, "this is not linear in the motions")
-                .help("motions may be added, and multiplied by numbers; nothing else"),
+                .help("motions can only be added, and multiplied by numbers"),
             PointWithoutMotion { span } => {
                 error("vib::motion::none", span, "which motion of this point?").help("add it, as in `rod@(0, -2 m).x`")
             }
-            MotionOfWhat { span } => {
-                error("vib::motion::none", span, "a motion belongs to a body, a spring or a damper")
-                    .help("write its name before the dot, as in `block.x`")
-            }
+            MotionOfWhat { span } => error("vib::motion::none", span, "a motion belongs to a body or an element")
+                .help("write its name before the dot, as in `block.x`"),
             UnknownMotion { span, word, of, suggestion, known } => {
                 let help = suggestion.is_none().then(|| format!("{of} has {}", listed(&known)));
                 let message = format!("{of} has no `{word}`");
                 with_suggestion(error("vib::motion::unknown", span, message), suggestion.map(str::to_string), help)
             }
             NoSuchFreedom { span, name, turns } => {
-                let message =
-                    if turns { format!("`{name}` does not turn") } else { format!("`{name}` does not move so") };
+                let message = if turns {
+                    format!("`{name}` does not turn")
+                } else {
+                    format!("`{name}` does not move in this direction")
+                };
                 error("vib::motion::impossible", span, message)
                     .label("always zero")
-                    .help(format!("give `{name}` that freedom, or leave this motion out"))
+                    .help(format!("let `{name}` move that way, or remove this motion"))
             }
             CoupleOfOthers { span } => {
                 error("vib::couple::motions", span, "a coupling relates displacements and angles of bodies")
@@ -74,8 +75,8 @@ impl QuestionError {
             NotAMeasure { span } => error("vib::measure::unknown", span, "a measure is expected here")
                 .help("write `frequency(1)`, `damping(1)`, `gain(input -> output, 30 Hz)`, `stable`, ..."),
             UnknownMeasure { span, word, suggestion } => {
-                let help =
-                    "known are frequency, damping, gain, phase, amplitude, static, peak, rms, stable".to_string();
+                let help = "the measures are frequency, damping, gain, phase, amplitude, static, peak, rms, stable"
+                    .to_string();
                 let help = suggestion.is_none().then_some(help);
                 let message = format!("there is no measure `{word}`");
                 with_suggestion(error("vib::measure::unknown", span, message), suggestion.map(str::to_string), help)
@@ -92,7 +93,7 @@ impl QuestionError {
                 )
             }
             NotAnOutput { span, word, found, declared } => {
-                error("vib::measure::output", span, format!("`{word}` is {found}, no output"))
+                error("vib::measure::output", span, format!("`{word}` is {found}, not an output"))
                     .related(declared, "declared here")
                     .help("name an output, or a motion such as `table.y`")
             }
@@ -106,7 +107,7 @@ impl QuestionError {
                 let message = format!("`{word}` is solved for: a value from outside would not be used");
                 error("vib::setting::solved", span, message)
                     .related(solved, "solved for here")
-                    .help("leave this setting out, or take the `solve` line out of the model")
+                    .help("remove this setting, or the `solve` line of the model")
             }
             RequireWhat { span, suggestion } => {
                 let help = "write `require frequency(1) > 2 Hz` or `require stable`".to_string();
@@ -115,24 +116,24 @@ impl QuestionError {
                 with_suggestion(finding, suggestion.map(str::to_string), help)
             }
             RequireChain { span, lines: [first, second] } => {
-                error("vib::require::form", span, "one line requires one comparison")
+                error("vib::require::form", span, "a `require` line has a single comparison")
                     .label("two comparisons")
                     .help(format!("write two lines: `require {first}` and `require {second}`"))
             }
             MeasureAsValue { span, word } => {
                 error("vib::measure::value", span, "a measure is compared with a number, not with a measure")
                     .label(format!("`{word}` is a measure"))
-                    .help("write a number, or a parameter that both sides are compared with in lines of their own")
+                    .help("compare each measure with a number, on separate lines")
             }
             Unused { span, name, kind } => unused(span, &name, kind),
             Idle { span, name, word, why } => {
                 let message = format!("this {word} of `{name}` {why}");
                 Diagnostic::warning(Code::model("vib::unused::property"), span, message)
-                    .help("leave it out, or add the freedom that uses it")
+                    .help("remove it, or add the degree of freedom that uses it")
                     .mend(span, Change::DropField)
             }
             IdleGravity { span } => {
-                Diagnostic::note(Code::model("vib::unused::gravity"), span, "gravity moves nothing in this scene")
+                Diagnostic::note(Code::model("vib::unused::gravity"), span, "gravity has no effect in this scene")
             }
         }
     }
@@ -144,6 +145,6 @@ fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
         DefinitionKind::Param | DefinitionKind::Let => Code::model("vib::unused::parameter"),
     };
     Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
-        .help("use it, or leave it out")
+        .help("use it, or remove it")
         .mend(span, Change::DropDeclaration)
 }

@@ -58,9 +58,11 @@ impl ValueError {
                     .mend(span, Change::Replace(divided))
             }
             UnitMalformed { span } => error("vib::unit::malformed", span, "this is not a unit")
-                .help("write units glued together, as in `N*s/m^2`"),
-            DecibelInProduct { span } => error("vib::unit::malformed", span, "`dB` stands alone, it is a ratio")
-                .help("write a level, such as `-12 dB`"),
+                .help("write a unit without blanks, as in `N*s/m^2`"),
+            DecibelInProduct { span } => {
+                error("vib::unit::malformed", span, "`dB` cannot be combined with other units")
+                    .help("write a level, such as `-12 dB`")
+            }
             UnitMissing { span, number, expected } => unit_missing(span, &number, expected),
             UnitMismatch { span, found, expected, declared } => unit_mismatch(span, found, expected, declared),
             GramForGravity { span } => {
@@ -70,10 +72,8 @@ impl ValueError {
             }
             FrequencyReading { span, value } => frequency_reading(span, value),
             CyclesForRadians { span, value, expected, declared } => cycles_for_radians(span, value, expected, declared),
-            Overflow { span } => {
-                error("vib::number::overflow", span, "this number is beyond what can be computed with")
-                    .help("sizes from 1e-300 to 1e300 in SI units can be used")
-            }
+            Overflow { span } => error("vib::number::overflow", span, "this number is out of range")
+                .help("numbers from 1e-300 to 1e300 in SI units can be used"),
             Operation { fault, operator, left, right } => operation(fault, operator, left, right),
             Function { fault, function, argument, span } => function_fault(fault, function, argument, span),
             Pair { fault, left, right } => pair(fault, left, right),
@@ -82,12 +82,12 @@ impl ValueError {
             }
             MotionAsValue { span } => {
                 error("vib::value::motion", span, "a motion has no value before the model is analysed")
-                    .help("motions stand in `output`, `couple`, `solve` and `require`")
+                    .help("use motions in `output`, `couple`, `solve` and `require`")
             }
             ArrowAsValue { span } => error("vib::value::motion", span, "`->` leads from an input to an output")
-                .help("it stands in `gain(input -> output, f)` and `phase(input -> output, f)`"),
+                .help("use it in `gain(input -> output, f)` and `phase(input -> output, f)`"),
             ComparisonAsValue { span } => error("vib::value::comparison", span, "a comparison has no value")
-                .help("comparisons stand in `require`, as in `require frequency(1) > 2 Hz`"),
+                .help("use comparisons in `require`, as in `require frequency(1) > 2 Hz`"),
             ArgumentCount { span, function, expected, found } => argument_count(span, function, expected, found),
             ArgumentName { span } => {
                 error("vib::function::arguments", span, "no argument here has a name").help("write the value alone")
@@ -116,7 +116,9 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
             diagnostic.help(format!("`{symbol}` is a parameter: write spaces around `*` or `/` to calculate with it"))
         }
         (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")).mend(span, Change::Replace(meant)),
-        (false, None) => diagnostic.help("a word glued to a number is its unit; to multiply, write ` * ` with spaces"),
+        (false, None) => {
+            diagnostic.help("a word directly after a number is its unit; to multiply, write ` * ` with spaces")
+        }
     }
 }
 
@@ -162,7 +164,7 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
 fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
     let noun = expected.noun.split_once(' ').map_or(expected.noun, |(_, noun)| noun);
     let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
-    let message = format!("cycles, not radians, are a factor of this {noun}: it is read as {read}");
+    let message = format!("this {noun} has a factor in cycles, not radians: it is read as {read}");
     let told = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
     let told = declared
         .into_iter()
@@ -175,7 +177,7 @@ fn frequency_reading(span: Span, value: f64) -> Diagnostic {
     let value = short(value);
     error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
         .label(format!("{value} rad/s = {hertz} Hz, or {value} Hz?"))
-        .help("multiply by `1 rad` where it is an angular frequency, such as sqrt(k/m), or by `1 rev` where it counts cycles")
+        .help("multiply by `1 rad` if it is an angular frequency, such as sqrt(k/m), or by `1 rev` if it counts cycles")
         .mend(span, Change::Times("1 rad"))
         .mend(span, Change::Times("1 rev"))
 }
@@ -212,8 +214,8 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
         Fault::DivisionByZero => error("vib::number::division_by_zero", right, "division by zero").label("zero"),
         Fault::RootOfNegative => error("vib::number::root_of_negative", left, "a root of a negative number"),
         Fault::Domain(_) | Fault::Overflow => {
-            error("vib::number::overflow", left.to(right), "this number is beyond what can be computed with")
-                .help("sizes from 1e-300 to 1e300 in SI units can be used")
+            error("vib::number::overflow", left.to(right), "this number is out of range")
+                .help("numbers from 1e-300 to 1e300 in SI units can be used")
         }
     }
 }
@@ -221,7 +223,7 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
 fn function_fault(fault: Fault, function: &str, argument: Span, span: Span) -> Diagnostic {
     match fault {
         Fault::NotPlain(found) => {
-            let message = format!("`{function}` is of a plain number or an angle, this is {}", named(found));
+            let message = format!("`{function}` takes a plain number or an angle, this is {}", named(found));
             error("vib::unit::mismatch", argument, message).label(unit_or_none(found))
         }
         Fault::Dimensions(a, b) => {
@@ -235,10 +237,8 @@ fn function_fault(fault: Fault, function: &str, argument: Span, span: Span) -> D
         Fault::DivisionByZero => error("vib::number::division_by_zero", span, format!("`{function}` is infinite here")),
         Fault::Domain(domain) => error("vib::number::domain", argument, format!("`{function}` has no value here"))
             .help(format!("its argument is {domain}")),
-        Fault::Exponent | Fault::Overflow => {
-            error("vib::number::overflow", span, "this number is beyond what can be computed with")
-                .help("sizes from 1e-300 to 1e300 in SI units can be used")
-        }
+        Fault::Exponent | Fault::Overflow => error("vib::number::overflow", span, "this number is out of range")
+            .help("numbers from 1e-300 to 1e300 in SI units can be used"),
     }
 }
 
