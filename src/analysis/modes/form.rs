@@ -100,7 +100,8 @@ impl ModalForm {
             ModeKind::Rigid => true,
             ModeKind::Undetermined => false,
         };
-        if !kinds.iter().zip(&k).all(sign_is_known) || !(least > 0.0 && least.is_finite()) {
+        let is_known = kinds.iter().zip(&k).all(sign_is_known) && least > 0.0 && least.is_finite();
+        if !is_known {
             return None;
         }
         let of_m = off_diagonal(&self.m, &vec![1.0; k.len()], true);
