@@ -60,26 +60,40 @@ pub fn spare<'a>(
 
 pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {
     let mut sources = Sources::new();
-    let model = sources.add(read(model, SourceKind::Model)?);
+    let path = model;
+    let model = sources.add(read(path, SourceKind::Model)?);
     let settings = match &overrides.settings_file {
         Some(path) => Some(sources.add(read(path, SourceKind::Settings)?)),
         None => None,
     };
     let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
     let folder = sources.file(model).directory.clone();
-    let folders = std::iter::once(folder).chain(overrides.root.clone()).collect();
-    read_tables(
-        &mut sources,
-        model,
-        Tables::new(folders, "it lies outside the model's folder; `--root` allows another"),
-    );
+    let folders: Vec<PathBuf> = std::iter::once(folder).chain(overrides.root.clone()).collect();
+    let outside = "it lies outside the model's folder; `--root` allows another";
+    let mut components = Named::components(folders.clone(), outside);
+    vibc::add_used_files(&mut sources, model, key_of(path), |name| components.read_keyed(Path::new(name)));
+    read_tables(&mut sources, Named::tables(folders, outside));
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
 }
 
-/// Reads the tables that a model names; a file that cannot be read is reported at its place in the model.
-fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
-    for written in vibc::table_files(sources, model) {
-        let name = sources.file(model).beside(&written);
+/// What is the same for the same file, whatever path leads to it.
+pub fn key_of(path: &Path) -> Option<String> {
+    fs::canonicalize(path).ok().map(|path| path.to_string_lossy().into_owned())
+}
+
+/// Files of tables of all files of a model: a run has room for 256 files.
+const MOST_TABLES: usize = 200;
+
+/// The tables that a model and the files that it uses name; what cannot be read is reported at its place in the model.
+fn read_tables(sources: &mut Sources, mut tables: Named) {
+    let files: Vec<FileId> = sources.models().collect();
+    let named: Vec<String> = files
+        .into_iter()
+        .flat_map(|file| vibc::table_files(sources, file).into_iter().map(move |written| (file, written)))
+        .map(|(file, written)| sources.file(file).beside(&written))
+        .take(MOST_TABLES)
+        .collect();
+    for name in named {
         let file = match tables.read(Path::new(&name)) {
             Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
             Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
@@ -88,20 +102,35 @@ fn read_tables(sources: &mut Sources, model: FileId, mut tables: Tables) {
     }
 }
 
-/// The files of tables. A model may come from a stranger, so the files it names are read only below certain folders, and
-/// only up to a limit.
-pub struct Tables {
-    /// `""` is the working directory.
+/// Files that a model names: tables, and files of components. A model may come from a stranger: what it names is read below
+/// certain folders alone, and no more of it than fits.
+pub struct Named {
+    /// `""` is the folder that the program was started in.
     folders: Vec<PathBuf>,
     /// The reason given for a file in any other folder.
     outside: &'static str,
     /// Bytes that may still be read.
     room: usize,
+    /// What is said where there is no room.
+    full: String,
 }
 
-impl Tables {
-    pub fn new(folders: Vec<PathBuf>, outside: &'static str) -> Tables {
-        Tables { folders, outside, room: limits::TABLES }
+impl Named {
+    pub fn tables(folders: Vec<PathBuf>, outside: &'static str) -> Named {
+        let full = format!("the tables of a model have at most {} MiB in total", limits::TABLES >> 20);
+        Named { folders, outside, room: limits::TABLES, full }
+    }
+
+    pub fn components(folders: Vec<PathBuf>, outside: &'static str) -> Named {
+        let full = format!("the files that a model uses have at most {} MiB in total", limits::USED >> 20);
+        Named { folders, outside, room: limits::USED, full }
+    }
+
+    /// The content, behind what is the same for the same file.
+    pub fn read_keyed(&mut self, path: &Path) -> Result<(String, Vec<u8>), String> {
+        let bytes = self.read(path)?;
+        let key = key_of(path).ok_or("it is gone")?;
+        Ok((key, bytes))
     }
 
     /// Reads a regular file; a pipe or a device may have no end, or block for ever. Links count as their targets.
@@ -116,10 +145,7 @@ impl Tables {
         }
         let mut bytes = Vec::new();
         File::open(&path).map_err(told)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
-        self.room = self
-            .room
-            .checked_sub(bytes.len())
-            .ok_or_else(|| format!("the tables of a model have at most {} MiB in total", limits::TABLES >> 20))?;
+        self.room = self.room.checked_sub(bytes.len()).ok_or_else(|| self.full.clone())?;
         Ok(bytes)
     }
 }

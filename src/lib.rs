@@ -45,6 +45,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod inspection;
+mod library;
 mod reading;
 
 #[cfg(not(feature = "program"))]
@@ -149,7 +150,7 @@ pub mod system;
 // Texts in.
 pub use base::{FileId, Literals, SourceFile, SourceKind, Sources, Span};
 pub use model::Overrides;
-pub use reading::table_files;
+pub use reading::{add_used_files, table_files};
 
 // Numbers, exact or with bounds that hold.
 pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};

@@ -11,7 +11,7 @@ use cli::{
     HoldOption, MessageFormat, Messages, Page, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
     Transfer,
 };
-use files::{Input, Tables, open, read, read_all, spare, write_result};
+use files::{Input, open, read, read_all, spare, write_result};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ use vibc::answers::report;
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
-use vibc::editor::server::{self, Leave};
+use vibc::editor::server::{self, Leave, Named};
 use vibc::kinds;
 
 /// The exit status of the process.
@@ -493,7 +493,10 @@ fn language_server() -> Status {
     let connection = lsp_server::Connection { sender, receiver };
     let folders = |folders: &[String]| folders.iter().map(PathBuf::from).collect::<Vec<_>>();
     let outside = "it lies outside the folder that is open";
-    let read = |path: &str, below: &[String]| Tables::new(folders(below), outside).read(Path::new(path));
+    let read = |path: &str, below: &[String], what: Named| match what {
+        Named::Table => files::Named::tables(folders(below), outside).read_keyed(Path::new(path)),
+        Named::Components => files::Named::components(folders(below), outside).read_keyed(Path::new(path)),
+    };
     let leave = server::serve(&connection, &read);
     // The writing thread ends with the last sender.
     drop(connection);

@@ -3,14 +3,17 @@
 
 use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameterised};
 use crate::analysis::{Modes, Poles};
-use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, Sources, Span};
+use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, SourceFile, SourceKind, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
+use crate::library;
 use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
 use crate::questions::error::AskedError;
 use crate::questions::{self, Known, Requirement, Settled, Solved, Text, trial};
 use crate::syntax;
 use crate::syntax::tree::Tree;
 use crate::system::LinearSystem;
+use std::collections::HashMap;
+use std::path::Path;
 
 /// A model that has been read.
 pub(crate) struct Reading<'a> {
@@ -184,6 +187,80 @@ impl<'a> Reading<'a> {
     }
 }
 
+/// Adds the files of components that a model uses, and those that these use in turn, to the sources, each once: whoever calls
+/// reads them, by their paths; `Err` says why one cannot be read. The key is the same for what is the same file, the model
+/// (`key`) among them. The components of `std/...` are part of the program. A model that uses none is not even parsed.
+pub fn add_used_files(
+    sources: &mut Sources,
+    model: FileId,
+    key: Option<String>,
+    mut read: impl FnMut(&str) -> Result<(String, Vec<u8>), String>,
+) {
+    let mut known: HashMap<String, FileId> = key.into_iter().map(|key| (key, model)).collect();
+    let mut waiting = vec![model];
+    while let Some(file) = waiting.pop() {
+        for written in syntax::used_files(sources.text(file)) {
+            let name = match written.strip_prefix(library::PREFIX) {
+                Some(_) => written.clone(),
+                None => sources.file(file).beside(&written),
+            };
+            let (key, content) = match written.strip_prefix(library::PREFIX) {
+                Some(of_program) => (written.clone(), of_library(of_program)),
+                None => match used_content(&name, &mut read) {
+                    Ok((key, text)) => (key, Ok(text)),
+                    Err(reason) => (format!("unread {name}"), Err(reason)),
+                },
+            };
+            if let Some(&to) = known.get(&key) {
+                sources.link(file, written, to);
+                continue;
+            }
+            if known.len() > MOST_USED {
+                // What is beyond is said at its own line, and nothing more is added.
+                continue;
+            }
+            let to = sources.add(match content {
+                Ok(text) => SourceFile::model(name, text),
+                Err(reason) => SourceFile::unread(SourceKind::Model, name, reason),
+            });
+            known.insert(key, to);
+            sources.link(file, written, to);
+            waiting.push(to);
+        }
+    }
+}
+
+fn of_library(name: &str) -> Result<String, String> {
+    library::text(name).map(str::to_string).ok_or_else(|| {
+        let names: Vec<String> = library::names().map(|name| format!("`{name}`")).collect();
+        format!("the program comes with {}", names.join(", "))
+    })
+}
+
+/// The text of a file of components, and what is the same for the same file. What it holds is said of a `.vib` file alone: of
+/// another one it may be a secret.
+fn used_content(
+    name: &str,
+    read: &mut impl FnMut(&str) -> Result<(String, Vec<u8>), String>,
+) -> Result<(String, String), String> {
+    let is_model = |name: &str| Path::new(name).extension().is_some_and(|extension| extension == "vib");
+    if !is_model(name) {
+        return Err("its name does not end with `.vib`".into());
+    }
+    let (key, bytes) = read(name)?;
+    // A link may lead to anything.
+    if !is_model(&key) {
+        return Err("it is a link to a file whose name does not end with `.vib`".into());
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok((key, text)),
+        Err(_) => Err("it is not UTF-8 text".into()),
+    }
+}
+
+/// Different files that a model uses; a run has room for 256 files.
+const MOST_USED: usize = 32;
+
 /// The files of tables that a model names, each once, as written. The caller adds them to the sources (see
 /// [`crate::base::SourceFile::beside`]) before any other step. A model that names none is not even parsed.
 pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
@@ -191,7 +268,8 @@ pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
     if !sources.text(model).contains("table") {
         return files;
     }
-    for span in syntax::parse(sources, model).tree.texts() {
+    let tree = syntax::parse(sources, model).tree;
+    for span in tree.texts().filter(|span| span.file() == model) {
         let file = sources.slice(span).trim_matches('"');
         if files.len() < MOST_TABLES && files.iter().all(|known| known != file) {
             files.push(file.to_string());

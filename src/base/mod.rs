@@ -16,7 +16,7 @@ pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Label, Mend
 pub use dimension::{Angle, Dimension, Quantity};
 pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;
-pub use name::{Name, Symbol, Words};
+pub use name::{Name, Place, Symbol, Words};
 pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, down, larger, rounding, up};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

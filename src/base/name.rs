@@ -1,4 +1,5 @@
-//! Names: a word and, where it was declared in a `repeat`, its indices. `m[3]`, `net[2][7]`.
+//! Names: a word and, where it was declared in a `repeat`, its indices; in a placed component, behind the name of the place.
+//! `m[3]`, `net[2][7]`, `front.wheel`, `mount[3].s`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -7,20 +8,36 @@ use std::fmt::Write;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Symbol(u32);
 
+/// What a name stands in: the scene, or a component at one of its places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Place(u32);
+
+impl Place {
+    /// Outside of every component.
+    pub const SCENE: Place = Place(0);
+}
+
 /// At most this many indices follow a word.
 pub const MAX_INDICES: usize = 3;
 
-/// A word with its indices.
+/// A word with its indices, and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Name {
+    pub place: Place,
     pub symbol: Symbol,
     count: u8,
     indices: [i32; MAX_INDICES],
 }
 
 impl Name {
+    /// A word of the scene without indices.
     pub fn plain(symbol: Symbol) -> Name {
-        Name { symbol, count: 0, indices: [0; MAX_INDICES] }
+        Name { place: Place::SCENE, symbol, count: 0, indices: [0; MAX_INDICES] }
+    }
+
+    /// The same word and indices in another place.
+    pub fn within(self, place: Place) -> Name {
+        Name { place, ..self }
     }
 
     /// `None` for more than [`MAX_INDICES`] indices.
@@ -41,6 +58,9 @@ impl Name {
 pub struct Words {
     by_text: HashMap<Box<str>, Symbol>,
     texts: Vec<Box<str>>,
+    by_name: HashMap<Name, Place>,
+    /// The names of the places.
+    places: Vec<Name>,
 }
 
 impl Words {
@@ -66,9 +86,33 @@ impl Words {
         &self.texts[symbol.0 as usize]
     }
 
-    /// As written in a model: `m[3]`, `net[2][7]`.
+    /// What the names in a component stand in that is placed under this name.
+    pub fn place(&mut self, name: Name) -> Place {
+        let next = Place(u32::try_from(self.places.len() + 1).expect("the number of places is limited far below"));
+        let place = *self.by_name.entry(name).or_insert(next);
+        if place == next {
+            self.places.push(name);
+        }
+        place
+    }
+
+    /// The name of a place; `None` for the scene.
+    pub fn place_name(&self, place: Place) -> Option<Name> {
+        self.places.get((place.0 as usize).checked_sub(1)?).copied()
+    }
+
+    /// The word behind the names of its places: `mount[3].s`.
+    pub fn without_indices(&self, name: Name) -> String {
+        // From the outermost place inwards; each name knows the place around it.
+        match self.place_name(name.place) {
+            Some(place) => format!("{}.{}", self.display(place), self.text(name.symbol)),
+            None => self.text(name.symbol).to_string(),
+        }
+    }
+
+    /// As written in a model: `m[3]`, `net[2][7]`, `front.wheel`.
     pub fn display(&self, name: Name) -> String {
-        let mut text = self.text(name.symbol).to_string();
+        let mut text = self.without_indices(name);
         for index in name.indices() {
             // Writing to a string cannot fail.
             let _ = write!(text, "[{index}]");

@@ -1,6 +1,7 @@
 //! Where a thing was written: files, byte ranges, lines and columns.
 
 use super::readable::readable;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Index of a file in [`Sources`].
@@ -65,7 +66,7 @@ impl Span {
 /// What a file of a run is: decides how its places are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
-    /// A model file.
+    /// A model file, or a file of components.
     Model,
     /// A TOML file of settings.
     Settings,
@@ -159,6 +160,8 @@ pub struct Position {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
+    /// What a `use` of a file leads to, by the file and the name as it writes it.
+    used: HashMap<(FileId, String), FileId>,
 }
 
 impl Sources {
@@ -181,6 +184,12 @@ impl Sources {
         self.files.is_empty()
     }
 
+    /// The model and the files that it uses, unless they could not be read.
+    pub fn models(&self) -> impl Iterator<Item = FileId> {
+        let is_model = |file: &SourceFile| file.kind == SourceKind::Model && file.unread.is_none();
+        (0..).map(FileId).zip(&self.files).filter(move |(_, file)| is_model(file)).map(|(id, _)| id)
+    }
+
     /// All of them, as they were added.
     pub fn files(&self) -> impl Iterator<Item = &SourceFile> {
         self.files.iter()
@@ -195,6 +204,17 @@ impl Sources {
         let name = self.file(of).beside(written);
         let place = self.files.iter().position(|file| file.kind == SourceKind::Table && file.name == name)?;
         u8::try_from(place).ok().map(FileId)
+    }
+
+    /// Remembers which file a `use` of another one names.
+    pub fn link(&mut self, of: FileId, written: impl Into<String>, to: FileId) {
+        self.used.insert((of, written.into()), to);
+    }
+
+    /// The file that the text of a `use` names, quotes included, if it was added.
+    pub fn used(&self, text: Span) -> Option<FileId> {
+        let written = self.slice(text).trim_matches('"');
+        self.used.get(&(text.file(), written.to_string())).copied()
     }
 
     pub fn text(&self, id: FileId) -> &str {

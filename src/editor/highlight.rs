@@ -84,5 +84,9 @@ fn of_role(role: Role) -> Option<(&'static str, u32)> {
         Role::Reference { space: Space::Values, .. } => ("parameter", 0),
         Role::Declaration { space: Space::Parts, .. } => ("class", DECLARATION),
         Role::Reference { space: Space::Parts, .. } => ("class", 0),
+        Role::Declaration { space: Space::Places, .. } => ("class", DECLARATION),
+        Role::Reference { space: Space::Places, .. } => ("class", 0),
+        Role::Declaration { space: Space::Components, .. } => ("type", DECLARATION),
+        Role::Reference { space: Space::Components, .. } => ("type", 0),
     })
 }

@@ -31,6 +31,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<Hover> {
         (TokenKind::Word, role) => match role.name()? {
             (Space::Values, scope) => value(document, token, scope)?,
             (Space::Parts, _) => part(document, token)?,
+            (Space::Places | Space::Components, _) => return None,
         },
         _ => return None,
     };

@@ -50,6 +50,8 @@ pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<u
     let reserved = match space {
         Space::Values => is_reserved(new),
         Space::Parts => new == "ground",
+        Space::Places => new == "ground" || is_reserved(new),
+        Space::Components => false,
     };
     if reserved {
         return Err(format!("`{new}` has a meaning of its own"));

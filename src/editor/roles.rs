@@ -137,7 +137,9 @@ impl Reader<'_> {
             Some(Naming::New(space)) => Role::Declaration { space, scope: None },
             Some(Naming::Index) => Role::Declaration { space: Space::Values, scope: Some(self.index) },
             Some(Naming::Title) => Role::Title,
-            Some(Naming::Of(Space::Parts)) => Role::Reference { space: Space::Parts, scope: None },
+            Some(Naming::Of(space @ (Space::Parts | Space::Places | Space::Components))) => {
+                Role::Reference { space, scope: None }
+            }
             Some(Naming::Of(Space::Values)) => self.value(at),
             None if matches!(declaration.pieces.first(), Some(Piece::Apart)) => self.expression(at, None, &[]),
             None => Role::Word,
@@ -300,6 +302,10 @@ mod tests {
                 Role::Reference { space: Space::Values, scope: None } => "v",
                 Role::Reference { space: Space::Values, .. } => "i",
                 Role::Reference { space: Space::Parts, .. } => "p",
+                Role::Declaration { space: Space::Places, .. } => "L",
+                Role::Reference { space: Space::Places, .. } => "l",
+                Role::Declaration { space: Space::Components, .. } => "C",
+                Role::Reference { space: Space::Components, .. } => "n",
             };
             format!("{}:{mark}", token.text(text))
         });

@@ -31,11 +31,10 @@ pub fn label(names: &mut Names, coordinates: &[Coordinate], words: &Words) {
         let label = if alone && !names.is_taken(word) {
             Label::new(word, "")
         } else {
-            let mut name = words.text(coordinate.owner_name.symbol).to_string();
-            let same_word = coordinates
-                .iter()
-                .filter(|other| letter(other) == word)
-                .all(|other| other.owner_name.symbol == coordinate.owner_name.symbol);
+            let whose = |coordinate: &Coordinate| (coordinate.owner_name.place, coordinate.owner_name.symbol);
+            let mut name = words.without_indices(coordinate.owner_name);
+            let same_word =
+                coordinates.iter().filter(|other| letter(other) == word).all(|other| whose(other) == whose(coordinate));
             let indices: Vec<String> = coordinate.owner_name.indices().iter().map(i32::to_string).collect();
             if same_word && !indices.is_empty() && !names.is_taken(word) {
                 name.clear();

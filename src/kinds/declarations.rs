@@ -51,6 +51,9 @@ pub enum Shape {
     Repeat,
     Solve,
     Require,
+    Component,
+    Place,
+    Use,
 }
 
 impl PartialEq for Declaration {
@@ -84,7 +87,7 @@ impl Declaration {
     /// What the name after its keyword does.
     pub fn naming(&self) -> Option<Naming> {
         self.pieces.iter().find_map(|piece| match piece {
-            Piece::Word(naming, _) | Piece::Name(naming, _) => Some(*naming),
+            Piece::Word(naming, _) | Piece::Name(naming, _) | Piece::Path(naming, _) => Some(*naming),
             _ => None,
         })
     }
@@ -324,7 +327,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
 }];
 
 /// The declarations after the elements.
-const LAST: [Declaration; 10] = [
+const LAST: [Declaration; 13] = [
     Declaration {
         synonyms: &["support"],
         fields: &BASE_FIELDS,
@@ -386,7 +389,7 @@ const LAST: [Declaration; 10] = [
                  One declaration for each body.",
                 heading: "Initial state",
             },
-            &[Piece::Blank, Piece::Name(Naming::Of(Space::Parts), "the body"), Piece::Fields],
+            &[Piece::Blank, Piece::Path(Naming::Of(Space::Parts), "the body"), Piece::Fields],
         )
     },
     Declaration {
@@ -487,7 +490,7 @@ const LAST: [Declaration; 10] = [
         },
         &[
             Piece::Blank,
-            Piece::Name(Naming::Of(Space::Values), "the parameter"),
+            Piece::Path(Naming::Of(Space::Values), "the parameter"),
             IN,
             Piece::Apart,
             LOW,
@@ -512,6 +515,71 @@ const LAST: [Declaration; 10] = [
                 heading: "Requirements",
             },
             &[Piece::Apart, Piece::Value("a condition", Content::Measures)],
+        )
+    },
+    Declaration {
+        synonyms: &["class", "block", "subsystem"],
+        ..declaration(
+            Shape::Component,
+            "component",
+            "component axle(part chassis, m: kg, k = 150 kN/m) {",
+            Page {
+                forms: "component axle(part chassis, m: kg, k = 150 kN/m) {\n    body wheel { mass = m, moves y }\n    \
+                 spring s: wheel -- chassis { k = k }\n}",
+                summary: "Draws a thing once, to be placed as often as needed.",
+                rules: "In brackets stand its ports, which are parts of the scene that it ties together, and its parameters: a unit says \
+                 the dimension of one, a default may follow; one without a default must be given at every place. The body sees these, \
+                 its own names and nothing else. Its coordinates and directions are its own axes.",
+                heading: "Components",
+            },
+            &[
+                Piece::Blank,
+                Piece::Word(Naming::New(Space::Components), "the component"),
+                Piece::Formals,
+                Piece::Sign("{", "at the end of the line"),
+            ],
+        )
+    },
+    Declaration {
+        synonyms: &["instance", "insert"],
+        ..declaration(
+            Shape::Place,
+            "place",
+            "place front = axle(m = 40 kg) at (1.2 m, 0)",
+            Page {
+                forms: "place front = axle(chassis = car, m = 40 kg) at (1.2 m, 0)\nplace rear = axle(chassis = car, m = 45 kg) at \
+                 (-1.5 m, 0) turned 10 deg\nplace left = axle(chassis = car, m = 40 kg) at (0, 0) mirrored x",
+                summary: "Puts a component into the scene; its names are then `front.wheel`, `front.k`.",
+                rules: "`at` says where the component's origin comes to lie; without it nothing in the component has a position. `mirrored x` \
+                 changes the sign of its x, `mirrored y` of its y. It is mirrored first, then turned about its origin, then moved.\n\n\
+                 From outside, `front.wheel` is a part or output and `front.k` a parameter, point or `let`; `--set front.k=...` sets a \
+                 parameter.",
+                heading: "Places of components",
+            },
+            &[
+                Piece::Blank,
+                Piece::Name(Naming::New(Space::Places), "the place"),
+                Piece::Sign(EQUALS, "between the place and its component"),
+                Piece::Word(Naming::Of(Space::Components), "a component"),
+                Piece::Actuals,
+                Piece::Placing,
+            ],
+        )
+    },
+    Declaration {
+        synonyms: &["import", "include"],
+        ..declaration(
+            Shape::Use,
+            "use",
+            "use \"axles.vib\"",
+            Page {
+                forms: "use \"axles.vib\"\nuse \"std/absorber.vib\"",
+                summary: "Makes the components of another file known.",
+                rules: "The path is relative to this file; `std/...` are the components that come with the program. Components alone come in: \
+                 a file may be a model and be used by others. A file is read once, however often it is named.",
+                heading: "Components of other files",
+            },
+            &[Piece::Blank, Piece::Text("a file in quotes, such as `\"axles.vib\"`")],
         )
     },
 ];

@@ -3,13 +3,17 @@
 use super::SignalKind;
 use crate::base::Dimension;
 
-/// The two name spaces (spec.md#names).
+/// What a name stands for (spec.md#names): values and parts have a name space each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// Parameters, points and indices.
     Values,
     /// Bodies, bases, joints, couplings, elements, inputs, outputs.
     Parts,
+    /// Places of components, whose names belong to both of the above.
+    Places,
+    /// Components, which are named after `=` in a `place`.
+    Components,
 }
 
 /// The role of a name or word in a declaration.
@@ -36,6 +40,8 @@ pub enum Piece {
     Word(Naming, &'static str),
     /// A name, and a phrase for what it names.
     Name(Naming, &'static str),
+    /// A name that may lie in a component at a place, `front.k`, and whose.
+    Path(Naming, &'static str),
     /// A sign, and a phrase for its place.
     Sign(&'static str, &'static str),
     /// A word of the language, and a phrase for its place.
@@ -56,6 +62,14 @@ pub enum Piece {
     Signal(&'static SignalKind),
     /// Fields in braces.
     Fields,
+    /// Ports and parameters of a component: `(part chassis, m: kg, k = 150 kN/m)`.
+    Formals,
+    /// Values for them: `(chassis = frame, m = 40 kg)`.
+    Actuals,
+    /// `at (1 m, 0) mirrored x turned 10 deg`, each of which may be missing.
+    Placing,
+    /// A file's name in quotes, and whose.
+    Text(&'static str),
 }
 
 /// The contents of an expression.

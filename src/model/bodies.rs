@@ -6,7 +6,7 @@ use super::error::{PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::fields::Given;
-use super::scene::{Base, BaseId, Body, BodyId, Freedom, Shape, Translation};
+use super::scene::{Base, BaseId, Body, BodyId, Freedom, Part, Shape, Translation};
 use super::scope::{Environment, Instance};
 use super::suggestion::nearest;
 use crate::base::field::place;
@@ -279,7 +279,7 @@ impl<'a> Check<'a> {
     fn freedom(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Freedom> {
         let free = self.flag(given.get(FREE), environment);
         let turns = self.flag(given.get(TURNS), environment);
-        let translations = self.translations(given.get(MOVES), environment)?;
+        let translations = self.translations(given.get(MOVES), environment, Lines::OfBody)?;
         let (free, turns) = (free?, turns?);
         if free {
             let other = given.get(MOVES).or(given.get(TURNS));
@@ -297,8 +297,47 @@ impl<'a> Check<'a> {
         })
     }
 
-    /// `moves x`, `moves x y`, `moves along (1, 1)`.
+    /// What moves in the scene along lines. Of two axes of a turned component it moves along both axes of the scene; a line is
+    /// the scene's x or y where it is parallel to one of these.
     fn translations(
+        &mut self,
+        field: Option<&'a Field>,
+        environment: Environment,
+        lines: Lines,
+    ) -> Evaluated<Option<Arc<[Translation]>>> {
+        let own = self.own_translations(field, environment)?;
+        let (Some(own), Some(placed)) = (&own, self.placed(environment)?) else { return Ok(own) };
+        let [one] = &own[..] else { return Ok(Some(own.clone())) };
+        if placed.scene.keeps_directions() {
+            return Ok(Some(own.clone()));
+        }
+        let turned = placed.scene.direction(&one.direction);
+        let is = |axis: &Vec3| turned == *axis;
+        // A body moves either way; what is written of it in the component means its own way.
+        let is_reversed =
+            |axis: &Vec3| lines == Lines::OfBody && one.motion != "along" && turned == axis.scale(&Number::from(-1));
+        if is_reversed(&Vec3::X) || is_reversed(&Vec3::Y) {
+            self.reversed.insert(BodyId(self.scene.bodies.len() as u32));
+        }
+        Ok(Some(if is(&Vec3::X) || is_reversed(&Vec3::X) {
+            self.directions.x.clone()
+        } else if is(&Vec3::Y) || is_reversed(&Vec3::Y) {
+            self.directions.y.clone()
+        } else {
+            Arc::new([Translation { direction: turned, motion: "along" }])
+        }))
+    }
+
+    /// The line of a part as its own component sees it: a force on it is positive in the component's own axes.
+    pub fn own_line(&self, line: Arc<Vec3>, part: Part, environment: Environment) -> Arc<Vec3> {
+        let Part::Body(id) = part else { return line };
+        let frame = |environment| self.environments.frame(environment);
+        let is_own = || frame(self.instances.bodies[id.index()].environment) == frame(environment);
+        if self.reversed.contains(&id) && is_own() { Arc::new(line.scale(&Number::from(-1))) } else { line }
+    }
+
+    /// `moves x`, `moves x y`, `moves along (1, 1)`, in a component's own axes.
+    fn own_translations(
         &mut self,
         field: Option<&'a Field>,
         environment: Environment,
@@ -324,7 +363,7 @@ impl<'a> Check<'a> {
     }
 
     fn oblique(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<[Translation]>> {
-        let direction = self.direction(expr, environment)?;
+        let direction = self.own_direction(expr, environment)?;
         Ok(if *direction == Vec3::X {
             self.directions.x.clone()
         } else if *direction == Vec3::Y {
@@ -342,7 +381,8 @@ impl<'a> Check<'a> {
             let Rare::Base { name: ident, .. } = self.tree.rare[rare as usize] else { continue };
             let base = base.unwrap_or_else(|_| {
                 self.broken_bases.insert(BaseId(index as u32));
-                let name = crate::base::Name::plain(self.words.intern(self.sources.slice(ident.span)));
+                let symbol = self.words.intern(self.sources.slice(ident.span));
+                let name = crate::base::Name::plain(symbol).within(self.place_of(environment));
                 Base { name, span: ident.span, at: None, translations: self.directions.none.clone(), turns: false }
             });
             self.scene.bases.push(base);
@@ -357,7 +397,7 @@ impl<'a> Check<'a> {
         let given = self.fields(fields, &BASE_FIELDS, environment);
         let at = self.field_position(given.get(BASE_AT), environment);
         let turns = self.flag(given.get(BASE_TURNS), environment);
-        let translations = self.translations(given.get(BASE_MOVES), environment)?;
+        let translations = self.translations(given.get(BASE_MOVES), environment, Lines::OfBase)?;
         let (at, turns) = (at?, turns?);
         if given.broken {
             return Err(Stop::Reported);
@@ -369,6 +409,13 @@ impl<'a> Check<'a> {
         let translations = translations.unwrap_or_else(|| self.directions.none.clone());
         Ok(Base { name, span: ident.span, at, translations, turns })
     }
+}
+
+/// Whether a line has a positive sense: a base moves as it is told, a body either way.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lines {
+    OfBody,
+    OfBase,
 }
 
 /// An inertia as written.

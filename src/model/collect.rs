@@ -7,7 +7,7 @@
 use super::Check;
 use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
-use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, State};
+use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, Role, State};
 use super::value::Function;
 use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
@@ -22,11 +22,34 @@ pub const MAX_OTHERS: u64 = 1_000_000;
 
 /// The number of declarations that `repeat`s unroll to.
 #[derive(Clone, Copy, Debug, Default)]
-struct Count {
+pub struct Count {
     instances: u64,
     bodies: u64,
     /// Declarations other than bodies and the most common kinds: springs, dampers and values.
     others: u64,
+}
+
+impl Count {
+    /// Adds what stands in a body itself, so many times.
+    pub fn add(&mut self, body: &[Decl], times: u64) {
+        let number = |is: fn(&DeclKind) -> bool| body.iter().filter(|decl| is(&decl.kind)).count() as u64;
+        let own = number(|kind| !matches!(kind, DeclKind::Repeat { .. })).max(1);
+        let bodies = number(|kind| matches!(kind, DeclKind::Body { .. }));
+        let others = number(|kind| matches!(kind, DeclKind::Rare { .. }));
+        self.instances = self.instances.saturating_add(times.saturating_mul(own));
+        self.bodies = self.bodies.saturating_add(times.saturating_mul(bodies));
+        self.others = self.others.saturating_add(times.saturating_mul(others));
+    }
+
+    /// The limit that is exceeded, and of what.
+    pub fn exceeded(&self) -> Option<(u64, &'static str)> {
+        let limits = [
+            (self.instances, MAX_INSTANCES, "declarations"),
+            (self.bodies, MAX_BODIES, "bodies"),
+            (self.others, MAX_OTHERS, "joints, inputs and outputs"),
+        ];
+        limits.into_iter().find(|(count, limit, _)| count > limit).map(|(_, limit, what)| (limit, what))
+    }
 }
 
 /// The name that a declaration declares, and a function from the index of the instance to what the name stands for.
@@ -56,6 +79,7 @@ pub struct Instances<'a> {
 impl<'a> Check<'a> {
     pub fn collect(&mut self) {
         let tree = self.tree;
+        self.components();
         for span in &tree.broken {
             let words = self.sources.slice(*span).split(|c: char| !c.is_alphanumeric() && c != '_');
             self.broken_words.extend(words);
@@ -63,25 +87,25 @@ impl<'a> Check<'a> {
         for decl in &tree.decls {
             self.declare_value(Instance { decl, environment: Environment::TOP });
         }
-        let mut count = Count::default();
         for decl in &tree.decls {
             let instance = Instance { decl, environment: Environment::TOP };
             match decl.kind {
-                DeclKind::Repeat { index } => self.unroll_counted(&tree.repeats[index as usize], &mut count),
+                DeclKind::Repeat { index } => self.unroll_counted(&tree.repeats[index as usize], Environment::TOP),
                 _ => self.declare_part(instance),
             }
         }
+        self.tie_ports();
     }
 
-    /// Unrolls a top-level `repeat` unless that makes too many declarations.
-    fn unroll_counted(&mut self, repeat: &'a Repeat, count: &mut Count) {
-        let before = *count;
-        match self.count(repeat, Environment::TOP, count) {
-            Ok(()) => self.unroll(repeat, Environment::TOP),
-            Err(_) => {
-                *count = before;
-                self.forget(&repeat.body);
+    /// Unrolls a `repeat` that stands in no other if what it unrolls to is not too much.
+    pub fn unroll_counted(&mut self, repeat: &'a Repeat, environment: Environment) {
+        let mut counted = self.counted;
+        match self.count(repeat, environment, &mut counted) {
+            Ok(()) => {
+                self.counted = counted;
+                self.unroll(repeat, environment);
             }
+            Err(_) => self.forget(&repeat.body),
         }
     }
 
@@ -90,21 +114,9 @@ impl<'a> Check<'a> {
         let (first, last) = self.bounds(repeat, environment)?;
         let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
         let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
-        let own = (repeat.body.len() - nested.len()).max(1) as u64;
-        let number = |is: fn(&DeclKind) -> bool| repeat.body.iter().filter(|decl| is(&decl.kind)).count() as u64;
-        let bodies = number(|kind| matches!(kind, DeclKind::Body { .. }));
-        let others = number(|kind| matches!(kind, DeclKind::Rare { .. }));
-        count.instances = count.instances.saturating_add(repetitions.saturating_mul(own));
-        count.bodies = count.bodies.saturating_add(repetitions.saturating_mul(bodies));
-        count.others = count.others.saturating_add(repetitions.saturating_mul(others));
-        if count.instances > MAX_INSTANCES {
-            return self.too_many(repeat, MAX_INSTANCES, "declarations", environment);
-        }
-        if count.bodies > MAX_BODIES {
-            return self.too_many(repeat, MAX_BODIES, "bodies", environment);
-        }
-        if count.others > MAX_OTHERS {
-            return self.too_many(repeat, MAX_OTHERS, "joints, inputs and outputs", environment);
+        count.add(&repeat.body, repetitions);
+        if let Some((limit, what)) = count.exceeded() {
+            return self.too_many(repeat, limit, what, environment);
         }
         if nested.is_empty() {
             return Ok(());
@@ -164,7 +176,7 @@ impl<'a> Check<'a> {
         if self.environments.value(environment, symbol).is_some() {
             return Some(None);
         }
-        self.values.family(symbol).map(|family| Some(family.span))
+        self.values.family(self.group_of(environment), symbol).map(|family| Some(family.span))
     }
 
     /// First and last value of the index; last = first - 1 repeats nothing.
@@ -194,7 +206,7 @@ impl<'a> Check<'a> {
         self.as_whole(&value, expr, environment)
     }
 
-    fn declare_value(&mut self, instance: Instance<'a>) {
+    pub fn declare_value(&mut self, instance: Instance<'a>) {
         let (kind, name, expr) = match instance.decl.kind {
             DeclKind::Param { name, value } => (DefinitionKind::Param, name, value),
             DeclKind::Let { name, value } => (DefinitionKind::Let, name, value),
@@ -207,16 +219,20 @@ impl<'a> Check<'a> {
         }
         let (span, id) = (name.span, DefinitionId(self.definitions.len() as u32));
         let Ok(name) = self.declared_name(name, environment) else { return };
-        if let Err(other) = self.values.declare(name, span, id) {
-            let (name, first) = (self.words.display(name), Some(self.definitions[other.0 as usize].span));
+        let group = self.group_of(environment);
+        let place = self.parts.get(name).filter(|part| matches!(part, Part::Place(_)));
+        let other = place.map(|place| self.part_span(place));
+        let declared = self.values.declare(group, name, span, id);
+        if let Some(first) = other.or_else(|| declared.err().map(|other| self.definitions[other.0 as usize].span)) {
+            let (name, first) = (self.words.display(name), Some(first));
             return self.report(environment, NameError::Duplicate { span, name, first });
         }
-        let state = State::Unsettled;
-        self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false });
+        let (state, role) = (State::Unsettled, Role::Declared);
+        self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });
     }
 
     /// Reports names that have a fixed meaning wherever a number may stand; returns whether the name is free.
-    fn not_reserved(&mut self, span: Span, environment: Environment) -> bool {
+    pub fn not_reserved(&mut self, span: Span, environment: Environment) -> bool {
         let word = self.sources.slice(span);
         let reserved = word == "pi" || Function::named(word).is_some();
         if reserved {
@@ -226,7 +242,7 @@ impl<'a> Check<'a> {
     }
 
     /// The declared name. Its word counts as known from now on, even if its indices have no value.
-    fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
+    pub fn declared_name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
         let name = self.name(ident, environment);
         if let Err(Stop::Reported) = name {
             self.broken_words.insert(self.sources.slice(ident.span));
@@ -234,7 +250,7 @@ impl<'a> Check<'a> {
         name
     }
 
-    fn declare_part(&mut self, instance: Instance<'a>) {
+    pub fn declare_part(&mut self, instance: Instance<'a>) {
         let list = &mut self.instances;
         let (list, part): (&mut Vec<Instance<'a>>, Declares) = match instance.decl.kind {
             DeclKind::Body { name, .. } => (&mut list.bodies, Some((name, Part::Body))),
@@ -255,8 +271,11 @@ impl<'a> Check<'a> {
                 Rare::DampingModal { .. } | Rare::DampingRayleigh { .. } | Rare::RestAsDrawn => {
                     (&mut list.settings, None)
                 }
+                Rare::Place { .. } => return self.declare_place(instance),
+                Rare::Use { .. } => return,
             },
-            DeclKind::Param { .. } | DeclKind::Let { .. } | DeclKind::Point { .. } | DeclKind::Repeat { .. } => return,
+            DeclKind::Param { .. } | DeclKind::Let { .. } | DeclKind::Point { .. } => return,
+            DeclKind::Repeat { .. } | DeclKind::Component { .. } => return,
         };
         let index = list.len() as u32;
         list.push(instance);
@@ -267,7 +286,10 @@ impl<'a> Check<'a> {
 
     fn declare_part_name(&mut self, ident: Ident, part: Part, environment: Environment) {
         let name = self.part_name_declared(ident, part, environment);
-        let name = name.unwrap_or_else(|_| Name::plain(self.words.intern(self.sources.slice(ident.span))));
+        let name = name.unwrap_or_else(|_| {
+            let symbol = self.words.intern(self.sources.slice(ident.span));
+            Name::plain(symbol).within(self.place_of(environment))
+        });
         match part {
             Part::Body(_) => self.instances.body_names.push(name),
             Part::Element(_) => self.instances.element_names.push(name),
@@ -281,7 +303,7 @@ impl<'a> Check<'a> {
             return self.fail(environment, NameError::Reserved { span, word: "ground".into() });
         }
         let name = self.declared_name(ident, environment)?;
-        if let Err(other) = self.parts.declare(name, span, part) {
+        if let Err(other) = self.parts.declare(self.group_of(environment), name, span, part) {
             let (name, first) = (self.words.display(name), self.part_span(other));
             self.report(environment, NameError::Duplicate { span, name, first: Some(first) });
         }
@@ -298,6 +320,9 @@ impl<'a> Check<'a> {
             Part::Element(index) => (&self.instances.elements, index),
             Part::Input(index) => (&self.instances.inputs, index),
             Part::Output(index) => (&self.instances.outputs, index),
+            Part::Place(frame) => return self.frame(frame).span,
+            Part::Port(port) => return self.port_span(port),
+            Part::Ground => return Span::new(self.tree.file, 0, 0),
         };
         let decl = list[index as usize].decl;
         self.declared_ident(decl).map_or(decl.span, |ident| ident.span)
@@ -316,6 +341,9 @@ impl<'a> Check<'a> {
             },
             Part::Input(_) => "a force or torque",
             Part::Output(_) => "an output",
+            Part::Place(_) => "a place of a component",
+            Part::Port(_) => "a port",
+            Part::Ground => "the ground",
         }
     }
 
@@ -327,6 +355,7 @@ impl<'a> Check<'a> {
             DeclKind::Rare { index } => match self.tree.rare[index as usize] {
                 Rare::Joint { name, .. } | Rare::Couple { name, .. } | Rare::Base { name, .. } => Some(name),
                 Rare::Force { name, .. } | Rare::Torque { name, .. } | Rare::Output { name, .. } => Some(name),
+                Rare::Place { name, .. } => Some(name),
                 _ => None,
             },
             _ => None,

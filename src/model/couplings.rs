@@ -7,9 +7,9 @@ use super::evaluate::{Evaluated, Stop};
 use super::motions::{Combination, Piece};
 use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
 use super::scope::{Environment, Instance};
-use crate::base::{Number, Span};
+use crate::base::{Number, Span, Vec3};
 use crate::kinds::motions::INITIAL_FIELDS;
-use crate::syntax::tree::{DeclKind, ExprId, Fields, Ident, Rare};
+use crate::syntax::tree::{DeclKind, ExprId, Fields, Ident, Path, Rare};
 
 impl<'a> Check<'a> {
     pub fn couples(&mut self) {
@@ -93,23 +93,59 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn initial(&mut self, ident: Ident, fields: Fields, environment: Environment) -> Evaluated<Initial> {
+    fn initial(&mut self, path: Path, fields: Fields, environment: Environment) -> Evaluated<Initial> {
         let given = self.fields(fields, &INITIAL_FIELDS, environment);
-        let part = self.part(ident, environment)?;
+        let part = self.part(path, environment)?;
+        let at = self.path_span(path);
         let Part::Body(body) = part else {
             let found = if part == Part::Ground { "the ground" } else { "a base" };
-            let word = self.sources.slice(ident.span).to_string();
-            return self.fail(environment, QuestionError::NoInitialState { span: ident.span, word, found });
+            let word = self.sources.slice(at).to_string();
+            return self.fail(environment, QuestionError::NoInitialState { span: at, word, found });
         };
-        let mut values = Vec::new();
+        let mut values: Vec<(Motion, Number, Span)> = Vec::new();
         for (index, described) in INITIAL_FIELDS.iter().enumerate() {
             let Some(field) = given.get(index) else { continue };
             let value: Option<(Number, Span)> =
                 self.field_number(Some(field), environment, &described.expected(false))?;
             let word = self.sources.slice(field.key);
-            let (motion, _) = self.part_motion(part, None, word, field.key, environment)?;
-            values.extend(value.map(|(value, span)| (motion, value, span)));
+            let ((motion, _), sign) = self.part_motion(part, None, word, field.key, environment)?;
+            values.extend(value.map(|(value, span)| (motion, &value * &sign, span)));
         }
-        if given.broken { Err(Stop::Reported) } else { Ok(Initial { body, span: ident.span, values }) }
+        let turns = self.placed(environment)?.is_some_and(|placed| !placed.scene.keeps_directions());
+        if turns && !self.moves_along_line(part) {
+            values = in_scene_axes(values);
+        }
+        if given.broken { Err(Stop::Reported) } else { Ok(Initial { body, span: at, values }) }
     }
+}
+
+/// Displacements and velocities along the turned axes of a component, as those along x and y: what is not given is zero. Where
+/// one of the two is zero for certain, the other stands alone.
+fn in_scene_axes(values: Vec<(Motion, Number, Span)>) -> Vec<(Motion, Number, Span)> {
+    let mut of_scene: Vec<(Motion, Number, Span)> = Vec::new();
+    for order in [0, 1] {
+        let along = |motion: &Motion| matches!(motion, Motion::Point { derivative, .. } if *derivative == order);
+        let of_order = values.iter().filter(|(motion, ..)| along(motion));
+        let mut sums: Option<(Vec3, &(Motion, Number, Span))> = None;
+        for value in of_order {
+            let Motion::Point { direction, .. } = &value.0 else { continue };
+            let share = direction.scale(&value.1);
+            sums = Some(match sums {
+                None => (share, value),
+                Some((sum, first)) => (sum.add(&share), first),
+            });
+        }
+        let Some((sum, (Motion::Point { part, at, .. }, _, span))) = sums else { continue };
+        for (direction, component) in [(Vec3::X, sum.x), (Vec3::Y, sum.y)] {
+            if !component.is_zero() {
+                of_scene.push((
+                    Motion::Point { part: *part, at: at.clone(), direction, derivative: order },
+                    component,
+                    *span,
+                ));
+            }
+        }
+    }
+    of_scene.extend(values.into_iter().filter(|(motion, ..)| !matches!(motion, Motion::Point { .. })));
+    of_scene
 }

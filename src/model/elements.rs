@@ -71,7 +71,11 @@ impl<'a> Check<'a> {
             return Err(*stop);
         }
         let rest = self.spring_rest(&given, torsional.is_some(), environment)?;
-        let (geometry, pair) = geometry?;
+        let (geometry, mut pair) = geometry?;
+        if geometry == Geometry::Torsion && self.reverses(environment)? {
+            // Twisted counter-clockwise in a component that is mirrored.
+            pair.swap(0, 1);
+        }
         if rest != SpringRest::AsDrawn {
             self.drawn_length_is_known(&rest, &geometry, &pair, environment)?;
         }
@@ -202,7 +206,8 @@ impl<'a> Check<'a> {
             return Ok(Geometry::Line);
         }
         if let Some(line) = self.common_line(pair) {
-            return Ok(Geometry::Along(line));
+            let part = if self.line(pair[0].part) == Line::Fixed { pair[1].part } else { pair[0].part };
+            return Ok(Geometry::Along(self.own_line(line, part, environment)));
         }
         if self.broken_joints {
             return Err(Stop::Reported);

@@ -6,14 +6,14 @@ use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
 use super::scene::{Attachment, BaseId, BodyId, Part};
 use super::scope::{self, Environment};
-use crate::base::{Name, Vec3};
-use crate::syntax::tree::{End, EndId, Ident};
+use crate::base::{Name, Span, Vec3};
+use crate::syntax::tree::{End, EndId, Ident, Path};
 use std::sync::Arc;
 
 impl<'a> Check<'a> {
     pub fn attachment(&mut self, end: &End, environment: Environment) -> Evaluated<Attachment> {
         // Both are evaluated, so that both mistakes are reported.
-        let part = self.part(end.part, environment);
+        let part = self.part(end.part(), environment);
         let at = end.at.map(|at| self.position(at, environment)).transpose()?;
         let part = part?;
         Ok(Attachment { part, at: at.or_else(|| self.own_position(part)), span: end.span })
@@ -38,19 +38,27 @@ impl<'a> Check<'a> {
     }
 
     /// The ground, body or base of this name.
-    pub fn part(&mut self, ident: Ident, environment: Environment) -> Evaluated<Part> {
-        if ident.indices.is_empty() && self.sources.slice(ident.span) == "ground" {
+    pub fn part(&mut self, path: Path, environment: Environment) -> Evaluated<Part> {
+        let Path { first, whole } = path;
+        if whole.is_none() && first.indices.is_empty() && self.sources.slice(first.span) == "ground" {
             return Ok(Part::Ground);
         }
-        match self.named_part(ident, environment, "body")? {
+        match self.path_part(path, environment, "body")? {
             scope::Part::Body(index) => Ok(Part::Body(BodyId(index))),
             scope::Part::Base(index) => Ok(Part::Base(BaseId(index))),
+            scope::Part::Ground => Ok(Part::Ground),
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
-                let error = NameError::NotABody { span: ident.span, word, found, declared: self.part_span(other) };
+                let span = self.path_span(path);
+                let (word, found) = (self.sources.slice(span).to_string(), self.noun_of(other));
+                let error = NameError::NotABody { span, word, found, declared: self.part_span(other) };
                 self.fail(environment, error)
             }
         }
+    }
+
+    /// Where a part is named, without its indices where it has a single name.
+    pub fn path_span(&self, path: Path) -> Span {
+        path.whole.map_or(path.first.span, |whole| self.tree.expr(whole).span)
     }
 
     /// The part of any kind that has this name; `wanted` names what the place requires, for messages.
@@ -72,9 +80,9 @@ impl<'a> Check<'a> {
         wanted: &'static str,
     ) -> Evaluated<scope::Part> {
         if let Some(part) = self.parts.get(name) {
-            return Ok(part);
+            return self.untied(part);
         }
-        let error = self.unknown_part(ident, name, wanted);
+        let error = self.unknown_part(ident, name, wanted, environment);
         self.fail_unless_broken(environment, ident.span, error)
     }
 

@@ -6,12 +6,14 @@
 //! list, and the innermost is evaluated first, from a fresh start: a chain of a million parameters needs no deep stack.
 
 use super::Check;
-use super::error::{NameError, ValueError};
-use super::scope::{DefinitionId, DefinitionKind, Environment, State};
+use super::error::{NameError, PlaceError, ValueError};
+use super::overrides;
+use super::places::{Frame, FrameId};
+use super::scope::{DefinitionId, DefinitionKind, Environment, Role, State};
 use super::value::{self, Function, Scalar, Value};
 use crate::base::unit::{self, Scale, Unit};
-use crate::base::{Dimension, Name, Number, Quantity, Rational, Span, Symbol};
-use crate::syntax::tree::{Binary, ExprId, ExprKind, ExprList, Ident};
+use crate::base::{Dimension, Name, Number, Place, Quantity, Rational, Span, Symbol};
+use crate::syntax::tree::{Binary, ExprId, ExprKind, ExprList, FormalKind, Ident};
 
 /// A value, or why there is none.
 pub type Evaluated<T> = Result<T, Stop>;
@@ -31,7 +33,7 @@ const MAX_DEPTH: usize = 256;
 /// The state of the walk.
 #[derive(Debug, Default)]
 pub struct Walk {
-    depth: usize,
+    pub depth: usize,
     /// Definitions that are being evaluated, each needed by the one before it.
     in_progress: Vec<DefinitionId>,
     /// Whether an index of a `repeat` has been used.
@@ -62,7 +64,7 @@ impl<'a> Check<'a> {
     }
 
     /// Evaluates the definitions in progress, the innermost first.
-    fn settle_waiting(&mut self) {
+    pub fn settle_waiting(&mut self) {
         while let Some(&id) = self.walk.in_progress.last() {
             self.walk.depth = 0;
             // Definitions that have to be evaluated first are now behind this one on the list.
@@ -94,7 +96,7 @@ impl<'a> Check<'a> {
     /// The value that a definition gives to its name.
     fn defined(&mut self, id: DefinitionId, kind: DefinitionKind, value: Value) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
-        let (expr, environment) = (definition.expr, definition.environment);
+        let (expr, environment, role) = (definition.expr, definition.environment, definition.role);
         match (kind, value) {
             (DefinitionKind::Point, value) => self.as_position(value, expr, environment).map(Value::Vector),
             (DefinitionKind::Param, Value::Vector(_)) => {
@@ -103,13 +105,50 @@ impl<'a> Check<'a> {
             }
             (DefinitionKind::Param, Value::Scalar(scalar)) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
+                let scalar = match role {
+                    Role::Parameter { frame, formal, given } => {
+                        self.like_formal(frame, formal, given, scalar, expr, environment)?
+                    }
+                    Role::Declared | Role::Placing => scalar,
+                };
                 self.overridden(id, scalar).map(Value::Scalar)
             }
             (DefinitionKind::Let, value) => Ok(value),
         }
     }
 
-    fn walk(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
+    /// The number of a parameter of a component as its unit or default says: cycles for radians, and a bare zero with the
+    /// dimension.
+    fn like_formal(
+        &mut self,
+        frame: FrameId,
+        formal: u32,
+        given: bool,
+        scalar: Scalar,
+        expr: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Scalar> {
+        let Frame { component: Some(component), inside, .. } = *self.frame(frame) else { return Err(Stop::Reported) };
+        let described = self.tree.component(component).formals[formal as usize];
+        let FormalKind::Number { unit, .. } = described.kind else { return Ok(scalar) };
+        if !given && unit.is_none() {
+            return Ok(scalar);
+        }
+        let Some(like) = self.formal_like(component, formal, inside)? else { return Err(Stop::Reported) };
+        overrides::like(&like, &scalar).or_else(|unlike| {
+            let span = self.tree.expr(expr).span;
+            let declared = (self.sources.slice(described.name).to_string(), described.name);
+            match (given, unit) {
+                (false, Some(unit)) => {
+                    let (found, wanted) = (scalar.dimension(), like.quantity.dimension);
+                    self.fail(environment, PlaceError::UnlikeUnit { span, unit, found, wanted })
+                }
+                _ => self.fail(environment, unlike.error(span, &like).declared_at(declared)),
+            }
+        })
+    }
+
+    pub fn walk(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
         self.walk.depth += 1;
         let value = self.walk_kind(expr, environment);
         self.walk.depth -= 1;
@@ -125,14 +164,27 @@ impl<'a> Check<'a> {
             ExprKind::Binary { operator, left, right } => self.binary(node.span, operator, left, right, environment),
             ExprKind::Call { name_len, arguments } => self.call(node.span, name_len, arguments, environment),
             ExprKind::Tuple { items } => self.tuple(node.span, items, environment),
-            ExprKind::Member { .. } | ExprKind::At { .. } => {
-                self.fail(environment, ValueError::MotionAsValue { span: node.span })
-            }
+            ExprKind::Member { base, member_len, indices } => match self.place_at(base, environment)? {
+                Some(frame) => self.member_value(frame, self.tree.member(base, member_len, indices), environment),
+                None => self.motion_as_value(node.span, base, environment),
+            },
+            ExprKind::At { .. } => self.fail(environment, ValueError::MotionAsValue { span: node.span }),
             ExprKind::Named { .. } => self.fail(environment, ValueError::ArgumentName { span: node.span }),
             ExprKind::Text => {
                 self.fail(environment, ValueError::Kind { span: node.span, needed: "a number", found: "a text" })
             }
         }
+    }
+
+    /// A motion where a number is wanted; or, in a scene with places, a name before the `.` that is none.
+    fn motion_as_value<T>(&mut self, span: Span, base: ExprId, environment: Environment) -> Evaluated<T> {
+        if let ExprKind::Name { .. } = self.tree.expr(base).kind {
+            let word = self.word_of(self.tree.expr(base).span);
+            if self.broken_words.contains(self.sources.slice(word)) {
+                return Err(Stop::Reported);
+            }
+        }
+        self.fail(environment, ValueError::MotionAsValue { span })
     }
 
     /// `10 N/m`, or `-12 dB` with `negated`, whose minus sign belongs to the level.
@@ -165,7 +217,7 @@ impl<'a> Check<'a> {
     }
 
     /// The unit with this text, parsed only once.
-    fn unit(&mut self, text: &'a str, span: Span, environment: Environment) -> Evaluated<Unit> {
+    pub fn unit(&mut self, text: &'a str, span: Span, environment: Environment) -> Evaluated<Unit> {
         if let Some(unit) = self.units.get(text) {
             return Ok(unit.clone());
         }
@@ -175,7 +227,7 @@ impl<'a> Check<'a> {
                 Ok(unit)
             }
             Err(error) => {
-                let error = self.unit_error(text, span, error);
+                let error = self.unit_error(text, span, error, environment);
                 self.fail(environment, error)
             }
         }
@@ -283,7 +335,7 @@ impl<'a> Check<'a> {
             return Ok(Value::Scalar(Scalar::pi()));
         }
         let Some(symbol) = self.known_symbol(word, environment) else {
-            let error = self.unknown_value(Ident { span: word, indices }, None);
+            let error = self.unknown_value(Ident { span: word, indices }, None, environment);
             return self.fail_unless_broken(environment, word, error);
         };
         if indices.is_empty()
@@ -294,9 +346,12 @@ impl<'a> Check<'a> {
         }
         let name = self.indexed(symbol, indices, environment)?;
         match self.values.get(name) {
-            Some(id) => self.value_of(id, span, environment),
+            Some(id) => {
+                self.walk.varies |= name.place != Place::SCENE;
+                self.value_of(id, span, environment)
+            }
             None => {
-                let error = self.unknown_value(Ident { span: word, indices }, Some(name));
+                let error = self.unknown_value(Ident { span: word, indices }, Some(name), environment);
                 self.fail_unless_broken(environment, word, error)
             }
         }
@@ -307,16 +362,16 @@ impl<'a> Check<'a> {
         if environment.is_top() {
             return self.words.get(self.sources.slice(word));
         }
-        if let Some(&symbol) = self.symbols.get(&(word.start() as u32)) {
+        if let Some(&symbol) = self.symbols.get(&word) {
             return Some(symbol);
         }
         let symbol = self.words.get(self.sources.slice(word))?;
-        self.symbols.insert(word.start() as u32, symbol);
+        self.symbols.insert(word, symbol);
         Some(symbol)
     }
 
     /// The value of a definition, evaluated now if necessary.
-    fn value_of(&mut self, id: DefinitionId, span: Span, environment: Environment) -> Evaluated<Value> {
+    pub fn value_of(&mut self, id: DefinitionId, span: Span, environment: Environment) -> Evaluated<Value> {
         let definition = &mut self.definitions[id.0 as usize];
         definition.used = true;
         match &definition.state {
@@ -343,15 +398,11 @@ impl<'a> Check<'a> {
         NameError::Cycle { span, members: members.collect() }
     }
 
-    /// A word with the values of its indices.
-    pub fn indexed(
-        &mut self,
-        symbol: crate::base::Symbol,
-        indices: ExprList,
-        environment: Environment,
-    ) -> Evaluated<Name> {
+    /// A word with the values of its indices, among the names that the environment sees.
+    pub fn indexed(&mut self, symbol: Symbol, indices: ExprList, environment: Environment) -> Evaluated<Name> {
+        let place = self.place_of(environment);
         if indices.is_empty() {
-            return Ok(Name::plain(symbol));
+            return Ok(Name::plain(symbol).within(place));
         }
         let tree = self.tree;
         let given = tree.list(indices);
@@ -363,7 +414,8 @@ impl<'a> Check<'a> {
         for (value, &index) in values.iter_mut().zip(given) {
             *value = self.index(index, environment)?;
         }
-        Ok(Name::indexed(symbol, &values[..given.len()]).expect("their number has been checked"))
+        let name = Name::indexed(symbol, &values[..given.len()]).expect("their number has been checked");
+        Ok(name.within(place))
     }
 
     fn index(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {

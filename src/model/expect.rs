@@ -59,9 +59,9 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A position in m.
+    /// A position in the scene, m.
     pub fn position(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        self.remembered(
+        let local = self.remembered(
             expr,
             environment,
             |memory| &mut memory.places,
@@ -69,11 +69,18 @@ impl<'a> Check<'a> {
                 let value = check.evaluate(expr, environment)?;
                 Ok(check.as_position(value, expr, environment)?.si)
             },
-        )
+        )?;
+        self.in_scene(local, expr, environment)
     }
 
-    /// A direction: `x`, `y`, or a vector that is not zero. Its length does not matter.
+    /// A direction in the scene: `x`, `y`, or a vector that is not zero. Its length says nothing.
     pub fn direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        let own = self.own_direction(expr, environment)?;
+        self.turned(own, environment)
+    }
+
+    /// The same in the axes of the component that it is written in.
+    pub fn own_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         self.remembered(
             expr,
             environment,

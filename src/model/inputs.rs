@@ -74,7 +74,7 @@ impl<'a> Check<'a> {
     /// The line along which the part of a single end moves.
     fn only_line(&mut self, end: &Attachment, environment: Environment) -> Evaluated<Arc<Vec3>> {
         match self.line(end.part) {
-            Line::Along(line) => Ok(line),
+            Line::Along(line) => Ok(self.own_line(line, end.part, environment)),
             _ if self.broken_joints => Err(Stop::Reported),
             _ => self.fail(environment, PartError::ForceWithoutDirection { span: end.span }),
         }
@@ -87,13 +87,20 @@ impl<'a> Check<'a> {
         signal: Option<ExprId>,
         environment: Environment,
     ) -> Evaluated<()> {
-        let ends = self.input_ends(ends, environment)?;
+        let mut ends = self.input_ends(ends, environment)?;
         if !ends.iter().any(|end| self.can_turn(end.part)) {
             if self.broken_joints {
                 return Err(Stop::Reported);
             }
             let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ident.span);
             return self.fail(environment, PartError::NoEndTurns { span, torsional: None });
+        }
+        if self.reverses(environment)? {
+            // Counter-clockwise in a component that is mirrored: what acts on the second end acts the other way.
+            if let [one] = &ends[..] {
+                ends.push(Attachment { part: Part::Ground, at: None, span: one.span });
+            }
+            ends.reverse();
         }
         let signal = self.signal(signal, &[TORQUE_SIGNAL], environment)?;
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)
@@ -166,9 +173,14 @@ impl<'a> Check<'a> {
         if let Some(delay) = delay {
             self.delay_next_input(delay, environment);
         }
+        let reverses = self.reverses(environment)?;
         for translation in motions {
             let kind = InputKind::Base { base, translation };
-            self.scene.inputs.push(Input { name, span, kind, signal: signal.clone(), derivative, signal_span });
+            // Counter-clockwise in a component that is mirrored.
+            let is_reversed = translation.is_none() && reverses;
+            let signal =
+                signal.iter().map(|signal| if is_reversed { signal.negated() } else { signal.clone() }).collect();
+            self.scene.inputs.push(Input { name, span, kind, signal, derivative, signal_span });
         }
         Ok(())
     }

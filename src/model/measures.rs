@@ -2,18 +2,18 @@
 //! with every name resolved and every number in SI units. See spec.md.
 
 use super::Check;
-use super::error::{NameError, QuestionError, ValueError};
+use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
 use super::scene::{Comparison, InputId, InputKind, Measure, MotionTerm, Parameter, Question, Require, Solve, Written};
-use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, State};
+use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
-use crate::base::{Angle, Dimension, Name, Number, Quantity, Span};
+use crate::base::{Angle, Dimension, Name, Number, Quantity, Span, Vec3};
 use crate::kinds::functions::{self, MEASURES, Named};
-use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Ident, Rare};
+use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Path, Rare};
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
@@ -42,7 +42,7 @@ impl<'a> Check<'a> {
 
     fn solve(
         &mut self,
-        parameter: Ident,
+        parameter: Path,
         (low, high): (ExprId, ExprId),
         measure: ExprId,
         value: ExprId,
@@ -54,7 +54,8 @@ impl<'a> Check<'a> {
         let name = self.definitions[id.0 as usize].name;
         if let Some(span) = self.overrides.named_at(name) {
             let word = self.words.display(name);
-            return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved: parameter.span });
+            let solved = self.path_span(parameter);
+            return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved });
         }
         let low_value = self.like_parameter(low, &declared, environment);
         let high_value = self.like_parameter(high, &declared, environment)?.si;
@@ -72,7 +73,8 @@ impl<'a> Check<'a> {
             found.value = Quantity { si: Number::ZERO, ..like };
             found.unit = self.written(low, found.value.dimension);
         }
-        Ok(Solve { parameter: found, span: parameter.span, low: low_value, high: high_value, question })
+        let span = self.path_span(parameter);
+        Ok(Solve { parameter: found, span, low: low_value, high: high_value, question })
     }
 
     /// Every `param` that is a number.
@@ -156,21 +158,42 @@ impl<'a> Check<'a> {
     }
 
     /// The parameter to be solved for, with its declared value.
-    fn solved_parameter(&mut self, ident: Ident, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
-        let name = self.name(ident, environment)?;
-        let Some(id) = self.values.get(name) else {
-            let error = self.unknown_value(ident, Some(name));
-            return self.fail_unless_broken(environment, ident.span, error);
-        };
+    fn solved_parameter(&mut self, path: Path, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
+        let id = self.named_definition(path, environment)?;
         let definition = &mut self.definitions[id.0 as usize];
         definition.used = true;
-        let (kind, declared) = (definition.kind, definition.span);
-        match (kind, definition.state.clone()) {
+        let (kind, declared, name) = (definition.kind, definition.span, definition.name);
+        let at = self.path_span(path);
+        if let Role::Parameter { given: true, .. } = self.definitions[id.0 as usize].role {
+            let given = self.tree.expr(self.definitions[id.0 as usize].expr).span;
+            let word = self.words.display(name);
+            return self.fail(environment, PlaceError::GivenBySolve { span: at, word, given });
+        }
+        match (kind, self.definitions[id.0 as usize].state.clone()) {
             (DefinitionKind::Param, State::Settled(Ok(Value::Scalar(value)))) => Ok((id, value)),
             (DefinitionKind::Param, _) => Err(Stop::Reported),
             _ => {
                 let word = self.words.display(name);
-                self.fail(environment, NameError::NotAParameter { span: ident.span, word, kind, declared })
+                self.fail(environment, NameError::NotAParameter { span: at, word, kind, declared })
+            }
+        }
+    }
+
+    /// The parameter, point or `let` that a path names.
+    fn named_definition(&mut self, path: Path, environment: Environment) -> Evaluated<DefinitionId> {
+        let Path { first: ident, whole } = path;
+        if let Some(whole) = whole
+            && let ExprKind::Member { base, member_len, indices } = self.tree.expr(whole).kind
+        {
+            let frame = self.frame_before(base, environment)?;
+            return self.member_definition(frame, self.tree.member(base, member_len, indices), environment);
+        }
+        let name = self.name(ident, environment)?;
+        match self.values.get(name) {
+            Some(id) => Ok(id),
+            None => {
+                let error = self.unknown_value(ident, Some(name), environment);
+                self.fail_unless_broken(environment, ident.span, error)
             }
         }
     }
@@ -361,9 +384,24 @@ impl<'a> Check<'a> {
     /// An output by its name, or the motions in an expression.
     fn measured_output(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
         let node = *self.tree.expr(expr);
-        let ExprKind::Name { indices } = node.kind else { return self.combination(expr, environment) };
-        let ident = Ident { span: self.word_of(node.span), indices };
-        match self.named_part(ident, environment, "output")? {
+        let names_part = match node.kind {
+            ExprKind::Name { .. } => true,
+            ExprKind::Member { base, .. } => self.is_value_of_place(base, environment),
+            _ => false,
+        };
+        let combination = match names_part {
+            true => self.named_output(expr, environment)?,
+            false => self.combination(expr, environment)?,
+        };
+        match combination.terms.is_empty() {
+            true => self.fail(environment, QuestionError::NoMotion { span: node.span }),
+            false => Ok(combination),
+        }
+    }
+
+    fn named_output(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
+        let node = *self.tree.expr(expr);
+        match self.expression_part(expr, environment, "output")? {
             scope::Part::Output(index) => {
                 let Instance { decl, environment } = self.instances.outputs[index as usize];
                 let DeclKind::Rare { index } = decl.kind else { return Err(Stop::Reported) };
@@ -371,36 +409,76 @@ impl<'a> Check<'a> {
                 self.combination(value, environment)
             }
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
+                let span = match node.kind {
+                    ExprKind::Name { .. } => self.word_of(node.span),
+                    _ => node.span,
+                };
+                let (word, found) = (self.sources.slice(span).to_string(), self.noun_of(other));
                 let declared = self.part_span(other);
-                self.fail(environment, QuestionError::NotAnOutput { span: ident.span, word, found, declared })
+                self.fail(environment, QuestionError::NotAnOutput { span, word, found, declared })
             }
         }
     }
 
-    /// A force, a torque, or a motion of a base: `floor`, or `floor.y` if it has several.
+    /// A force, a torque, or a motion of a base: `floor`, `front.road`, or `floor.y` where it has several.
     pub fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
         let node = *self.tree.expr(expr);
-        let (name, motion) = match node.kind {
-            ExprKind::Member { base, member_len } => {
-                let word = Span::new(node.span.file(), node.span.end() - usize::from(member_len), node.span.end());
-                (base, Some(self.sources.slice(word)))
+        let (owner, motion) = match node.kind {
+            ExprKind::Member { base, member_len, indices } if !self.is_value_of_place(base, environment) => {
+                (base, Some(self.tree.member(base, member_len, indices).span))
             }
             _ => (expr, None),
         };
-        let owner = *self.tree.expr(name);
-        let ExprKind::Name { indices } = owner.kind else {
-            return self.fail(environment, QuestionError::NotAnInput { span: owner.span, found: "an expression" });
-        };
-        let ident = Ident { span: self.word_of(owner.span), indices };
-        let name = self.name(ident, environment)?;
-        let part = self.find_part(name, ident, environment, "input")?;
+        let owner_node = *self.tree.expr(owner);
+        if !matches!(owner_node.kind, ExprKind::Name { .. } | ExprKind::Member { .. }) {
+            let span = owner_node.span;
+            return self.fail(environment, QuestionError::NotAnInput { span, found: "an expression" });
+        }
+        let part = self.expression_part(owner, environment, "input")?;
         if self.broken_inputs {
             return Err(Stop::Reported);
         }
-        match self.input_of(name, motion) {
+        let name = self.input_name(part)?;
+        let motion = match motion {
+            Some(word) => Some(self.motion_in_scene(part, word, environment)?),
+            None => None,
+        };
+        match name.and_then(|name| self.input_of(name, motion)) {
             Some(input) => Ok(input),
             None => self.fail(environment, QuestionError::NotAnInput { span: node.span, found: self.noun_of(part) }),
+        }
+    }
+
+    /// The name that a part has among the inputs.
+    fn input_name(&mut self, part: scope::Part) -> Evaluated<Option<Name>> {
+        match part {
+            scope::Part::Base(index) => Ok(self.scene.bases.get(index as usize).map(|base| base.name)),
+            scope::Part::Input(index) => {
+                let Instance { decl, environment } = self.instances.inputs[index as usize];
+                self.declared_ident(decl).map(|ident| self.name(ident, environment)).transpose()
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The motion of a base with several, `x` or `y` of the component that speaks of it, among those of the scene.
+    fn motion_in_scene(&mut self, part: scope::Part, word: Span, environment: Environment) -> Evaluated<&'a str> {
+        let text: &'a str = self.sources.slice(word);
+        let Some(placed) = self.placed(environment)? else { return Ok(text) };
+        let scope::Part::Base(base) = part else { return Ok(text) };
+        let several = self.scene.bases.get(base as usize).is_some_and(|base| base.translations.len() > 1);
+        let axis = match text {
+            "x" if several => placed.scene.direction(&Vec3::X),
+            "y" if several => placed.scene.direction(&Vec3::Y),
+            "angle" if placed.scene.reverses() => Vec3::ZERO,
+            _ => return Ok(text),
+        };
+        if axis == Vec3::X {
+            Ok("x")
+        } else if axis == Vec3::Y {
+            Ok("y")
+        } else {
+            self.fail(environment, PlaceError::TurnedMotion { span: word, word: text.to_string() })
         }
     }
 

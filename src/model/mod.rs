@@ -1,7 +1,7 @@
 //! From a syntax tree to the scene it describes: names, units, freedoms. See spec.md#units and docs/method/kinematics.md.
 //!
 //! # Steps
-//! 1. `overrides`, `collect`: values from outside the model; names and instances, with `repeat` unrolled
+//! 1. `overrides`, `collect`, `places`: values from outside; names and instances, `repeat` unrolled, components placed
 //! 2. `evaluate`: every parameter gets its value
 //! 3. `bodies`, `joints`, `freedoms`, `needs`: what moves, and how
 //! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on the bodies, and the questions
@@ -24,6 +24,7 @@ mod measures;
 mod motions;
 mod needs;
 mod overrides;
+mod places;
 pub mod scene;
 mod scope;
 mod settings;
@@ -43,13 +44,14 @@ use crate::base::{
 use crate::syntax::limits;
 use crate::syntax::tree::Tree;
 use bodies::Directions;
-use collect::Instances;
+use collect::{Count, Instances};
 pub use error::TABLE_UNREADABLE;
 use error::{Error, NameError};
 use evaluate::{Evaluated, Stop, Walk};
 use expect::Memory;
 use freedoms::Freedoms;
 use overrides::Given;
+use places::{Frame, Known, Port};
 use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
@@ -200,7 +202,7 @@ struct Check<'a> {
     literals: Literals,
     words: Words,
     /// Symbols of words, by their position.
-    symbols: Table<u32, Symbol>,
+    symbols: Table<Span, Symbol>,
     units: HashMap<&'a str, Unit>,
     diagnostics: Diagnostics,
     /// Findings that have been reported, so that the repetitions of a `repeat` report them once.
@@ -219,6 +221,16 @@ struct Check<'a> {
     values: Space<DefinitionId>,
     parts: Space<Part>,
     instances: Instances<'a>,
+    counted: Count,
+    known: Known<'a>,
+    /// A file of components is missing: what is unknown may be in it.
+    lacks_components: bool,
+    frames: Vec<Frame>,
+    ports: Vec<Port>,
+    /// What the parameters of components are like.
+    formals_like: Table<(u32, u32), Evaluated<Option<Scalar>>>,
+    /// Bodies whose line is that of their component the other way.
+    reversed: HashSet<BodyId>,
     walk: Walk,
     memory: Memory,
     directions: Directions,
@@ -259,6 +271,13 @@ impl<'a> Check<'a> {
             values: Space::default(),
             parts: Space::default(),
             instances: Instances::default(),
+            counted: Count::default(),
+            known: Known::default(),
+            lacks_components: false,
+            frames: Vec::new(),
+            ports: Vec::new(),
+            formals_like: Table::default(),
+            reversed: HashSet::new(),
             walk: Walk::default(),
             memory: Memory::default(),
             directions: Directions::default(),
@@ -285,9 +304,11 @@ impl<'a> Check<'a> {
         }
         if self.walk.varies && !environment.is_top() {
             let text = &mut diagnostic.primary.text;
+            let place = self.words.place_name(self.place_of(environment));
+            let place = place.map(|name| format!("in `{}`", self.words.display(name)));
             let indices = self.environments.indices(environment);
             let indices = indices.iter().map(|(symbol, value)| format!("{} = {value}", self.words.text(*symbol)));
-            let indices = indices.collect::<Vec<_>>().join(", ");
+            let indices = place.into_iter().chain(indices).collect::<Vec<_>>().join(", ");
             *text = if text.is_empty() { indices } else { format!("{text}, {indices}") };
         }
         self.diagnostics.push(diagnostic);

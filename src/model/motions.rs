@@ -53,6 +53,10 @@ impl<'a> Check<'a> {
 
     fn output(&mut self, ident: Ident, value: ExprId, environment: Environment) -> Evaluated<Output> {
         let Combination { terms, dimension, angle } = self.combination(value, environment)?;
+        if terms.is_empty() {
+            let span = self.tree.expr(value).span;
+            return self.fail(environment, QuestionError::NoMotion { span });
+        }
         let name = self.name(ident, environment)?;
         let is_angle = angle == Angle::Radians;
         Ok(Output { name, span: ident.span, terms, dimension, is_angle })
@@ -72,7 +76,7 @@ impl<'a> Check<'a> {
     /// A number, or a combination of motions.
     pub fn piece(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Piece> {
         let node = *self.tree.expr(expr);
-        if !self.has_motion(expr) {
+        if !self.has_motion(expr, environment) {
             return match self.evaluate(expr, environment)? {
                 Value::Scalar(scalar) => Ok(Piece::Scalar(scalar)),
                 Value::Vector(_) => {
@@ -81,7 +85,10 @@ impl<'a> Check<'a> {
             };
         }
         match node.kind {
-            ExprKind::Member { base, member_len } => self.member(node.span, base, member_len, environment),
+            ExprKind::Member { base, member_len, indices } => {
+                let word = self.tree.member(base, member_len, indices).span;
+                self.member(base, word, environment)
+            }
             ExprKind::Negate { operand } => {
                 let piece = self.piece(operand, environment)?;
                 Ok(scaled(piece, &Number::from(-1)))
@@ -92,16 +99,21 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whether an expression contains a motion.
-    pub fn has_motion(&self, expr: ExprId) -> bool {
+    /// Whether a motion is mentioned in an expression; `front.k` is none.
+    pub fn has_motion(&mut self, expr: ExprId, environment: Environment) -> bool {
         let tree = self.tree;
         match tree.expr(expr).kind {
-            ExprKind::Member { .. } | ExprKind::At { .. } => true,
-            ExprKind::Negate { operand } => self.has_motion(operand),
-            ExprKind::Binary { left, right, .. } => self.has_motion(left) || self.has_motion(right),
-            ExprKind::Call { arguments, .. } => tree.list(arguments).iter().any(|&argument| self.has_motion(argument)),
-            ExprKind::Tuple { items } => tree.list(items).iter().any(|&item| self.has_motion(item)),
-            ExprKind::Named { value, .. } => self.has_motion(value),
+            ExprKind::Member { base, .. } => !self.is_value_of_place(base, environment),
+            ExprKind::At { .. } => true,
+            ExprKind::Negate { operand } => self.has_motion(operand, environment),
+            ExprKind::Binary { left, right, .. } => {
+                self.has_motion(left, environment) || self.has_motion(right, environment)
+            }
+            ExprKind::Call { arguments, .. } => {
+                tree.list(arguments).iter().any(|&argument| self.has_motion(argument, environment))
+            }
+            ExprKind::Tuple { items } => tree.list(items).iter().any(|&item| self.has_motion(item, environment)),
+            ExprKind::Named { value, .. } => self.has_motion(value, environment),
             ExprKind::Literal { .. } | ExprKind::Name { .. } | ExprKind::Text => false,
         }
     }
@@ -209,37 +221,65 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// `rod.angle`, `rod@(0, -2 m).x`, `s.force`.
-    fn member(&mut self, span: Span, base: ExprId, member_len: u16, environment: Environment) -> Evaluated<Piece> {
-        let word = Span::new(span.file(), span.end() - usize::from(member_len), span.end());
+    /// `rod.angle`, `rod@(0, -2 m).x`, `s.force`, `front.wheel.y`: what stands before the word of the motion, and that word.
+    fn member(&mut self, base: ExprId, word: Span, environment: Environment) -> Evaluated<Piece> {
         let node = *self.tree.expr(base);
         let (owner, at) = match node.kind {
             ExprKind::At { base, point } => (base, Some(self.position(point, environment)?)),
             _ => (base, None),
         };
-        let owner = *self.tree.expr(owner);
-        let ExprKind::Name { indices } = owner.kind else {
-            return self.fail(environment, QuestionError::MotionOfWhat { span: owner.span });
-        };
-        let ident = Ident { span: self.word_of(owner.span), indices };
+        let owner_node = *self.tree.expr(owner);
         let text = self.sources.slice(word);
-        let (motion, dimension) = match self.named_part(ident, environment, body_or_element())? {
+        let ((motion, dimension), coefficient) = match self.expression_part(owner, environment, body_or_element())? {
             scope::Part::Body(index) => self.part_motion(Part::Body(BodyId(index)), at, text, word, environment)?,
             scope::Part::Base(index) => self.part_motion(Part::Base(BaseId(index)), at, text, word, environment)?,
-            scope::Part::Element(index) => self.element_motion(index, at.is_some(), text, word, environment)?,
+            scope::Part::Element(index) => {
+                (self.element_motion(index, at.is_some(), text, word, environment)?, Number::ONE)
+            }
+            scope::Part::Ground => return self.motion_of_ground(text, word, environment),
             other => {
-                let (word, found) = (self.sources.slice(ident.span).to_string(), self.noun_of(other));
+                let span = match owner_node.kind {
+                    ExprKind::Name { .. } => self.word_of(owner_node.span),
+                    _ => owner_node.span,
+                };
+                let (word, found) = (self.sources.slice(span).to_string(), self.noun_of(other));
                 let declared = self.part_span(other);
-                return self.fail(environment, NameError::NotABody { span: ident.span, word, found, declared });
+                return self.fail(environment, NameError::NotABody { span, word, found, declared });
             }
         };
         let is_angle = matches!(motion, Motion::Turn { .. }) || dimension.is_none();
         let angle = if is_angle { Angle::Radians } else { Angle::Plain };
-        let terms = vec![MotionTerm { coefficient: Number::ONE, motion }];
+        let terms = vec![MotionTerm { coefficient, motion }];
         Ok(Piece::Motions(Combination { terms, dimension, angle }))
     }
 
-    /// A motion of a body or base, given by its word.
+    /// A port that is tied to the ground does not move.
+    fn motion_of_ground(&mut self, text: &str, word: Span, environment: Environment) -> Evaluated<Piece> {
+        let &motions::Motion { direction, dimension, .. } = self.known_motion(text, word, environment)?;
+        let angle = if direction == Direction::Turn { Angle::Radians } else { Angle::Plain };
+        Ok(Piece::Motions(Combination { terms: Vec::new(), dimension, angle }))
+    }
+
+    /// A motion of bodies by its word.
+    fn known_motion(
+        &mut self,
+        text: &str,
+        word: Span,
+        environment: Environment,
+    ) -> Evaluated<&'static motions::Motion> {
+        if let Some(motion) = BODY_MOTIONS.iter().find(|motion| motion.name == text) {
+            return Ok(motion);
+        }
+        let known = || BODY_MOTIONS.iter().map(|motion| motion.name);
+        let (suggestion, of) = (nearest(text, known()), "a body");
+        let known = known().collect();
+        self.fail(
+            environment,
+            QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known },
+        )
+    }
+
+    /// A motion of a body or base by its word, in the axes of the component that speaks of it; and what to multiply it by.
     pub fn part_motion(
         &mut self,
         part: Part,
@@ -247,30 +287,28 @@ impl<'a> Check<'a> {
         text: &str,
         word: Span,
         environment: Environment,
-    ) -> Evaluated<(Motion, Dimension)> {
-        let found = BODY_MOTIONS.iter().find(|motion| motion.name == text);
-        let Some(&motions::Motion { direction, derivative, dimension, .. }) = found else {
-            let known = || BODY_MOTIONS.iter().map(|motion| motion.name);
-            let (suggestion, of) = (nearest(text, known()), "a body");
-            let known = known().collect();
-            let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
-            return self.fail(environment, error);
-        };
+    ) -> Evaluated<((Motion, Dimension), Number)> {
+        let &motions::Motion { direction, derivative, dimension, .. } = self.known_motion(text, word, environment)?;
         self.sound_part(part)?;
-        let direction = axis(direction);
+        let direction = match axis(direction) {
+            Some(axis) => Some((*self.turned(Arc::new(axis), environment)?).clone()),
+            None => None,
+        };
         if !self.has_freedom(part, at.as_deref(), direction.as_ref()) {
             let name = self.part_name(part);
             let error = QuestionError::NoSuchFreedom { span: word, name, turns: direction.is_none() };
             return self.fail(environment, error);
         }
-        let motion = match direction {
+        Ok(match direction {
             Some(direction) => {
                 let at = at.or_else(|| self.own_position(part)).map(|at| (*at).clone());
-                Motion::Point { part, at, direction, derivative }
+                ((Motion::Point { part, at, direction, derivative }, dimension), Number::ONE)
             }
-            None => Motion::Turn { part, derivative },
-        };
-        Ok((motion, dimension))
+            None => {
+                let sign = if self.reverses(environment)? { -1 } else { 1 };
+                ((Motion::Turn { part, derivative }, dimension), Number::from(sign))
+            }
+        })
     }
 
     fn sound_part(&self, part: Part) -> Evaluated<()> {
@@ -304,7 +342,12 @@ impl<'a> Check<'a> {
         translations.iter().any(|translation| !translation.direction.dot(direction).is_zero())
     }
 
-    /// Whether the motion that joints allow a part may have a component along a direction.
+    /// Whether a part moves along a single line.
+    pub fn moves_along_line(&self, part: Part) -> bool {
+        matches!(self.line(part), Line::Along(_))
+    }
+
+    /// Whether the motion that joints leave a part may have a component along a direction.
     fn line_reaches(&self, part: Part, direction: &Vec3) -> bool {
         match self.line(part) {
             Line::Fixed => false,

@@ -8,8 +8,8 @@ use super::Check;
 use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
 use super::scene::{Body, BodyId, Damping, Freedom, Motion, Part};
-use super::scope::Environment;
-use crate::base::{Number, Span, Vec3};
+use super::scope::{DefinitionKind, Environment};
+use crate::base::{Number, Place, Span, Vec3};
 use crate::syntax::tree::{DeclKind, Field};
 
 impl<'a> Check<'a> {
@@ -192,7 +192,9 @@ impl<'a> Check<'a> {
             self.definitions.iter().filter(|definition| definition.used).map(|definition| definition.span).collect();
         for index in 0..self.definitions.len() {
             let definition = &self.definitions[index];
-            if !used.contains(&definition.span) {
+            // Points and `let`s of a component are there for those who place it.
+            let is_offered = definition.name.place != Place::SCENE && definition.kind != DefinitionKind::Param;
+            if !used.contains(&definition.span) && !is_offered {
                 let (span, kind) = (definition.span, definition.kind);
                 let name = self.words.text(definition.name.symbol).to_string();
                 self.report(Environment::TOP, QuestionError::Unused { span, name, kind });

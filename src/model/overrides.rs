@@ -9,7 +9,7 @@ use super::expect::Expected;
 use super::scope::{DefinitionId, DefinitionKind, Environment, Table};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
-use crate::base::{Angle, Dimension, FileId, Name, Number, Quantity, Sources, Span};
+use crate::base::{Angle, Dimension, FileId, Name, Number, Place, Quantity, Sources, Span};
 use crate::syntax;
 
 /// The expectation at places that take a number of any dimension.
@@ -35,12 +35,16 @@ pub struct Given {
     trials: Table<Name, Scalar>,
     /// Every name in order of mention, with its place.
     names: Vec<(Name, Span)>,
+    /// The same as written, the names of tables around it included.
+    words: Vec<String>,
 }
 
 /// A line `name = value` of settings or arguments.
 struct Setting {
-    /// The parameter's name, with its indices.
+    /// The parameter's name, or the last word of it.
     name: Span,
+    /// The name with its indices, and the names of its place.
+    word: String,
     value: Written,
 }
 
@@ -90,12 +94,12 @@ impl<'a> Check<'a> {
     }
 
     fn take(&mut self, setting: Setting) -> Evaluated<()> {
-        let text = self.sources.slice(setting.name);
-        let Some(name) = self.read_name(text) else {
+        let Some(name) = self.read_name(&setting.word) else {
             let error = NameError::SettingName { span: setting.name };
             return self.fail(Environment::TOP, error);
         };
         self.overrides.names.push((name, setting.name));
+        self.overrides.words.push(setting.word);
         let span = match setting.value {
             Written::Text(span) => span,
             Written::Other(span) => return self.fail(Environment::TOP, NameError::SettingValue { span }),
@@ -110,7 +114,7 @@ impl<'a> Check<'a> {
         for index in 0..self.overrides.names.len() {
             let (name, span) = self.overrides.names[index];
             let Some(id) = self.values.get(name) else {
-                self.unknown_parameter(span);
+                self.unknown_parameter(span, &self.overrides.words[index].clone());
                 continue;
             };
             let definition = &self.definitions[id.0 as usize];
@@ -122,8 +126,18 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Parses a word and whole numbers in brackets.
+    /// A word and whole numbers in brackets; in a component behind the names of its place: `mount[3].k`.
     fn read_name(&mut self, text: &str) -> Option<Name> {
+        let mut place = Place::SCENE;
+        let mut rest = text;
+        while let Some((first, more)) = rest.split_once('.') {
+            let name = self.read_word(first)?.within(place);
+            (place, rest) = (self.words.place(name), more);
+        }
+        Some(self.read_word(rest)?.within(place))
+    }
+
+    fn read_word(&mut self, text: &str) -> Option<Name> {
         let (word, indices) = text.split_once('[').map_or((text, None), |(word, rest)| (word, Some(rest)));
         let is_word = !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
         let symbol = is_word.then(|| self.words.intern(word))?;
@@ -133,16 +147,24 @@ impl<'a> Check<'a> {
         Name::indexed(symbol, &indices?)
     }
 
-    fn unknown_parameter(&mut self, span: Span) {
-        let text = self.sources.slice(span);
-        let word = text.split('[').next().unwrap_or(text);
+    fn unknown_parameter(&mut self, span: Span, text: &str) {
+        let word = text.split(['[', '.']).next().unwrap_or(text);
         if self.broken_words.contains(word) {
             return;
         }
+        /// Names in components are compared whole; a scene may have very many.
+        const COMPARED: usize = 1000;
         let params = self.definitions.iter().filter(|definition| definition.kind == DefinitionKind::Param);
-        let known = params.map(|definition| self.words.text(definition.name.symbol));
-        let suggestion = nearest(word, known.clone()).map(str::to_string);
-        let known = known.take(SHOWN).map(str::to_string).collect();
+        let known: Vec<String> = match text.contains('.') {
+            true => params.take(COMPARED).map(|definition| self.words.display(definition.name)).collect(),
+            false => {
+                let own = params.filter(|definition| definition.name.place == Place::SCENE);
+                own.map(|definition| self.words.text(definition.name.symbol).to_string()).collect()
+            }
+        };
+        let word = if text.contains('.') { text } else { word };
+        let suggestion = nearest(word, known.iter().map(String::as_str)).map(str::to_string);
+        let known = known.into_iter().take(SHOWN).collect();
         let word = text.to_string();
         self.report(Environment::TOP, NameError::UnknownParameter { span, word, suggestion, known });
     }
@@ -202,6 +224,7 @@ impl<'a> Check<'a> {
             match line.find('=') {
                 Some(at) => settings.push(Setting {
                     name: trimmed(file, line_start, &line[..at]),
+                    word: line[..at].trim().to_string(),
                     value: Written::Text(trimmed(file, line_start + at + 1, &line[at + 1..])),
                 }),
                 None => {
@@ -226,12 +249,22 @@ impl<'a> Check<'a> {
             }
         };
         let mut settings: Vec<Setting> = Vec::new();
-        for (key, value) in table.get_ref() {
-            let name = unquoted(text, file, key.span());
-            settings.push(Setting { name, value: given(text, file, value) });
-        }
+        entries(text, file, table.get_ref(), "", &mut settings);
         settings.sort_by_key(|setting| setting.name.start());
         settings
+    }
+}
+
+/// The entries of a table and of those in it: `front.k = "..."` and `k = "..."` below `[front]` are one.
+fn entries(text: &str, file: FileId, table: &toml::de::DeTable<'_>, path: &str, settings: &mut Vec<Setting>) {
+    for (key, value) in table {
+        let name = unquoted(text, file, key.span());
+        let word = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
+        match value.get_ref() {
+            // How deep tables lie in each other is limited by the reader of TOML.
+            toml::de::DeValue::Table(inner) => entries(text, file, inner, &word, settings),
+            _ => settings.push(Setting { name, word, value: given(text, file, value) }),
+        }
     }
 }
 

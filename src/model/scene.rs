@@ -334,6 +334,30 @@ pub enum Signal {
     },
 }
 
+impl Signal {
+    /// The same the other way.
+    pub fn negated(&self) -> Signal {
+        let mut signal = self.clone();
+        match &mut signal {
+            Signal::Constant { value }
+            | Signal::Step { value, .. }
+            | Signal::Impulse { value, .. }
+            | Signal::Ramp { value, .. }
+            | Signal::Pulse { value, .. }
+            | Signal::Harmonic { value, .. }
+            | Signal::Chirp { value, .. } => *value = -&*value,
+            Signal::Table { rows, .. } => {
+                if let Some(rows) = rows {
+                    let values = rows.values.iter().map(|value| -value).collect();
+                    *rows = Arc::new(TableRows { times: rows.times.clone(), values });
+                }
+            }
+            Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negated).collect(),
+        }
+        signal
+    }
+}
+
 /// A table's times, ascending, and its values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableRows {

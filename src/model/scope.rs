@@ -5,6 +5,7 @@
 //! environment with the values of the indices: sixteen bytes.
 
 use super::evaluate::Evaluated;
+use super::places::FrameId;
 use super::value::Value;
 use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, ExprId};
@@ -15,12 +16,13 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment(u32);
 
-/// One index of a `repeat` with its value, inside another environment.
+/// One index of a `repeat` with its value, inside another environment; or the inside of a placed component, which sees
+/// nothing of what is around it.
 #[derive(Clone, Copy, Debug)]
 struct Binding {
     outer: Environment,
-    symbol: Symbol,
-    value: i32,
+    index: Option<(Symbol, i32)>,
+    frame: Option<FrameId>,
 }
 
 /// Every repetition of the model.
@@ -40,7 +42,22 @@ impl Environment {
 
 impl Environments {
     pub fn bind(&mut self, outer: Environment, symbol: Symbol, value: i32) -> Environment {
-        self.bindings.push(Binding { outer, symbol, value });
+        let frame = self.frame(outer);
+        self.push(Binding { outer, index: Some((symbol, value)), frame })
+    }
+
+    /// The inside of a component at one of its places.
+    pub fn enter(&mut self, frame: FrameId) -> Environment {
+        self.push(Binding { outer: Environment::TOP, index: None, frame: Some(frame) })
+    }
+
+    /// The place of the component that a declaration belongs to; `None` for the scene.
+    pub fn frame(&self, environment: Environment) -> Option<FrameId> {
+        self.innermost(environment)?.frame
+    }
+
+    fn push(&mut self, binding: Binding) -> Environment {
+        self.bindings.push(binding);
         Environment(u32::try_from(self.bindings.len()).expect("the number of repetitions is limited far below"))
     }
 
@@ -60,17 +77,18 @@ impl Environments {
     }
 
     /// The bindings from the innermost outwards.
-    fn chain(&self, environment: Environment) -> impl Iterator<Item = &Binding> {
+    fn chain(&self, environment: Environment) -> impl Iterator<Item = (Symbol, i32)> {
         std::iter::successors(self.innermost(environment), |binding| self.innermost(binding.outer))
+            .filter_map(|binding| binding.index)
     }
 
     pub fn value(&self, environment: Environment, symbol: Symbol) -> Option<i32> {
-        self.chain(environment).find(|binding| binding.symbol == symbol).map(|binding| binding.value)
+        self.chain(environment).find(|(known, _)| *known == symbol).map(|(_, value)| value)
     }
 
     /// Indices and values from the outermost inwards.
     pub fn indices(&self, environment: Environment) -> Vec<(Symbol, i32)> {
-        let mut indices: Vec<_> = self.chain(environment).map(|binding| (binding.symbol, binding.value)).collect();
+        let mut indices: Vec<_> = self.chain(environment).collect();
         indices.reverse();
         indices
     }
@@ -103,9 +121,22 @@ pub struct Definition {
     /// The span of the word that it declares.
     pub span: Span,
     pub expr: ExprId,
+    /// Where the expression is looked at: for what a place gives a component, outside of it.
     pub environment: Environment,
     pub state: State,
     pub used: bool,
+    pub role: Role,
+}
+
+/// How a definition came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A declaration of its own.
+    Declared,
+    /// A parameter of a component: at which place, which, and whether the place gives its value.
+    Parameter { frame: FrameId, formal: u32, given: bool },
+    /// `at` or `turned` of a place.
+    Placing,
 }
 
 #[derive(Clone, Debug)]
@@ -126,6 +157,24 @@ pub enum Part {
     /// A force or torque: its index in [`Instances::inputs`].
     Input(u32),
     Output(u32),
+    /// A component at one of its places.
+    Place(FrameId),
+    /// A part that a component ties to.
+    Port(u32),
+    /// What a port may be, beside bodies and bases.
+    Ground,
+}
+
+/// What shares the words that messages suggest: the scene, or a component at all its places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Group(u32);
+
+impl Group {
+    pub const SCENE: Group = Group(0);
+
+    pub fn of_component(index: u32) -> Group {
+        Group(index + 1)
+    }
 }
 
 /// The indices with which a word was declared.
@@ -145,9 +194,9 @@ pub struct Family {
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
     others: Table<Name, T>,
-    families: Table<Symbol, Family>,
+    families: Table<(Group, Symbol), Family>,
     /// Words in order of declaration, for suggestions.
-    words: Vec<Symbol>,
+    words: Table<Group, Vec<Symbol>>,
 }
 
 /// Names that differ in their last index, which counts up by one.
@@ -159,7 +208,7 @@ struct Run<T> {
 
 impl<T> Default for Space<T> {
     fn default() -> Space<T> {
-        Space { runs: Table::default(), others: Table::default(), families: Table::default(), words: Vec::new() }
+        Space { runs: Table::default(), others: Table::default(), families: Table::default(), words: Table::default() }
     }
 }
 
@@ -170,14 +219,14 @@ impl<T: Copy> Space<T> {
     }
 
     /// Declares a name; if it is taken, returns what has it.
-    pub fn declare(&mut self, name: Name, span: Span, what: T) -> Result<(), T> {
+    pub fn declare(&mut self, group: Group, name: Name, span: Span, what: T) -> Result<(), T> {
         if let Some(first) = self.get(name) {
             return Err(first);
         }
         if !self.goes_on(name, what) {
             self.others.insert(name, what);
         }
-        self.widen_family(name, span);
+        self.widen_family(group, name, span);
         Ok(())
     }
 
@@ -192,10 +241,10 @@ impl<T: Copy> Space<T> {
         follows
     }
 
-    fn widen_family(&mut self, name: Name, span: Span) {
+    fn widen_family(&mut self, group: Group, name: Name, span: Span) {
         let words = &mut self.words;
-        let family = self.families.entry(name.symbol).or_insert_with(|| {
-            words.push(name.symbol);
+        let family = self.families.entry((group, name.symbol)).or_insert_with(|| {
+            words.entry(group).or_default().push(name.symbol);
             Family { span, ranges: name.indices().iter().map(|&index| (index, index)).collect() }
         });
         for ((low, high), &index) in family.ranges.iter_mut().zip(name.indices()) {
@@ -205,12 +254,12 @@ impl<T: Copy> Space<T> {
     }
 
     /// The indices with which a word is declared; `None` if it is not declared.
-    pub fn family(&self, symbol: Symbol) -> Option<&Family> {
-        self.families.get(&symbol)
+    pub fn family(&self, group: Group, symbol: Symbol) -> Option<&Family> {
+        self.families.get(&(group, symbol))
     }
 
-    pub fn words(&self) -> &[Symbol] {
-        &self.words
+    pub fn words(&self, group: Group) -> &[Symbol] {
+        self.words.get(&group).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -229,7 +278,7 @@ impl<T: Copy> Run<T> {
 /// The name without its last index, and that index.
 fn split_last(name: Name) -> Option<(Name, i32)> {
     let (last, most) = name.indices().split_last()?;
-    Some((Name::indexed(name.symbol, most)?, *last))
+    Some((Name::indexed(name.symbol, most)?.within(name.place), *last))
 }
 
 /// Multiply and rotate, as in rustc's own tables: names are a few small integers, and the tables are never iterated.

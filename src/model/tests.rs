@@ -423,7 +423,7 @@ fn values_from_outside_are_checked_like_the_model() {
     assert_eq!(toml("n = 3\n# nothing\nk = '2 N/m'"), [""; 0]);
     assert_eq!(toml("k = 3 N/m"), ["vib::setting::toml"]);
     assert_eq!(toml("k = [1]"), ["vib::setting::form"]);
-    assert_eq!(toml("[k]\na = 1"), ["vib::setting::form"]);
+    assert_eq!(toml("[k]\na = 1"), ["vib::setting::unknown"]);
     assert_eq!(toml("k = \"3 \\u004e/m\""), ["vib::setting::form"]);
     assert_eq!(toml("k = inf"), ["vib::name::unknown"]);
 }

@@ -4,7 +4,7 @@
 use super::Check;
 use super::error::{Error, NameError, ValueError};
 use super::evaluate::{Evaluated, Stop};
-use super::scope::{Environment, Family, Space};
+use super::scope::{Environment, Family, Group, Part, Space};
 use super::suggestion::nearest;
 use super::value::FUNCTIONS;
 use crate::base::unit::{self, UnitError};
@@ -60,23 +60,27 @@ impl<'a> Check<'a> {
     }
 
     /// The error for a word, with the values of its indices, that is not a parameter, point or index.
-    pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>) -> NameError {
+    pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>, environment: Environment) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident)) {
+        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident, environment)) {
             return error;
         }
-        let help = self.instead_of_value(text);
-        let suggestion = if help.is_none() { self.nearest_value(text) } else { None };
+        let help = self.instead_of_value(text, environment).or_else(|| self.outside_of_component(text, environment));
+        let suggestion = if help.is_none() { self.nearest_value(text, environment) } else { None };
         NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }
 
     /// What a word is that was used like a parameter.
-    fn instead_of_value(&self, text: &str) -> Option<String> {
+    fn instead_of_value(&self, text: &str, environment: Environment) -> Option<String> {
         if self.outside {
             return Some("a value from outside cannot use names of the model: write a number with its unit".into());
         }
-        let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol)));
+        let place = self.place_of(environment);
+        let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol).within(place)));
+        if let Some(Part::Place(_)) = part {
+            return Some(format!("`{text}` is a place of a component: what is in it is written `{text}.k`"));
+        }
         if let Some(part) = part {
             return Some(format!("`{text}` is {}, not a number", self.noun_of(part)));
         }
@@ -87,23 +91,42 @@ impl<'a> Check<'a> {
             .then(|| format!("`{text}` is a unit: it follows a number, as in `1 {text}` or `1 /{text}`"))
     }
 
-    fn nearest_value(&mut self, text: &str) -> Option<String> {
+    /// A name of the scene, in a component.
+    fn outside_of_component(&self, text: &str, environment: Environment) -> Option<String> {
+        let symbol = self.words.get(text)?;
+        let inside = !environment.is_top() && self.environments.frame(environment).is_some();
+        let known =
+            self.values.family(Group::SCENE, symbol).is_some() || self.parts.family(Group::SCENE, symbol).is_some();
+        let how = "a component sees its own names alone: hand it over in the brackets behind its name";
+        (inside && known).then(|| format!("`{text}` is a name of the scene, and {how}"))
+    }
+
+    fn nearest_value(&mut self, text: &str, environment: Environment) -> Option<String> {
+        let group = self.group_of(environment);
         self.may_search().then(|| {
-            let declared = self.values.words().iter().map(|&symbol| self.words.text(symbol));
+            let declared = self.values.words(group).iter().map(|&symbol| self.words.text(symbol));
             nearest(text, declared.chain(["pi"])).map(str::to_string)
         })?
     }
 
     /// The error for an unknown part; `wanted` names the kinds of part that the place takes.
-    pub fn unknown_part(&mut self, ident: Ident, name: Name, wanted: &'static str) -> NameError {
+    pub fn unknown_part(
+        &mut self,
+        ident: Ident,
+        name: Name,
+        wanted: &'static str,
+        environment: Environment,
+    ) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = self.wrong_index(&self.parts, name, ident) {
+        if let Some(error) = self.wrong_index(&self.parts, name, ident, environment) {
             return error;
         }
-        let value = self.words.get(text).and_then(|symbol| self.values.family(symbol));
+        let group = self.group_of(environment);
+        let value = self.words.get(text).and_then(|symbol| self.values.family(group, symbol));
         let help = value.map(|_| format!("`{text}` is a parameter or a point"));
-        let suggestion = if help.is_none() { self.nearest_part(text) } else { None };
+        let help = help.or_else(|| self.outside_of_component(text, environment));
+        let suggestion = if help.is_none() { self.nearest_part(text, environment) } else { None };
         let ground = || {
             let is_meant = WORDS_FOR_GROUND.contains(&text.to_ascii_lowercase().as_str());
             is_meant.then(|| {
@@ -114,16 +137,23 @@ impl<'a> Check<'a> {
         NameError::UnknownPart { span: word, word: text.to_string(), wanted, suggestion, help }
     }
 
-    fn nearest_part(&mut self, text: &str) -> Option<String> {
+    fn nearest_part(&mut self, text: &str, environment: Environment) -> Option<String> {
+        let group = self.group_of(environment);
         self.may_search().then(|| {
-            let declared = self.parts.words().iter().map(|&symbol| self.words.text(symbol));
+            let declared = self.parts.words(group).iter().map(|&symbol| self.words.text(symbol));
             nearest(text, declared.chain(["ground"])).map(str::to_string)
         })?
     }
 
     /// The error for a word that is declared, but not with these indices.
-    fn wrong_index<T: Copy>(&self, space: &Space<T>, name: Name, ident: Ident) -> Option<NameError> {
-        let Family { span, ranges } = space.family(name.symbol)?;
+    fn wrong_index<T: Copy>(
+        &self,
+        space: &Space<T>,
+        name: Name,
+        ident: Ident,
+        environment: Environment,
+    ) -> Option<NameError> {
+        let Family { span, ranges } = space.family(self.group_of(environment), name.symbol)?;
         Some(NameError::IndexOutOfRange {
             span: self.ident_span(ident),
             name: self.words.display(name),
@@ -153,14 +183,16 @@ impl<'a> Check<'a> {
     }
 
     /// The error for a unit that cannot be read, at its place in the file.
-    pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError) -> ValueError {
+    pub fn unit_error(&mut self, text: &str, span: Span, error: UnitError, environment: Environment) -> ValueError {
+        let group = self.group_of(environment);
         let at = |range: std::ops::Range<usize>| {
             Span::new(span.file(), span.start() + range.start, span.start() + range.end)
         };
         match error {
             UnitError::Unknown { word } => {
                 let symbol = text[word.clone()].to_string();
-                let is_value = self.words.get(&symbol).is_some_and(|symbol| self.values.family(symbol).is_some());
+                let is_value =
+                    self.words.get(&symbol).is_some_and(|symbol| self.values.family(group, symbol).is_some());
                 let suggestion = unit::suggestion(&symbol);
                 ValueError::UnitUnknown { span: at(word), symbol, suggestion, is_value }
             }

@@ -7,10 +7,12 @@
 
 use super::Check;
 use super::evaluate::Stop;
-use super::scene::Part;
-use super::scope::{DefinitionId, DefinitionKind, Environment, Instance, State};
+use super::places::{Frame, FrameId};
+use super::scene::{Freedom, Geometry, Part, Translation};
+use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::value::{Scalar, Value};
 use crate::base::{Dimension, Number, Rational, Span};
+use crate::kinds::motions::{BODY_MOTIONS, Direction};
 use crate::symbols::{Factor, Function, Sum, Symbol};
 use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, FieldValue, Fields, Rare};
 use std::sync::Arc;
@@ -145,14 +147,46 @@ enum Form {
 pub(super) struct Writer<'c, 'a> {
     check: &'c mut Check<'a>,
     known: Vec<Option<Form>>,
+    /// How the components lie at their places, as far as it was needed.
+    lying: Vec<Option<Arc<Lying>>>,
     depth: usize,
     written: Written,
+}
+
+/// How a component lies: around its place, and in the scene; see [`super::places::Placed`].
+struct Lying {
+    around: WrittenMotion,
+    scene: WrittenMotion,
+}
+
+/// x -> o + R S x.
+#[derive(Clone)]
+struct WrittenMotion {
+    origin: Option<Pair>,
+    angle: Sum,
+    mirrored: [bool; 2],
+}
+
+impl WrittenMotion {
+    fn direction(&self, v: &Pair) -> Pair {
+        let signed = |sum: &Sum, is_mirrored| if is_mirrored { -sum } else { sum.clone() };
+        let (x, y) = (signed(&v[0], self.mirrored[0]), signed(&v[1], self.mirrored[1]));
+        if self.angle.is_zero() {
+            return [x, y];
+        }
+        let (sine, cosine) = (self.angle.sine(), self.angle.cosine());
+        [&(&cosine * &x) - &(&sine * &y), &(&sine * &x) + &(&cosine * &y)]
+    }
+
+    fn place(&self, v: &Pair) -> Option<Pair> {
+        Some(sum(self.origin.as_ref()?, &self.direction(v)))
+    }
 }
 
 impl<'c, 'a> Writer<'c, 'a> {
     pub(super) fn new(check: &'c mut Check<'a>) -> Writer<'c, 'a> {
         let known = vec![None; check.definitions.len()];
-        Writer { check, known, depth: 0, written: Written::default() }
+        Writer { check, known, lying: Vec::new(), depth: 0, written: Written::default() }
     }
 
     /// Converts everything; `None` if something has no expression after all, which no checked model has.
@@ -218,7 +252,7 @@ impl<'c, 'a> Writer<'c, 'a> {
 
     fn field_pair(&mut self, fields: Fields, word: &str, environment: Environment) -> Option<Pair> {
         match self.field(fields, word)? {
-            FieldValue::Expr(expr) => Some(self.pair(expr, environment)),
+            FieldValue::Expr(expr) => Some(self.place(expr, environment)),
             _ => None,
         }
     }
@@ -236,33 +270,36 @@ impl<'c, 'a> Writer<'c, 'a> {
         let inertia = match self.field(fields, "inertia") {
             Some(FieldValue::About(list)) => {
                 let (expr, about) = self.check.tree.about(list);
-                let (given, about) = (self.number(expr, environment), self.pair(about, environment));
+                let (given, about) = (self.number(expr, environment), self.place(about, environment));
                 Some(about_centre(given, &about, mass.as_ref(), centre.as_ref()))
             }
             Some(FieldValue::Expr(expr)) => Some(self.number(expr, environment)),
             _ => gyration.and_then(|squared| Some(mass.as_ref()? * &squared)),
         };
-        let translations = self.translations(fields, environment);
+        let known = match self.check.scene.bodies[self.written.bodies.len()].freedom.clone() {
+            Freedom::OnGround { translations, .. } => translations,
+            Freedom::FromJoints => Arc::new([]),
+        };
+        let translations = self.translations(fields, &known, environment);
         Some(WrittenBody { mass, inertia, centre, translations })
     }
 
-    fn translations(&mut self, fields: Fields, environment: Environment) -> Vec<Pair> {
-        let axes = [[Sum::one(), Sum::ZERO], [Sum::ZERO, Sum::one()]];
-        if self.field(fields, "free").is_some() {
-            return axes.to_vec();
-        }
-        match self.field(fields, "moves") {
-            Some(FieldValue::Moves(words)) => {
-                let tree = self.check.tree;
-                let is_named = |axis: &str| {
-                    tree.list(words).iter().any(|word| self.check.sources.slice(tree.expr(*word).span) == axis)
-                };
-                let named = [is_named("x"), is_named("y")];
-                axes.into_iter().zip(named).filter(|(_, named)| *named).map(|(axis, _)| axis).collect()
+    /// Axes of the scene as such, an oblique direction as written.
+    fn translations(&mut self, fields: Fields, known: &[Translation], environment: Environment) -> Vec<Pair> {
+        let tree = self.check.tree;
+        let mut written = |translation: &Translation| match (translation.motion, self.field(fields, "moves")) {
+            ("x", _) => [Sum::one(), Sum::ZERO],
+            ("y", _) => [Sum::ZERO, Sum::one()],
+            (_, Some(FieldValue::MovesAlong(expr))) => self.direction(expr, environment),
+            (_, Some(FieldValue::Moves(words))) => {
+                // The axis of a component that is turned.
+                let word = tree.list(words).first().map(|word| self.check.sources.slice(tree.expr(*word).span));
+                let axis = if word == Some("x") { [Sum::one(), Sum::ZERO] } else { [Sum::ZERO, Sum::one()] };
+                self.turned(axis, environment)
             }
-            Some(FieldValue::MovesAlong(expr)) => vec![self.direction(expr, environment)],
-            _ => Vec::new(),
-        }
+            _ => [Sum::ZERO, Sum::ZERO],
+        };
+        known.iter().map(&mut written).collect()
     }
 
     /// The centre, and the inertia about it per unit mass.
@@ -273,7 +310,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         Some(match (self.check.sources.slice(word), tree.list(arguments)) {
             ("rod", &[a, b]) => {
-                let (a, b) = (self.pair(a, environment), self.pair(b, environment));
+                let (a, b) = (self.place(a, environment), self.place(b, environment));
                 let along = difference(&b, &a);
                 let squared = dot(&along, &along).scaled(&Rational::new(1, 12));
                 (Some(sum(&a, &b).map(|part| part.halved())), squared)
@@ -291,12 +328,13 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn base(&mut self, instance: Instance<'a>) -> Option<WrittenBase> {
         let Rare::Base { fields, .. } = self.rare(instance.decl.kind)? else { return None };
         let at = self.field_pair(fields, "at", instance.environment);
-        Some(WrittenBase { at, translations: self.translations(fields, instance.environment) })
+        let known = self.check.scene.bases[self.written.bases.len()].translations.clone();
+        Some(WrittenBase { at, translations: self.translations(fields, &known, instance.environment) })
     }
 
     fn end(&mut self, id: EndId, part: Part, environment: Environment) -> Option<Pair> {
         match self.check.tree.end(id).at {
-            Some(at) => Some(self.pair(at, environment)),
+            Some(at) => Some(self.place(at, environment)),
             None => self.written.own_place(part),
         }
     }
@@ -321,8 +359,14 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn element(&mut self, instance: Instance<'a>) -> Option<WrittenElement> {
         let Instance { decl, environment } = instance;
         let DeclKind::Element { kind, ends, fields, .. } = decl.kind else { return None };
-        let parts = [0, 1].map(|end| self.check.scene.elements[self.written.elements.len()].ends[end].part);
-        let places = [self.end(ends, parts[0], environment), self.end(EndId(ends.0 + 1), parts[1], environment)];
+        let element = &self.check.scene.elements[self.written.elements.len()];
+        let parts = [0, 1].map(|end| element.ends[end].part);
+        let is_twisted = element.geometry == Geometry::Torsion;
+        let mut ids = [ends, EndId(ends.0 + 1)];
+        if is_twisted && self.check.reverses(environment).ok()? {
+            ids.reverse();
+        }
+        let places = [self.end(ids[0], parts[0], environment), self.end(ids[1], parts[1], environment)];
         let coefficient = self.field_number(fields, kind.kind().coefficient().name, environment)?;
         let along = match self.field(fields, "along") {
             Some(FieldValue::Expr(expr)) => Some(self.direction(expr, environment)),
@@ -371,8 +415,8 @@ impl<'c, 'a> Writer<'c, 'a> {
     ) -> Option<()> {
         let mut ends = Vec::new();
         for id in [Some(from), to].into_iter().flatten() {
-            let ident = self.check.tree.end(id).part;
-            let part = self.check.part(ident, environment).ok()?;
+            let path = self.check.tree.end(id).part();
+            let part = self.check.part(path, environment).ok()?;
             ends.push(self.end(id, part, environment));
         }
         self.written.inputs.push(WrittenInput { ends, along, constant });
@@ -425,27 +469,35 @@ impl<'c, 'a> Writer<'c, 'a> {
     /// The coefficients of a linear combination of motions, from left to right.
     fn terms(&mut self, expr: ExprId, environment: Environment) -> Option<Vec<WrittenTerm>> {
         let tree = self.check.tree;
-        if !self.check.has_motion(expr) {
+        if !self.check.has_motion(expr, environment) {
             return Some(Vec::new());
         }
         let scaled = |terms: Vec<WrittenTerm>, by: &Sum| -> Vec<WrittenTerm> {
             terms.into_iter().map(|term| WrittenTerm { coefficient: &term.coefficient * by, ..term }).collect()
         };
         match tree.expr(expr).kind {
-            ExprKind::Member { base, .. } => {
-                let at = match tree.expr(base).kind {
-                    ExprKind::At { point, .. } => Some(self.pair(point, environment)),
-                    _ => None,
+            ExprKind::Member { base, member_len, indices } => {
+                let (owner, at) = match tree.expr(base).kind {
+                    ExprKind::At { base, point } => (base, Some(self.place(point, environment))),
+                    _ => (base, None),
                 };
-                Some(vec![WrittenTerm { coefficient: Sum::one(), at }])
+                if self.check.expression_part(owner, environment, "body").ok()? == scope::Part::Ground {
+                    return Some(Vec::new());
+                }
+                let word = self.check.sources.slice(tree.member(base, member_len, indices).span);
+                let turns = BODY_MOTIONS.iter().any(|known| known.name == word && known.direction == Direction::Turn);
+                let is_reversed = turns && self.check.reverses(environment).ok()?;
+                let coefficient = if is_reversed { Sum::fraction(-1, 1) } else { Sum::one() };
+                Some(vec![WrittenTerm { coefficient, at }])
             }
             ExprKind::Negate { operand } => Some(scaled(self.terms(operand, environment)?, &Sum::fraction(-1, 1))),
             ExprKind::Binary { operator, left, right } => {
                 let (a, b) = (self.terms(left, environment)?, self.terms(right, environment)?);
+                let is_number = !self.check.has_motion(right, environment);
                 Some(match operator {
                     Binary::Add => a.into_iter().chain(b).collect(),
                     Binary::Subtract => a.into_iter().chain(scaled(b, &Sum::fraction(-1, 1))).collect(),
-                    Binary::Multiply if b.is_empty() => scaled(a, &self.number(right, environment)),
+                    Binary::Multiply if is_number => scaled(a, &self.number(right, environment)),
                     Binary::Multiply => scaled(b, &self.number(left, environment)),
                     Binary::Divide => scaled(a, &self.number(right, environment).inverse()?),
                     _ => return None,
@@ -471,13 +523,64 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
     }
 
-    /// `x`, `-y` or a pair.
+    /// A position in the scene.
+    fn place(&mut self, expr: ExprId, environment: Environment) -> Pair {
+        let local = self.pair(expr, environment);
+        let Some(frame) = self.check.environments.frame(environment) else { return local };
+        let placed = self.lying(frame).and_then(|lying| lying.scene.place(&local));
+        placed.unwrap_or(local)
+    }
+
+    /// A direction in the scene.
     fn direction(&mut self, expr: ExprId, environment: Environment) -> Pair {
+        let local = self.own_direction(expr, environment);
+        self.turned(local, environment)
+    }
+
+    fn turned(&mut self, local: Pair, environment: Environment) -> Pair {
+        let frame = self.check.environments.frame(environment);
+        match frame.and_then(|frame| self.lying(frame)) {
+            Some(lying) => lying.scene.direction(&local),
+            None => local,
+        }
+    }
+
+    /// How a component lies at its place.
+    fn lying(&mut self, frame: FrameId) -> Option<Arc<Lying>> {
+        let index = frame.0 as usize;
+        self.lying.resize(self.check.frames.len(), None);
+        if let Some(known) = &self.lying[index] {
+            return Some(known.clone());
+        }
+        let placed = self.check.placed_frame(frame).ok()?;
+        let Frame { outer, at, turned, .. } = *self.check.frame(frame);
+        let expr = |id: DefinitionId| self.check.definitions[id.0 as usize].expr;
+        let (at, turned) = (at.map(expr), turned.map(expr));
+        let origin = at.map(|at| self.pair(at, outer));
+        let angle = turned.map_or(Sum::ZERO, |turned| self.number(turned, outer));
+        let around = WrittenMotion { origin, angle, mirrored: placed.around.mirrored };
+        let scene = match self.check.environments.frame(outer) {
+            None => around.clone(),
+            Some(outer) => {
+                let outer = self.lying(outer)?;
+                let reverses = outer.scene.mirrored[0] != outer.scene.mirrored[1];
+                let angle = if reverses { -&around.angle } else { around.angle.clone() };
+                let origin = around.origin.as_ref().and_then(|origin| outer.scene.place(origin));
+                WrittenMotion { origin, angle: &outer.scene.angle + &angle, mirrored: placed.scene.mirrored }
+            }
+        };
+        let lying = Arc::new(Lying { around, scene });
+        self.lying[index] = Some(lying.clone());
+        Some(lying)
+    }
+
+    /// `x`, `-y` or a pair, in the axes of the component that it is written in.
+    fn own_direction(&mut self, expr: ExprId, environment: Environment) -> Pair {
         let node = *self.check.tree.expr(expr);
         match node.kind {
             ExprKind::Name { .. } if self.check.sources.slice(node.span) == "x" => [Sum::one(), Sum::ZERO],
             ExprKind::Name { .. } if self.check.sources.slice(node.span) == "y" => [Sum::ZERO, Sum::one()],
-            ExprKind::Negate { operand } => self.direction(operand, environment).map(|part| -&part),
+            ExprKind::Negate { operand } => self.own_direction(operand, environment).map(|part| -&part),
             _ => self.pair(expr, environment),
         }
     }
@@ -548,7 +651,31 @@ impl<'c, 'a> Writer<'c, 'a> {
                 let &[x, y] = self.check.tree.list(items) else { return None };
                 Some(Form::Pair([self.number(x, environment), self.number(y, environment)]))
             }
-            ExprKind::Member { .. } | ExprKind::At { .. } | ExprKind::Text | ExprKind::Named { .. } => None,
+            ExprKind::Member { base, member_len, indices } => {
+                let frame = self.check.place_at(base, environment).ok()??;
+                let member = self.check.tree.member(base, member_len, indices);
+                let DefinitionId(id) = self.check.member_definition(frame, member, environment).ok()?;
+                match self.definition(id as usize)? {
+                    Form::Pair(place) => self.seen_from(frame, place, environment).map(Form::Pair),
+                    number => Some(number),
+                }
+            }
+            ExprKind::At { .. } | ExprKind::Text | ExprKind::Named { .. } => None,
+        }
+    }
+
+    /// A place of a component as it is seen from an environment around it.
+    fn seen_from(&mut self, mut frame: FrameId, mut place: Pair, environment: Environment) -> Option<Pair> {
+        let viewer = self.check.environments.frame(environment);
+        if viewer.is_none() {
+            return self.lying(frame)?.scene.place(&place);
+        }
+        loop {
+            place = self.lying(frame)?.around.place(&place)?;
+            match self.check.environments.frame(self.check.frame(frame).outer) {
+                Some(outer) if Some(outer) != viewer => frame = outer,
+                _ => return Some(place),
+            }
         }
     }
 
@@ -577,6 +704,9 @@ impl<'c, 'a> Writer<'c, 'a> {
         let State::Settled(Ok(value)) = &definition.state else { return None };
         let (kind, name, expr, environment) =
             (definition.kind, definition.name, definition.expr, definition.environment);
+        if definition.role == Role::Placing {
+            return None;
+        }
         let form = match value.clone() {
             Value::Scalar(Scalar { quantity, .. }) => {
                 let symbol = Symbol::new(class_of(quantity.dimension), index);

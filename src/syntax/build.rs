@@ -21,10 +21,22 @@ struct Grammar;
 /// The result of a parse: a declaration, or the head of a `repeat`.
 pub(super) enum Built {
     Decl(Decl),
-    Repeat(RepeatHead),
+    Head(Head),
 }
 
-/// `repeat i in first..last {`; the declarations of its body are parsed one by one afterwards.
+/// What stands before the `{` of a body of declarations, which follow one by one.
+pub(super) enum Head {
+    Repeat(RepeatHead),
+    Component(ComponentHead),
+}
+
+/// `component axle(m: kg) {`
+pub(super) struct ComponentHead {
+    pub name: Span,
+    pub formals: Vec<Formal>,
+}
+
+/// `repeat i in first..last {`
 pub(super) struct RepeatHead {
     pub index: Span,
     pub first: ExprId,
@@ -39,6 +51,8 @@ pub(super) enum Refused {
     TooDeep(Span),
     LongWord(Span),
     LongNumber(Span),
+    /// A clause that is there already.
+    Twice(Span),
 }
 
 /// The shape of the declaration whose keyword `text` starts with, and its grammar rule.
@@ -67,6 +81,9 @@ fn rule_of(text: &str) -> Option<(Shape, Rule)> {
         Shape::Solve => Rule::solve,
         Shape::Require => Rule::require,
         Shape::Repeat => Rule::repeat,
+        Shape::Component => Rule::component,
+        Shape::Place => Rule::place,
+        Shape::Use => Rule::import,
     };
     Some((shape, rule))
 }
@@ -143,6 +160,14 @@ struct Operand {
     /// Its byte range in the declaration's text, including any brackets around it.
     start: u32,
     end: u32,
+}
+
+/// `.m[3]`
+struct ReadMember {
+    member_len: u16,
+    indices: ExprList,
+    depth: u16,
+    end: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -232,7 +257,8 @@ impl Build<'_> {
             Shape::Point => DeclKind::Point { name: self.name(), value: self.expression().id },
             Shape::Body => DeclKind::Body { name: self.name(), fields: self.fields() },
             Shape::Element(kind) => self.element(kind),
-            Shape::Repeat => return Built::Repeat(self.repeat_head()),
+            Shape::Repeat => return Built::Head(Head::Repeat(self.repeat_head())),
+            Shape::Component => return Built::Head(Head::Component(self.component_head())),
             shape => self.rare(shape, rule),
         };
         Built::Decl(Decl { span: self.span((0, self.text.len())), kind })
@@ -246,6 +272,82 @@ impl Build<'_> {
         RepeatHead { index: self.word(), first: self.expression().id, last: self.expression().id }
     }
 
+    fn component_head(&mut self) -> ComponentHead {
+        let name = self.word();
+        self.step();
+        let mut formals = Vec::new();
+        while let Some(rule) = self.next {
+            formals.push(if rule == Rule::port { self.port() } else { self.formal_number() });
+        }
+        self.step();
+        ComponentHead { name, formals }
+    }
+
+    fn port(&mut self) -> Formal {
+        self.step();
+        let name = self.word();
+        self.step();
+        Formal { name, kind: FormalKind::Port }
+    }
+
+    fn formal_number(&mut self) -> Formal {
+        self.step();
+        let name = self.word();
+        let unit = (self.next == Some(Rule::dimension)).then(|| {
+            let start = self.step();
+            if self.next.is_some() {
+                self.leaf();
+            }
+            let end = self.step();
+            self.span((start, end))
+        });
+        let default = self.next.is_some().then(|| self.expression().id);
+        self.step();
+        Formal { name, kind: FormalKind::Number { unit, default } }
+    }
+
+    fn placed(&mut self) -> Rare {
+        let name = self.name();
+        let component = self.word();
+        let arguments = self.actuals();
+        let mut placing = Placing::default();
+        while let Some(rule) = self.next {
+            let start = self.step();
+            let twice = match rule {
+                Rule::mirrored => placing.mirrored.replace(self.word()).is_some(),
+                Rule::turned => placing.turned.replace(self.expression().id).is_some(),
+                _ => placing.at.replace(self.expression().id).is_some(),
+            };
+            let end = self.step();
+            if twice {
+                let clause = &self.text[start..end];
+                let word = start + (clause.len() - clause.trim_start().len());
+                let len = self.text[word..].bytes().position(|b| !words::continues(b)).unwrap_or(0);
+                self.refuse(Refused::Twice(self.span((word, word + len))));
+            }
+        }
+        Rare::Place { name, component, arguments, placing }
+    }
+
+    fn actuals(&mut self) -> Fields {
+        self.step();
+        let start = self.tree.fields.len();
+        while self.next.is_some() {
+            self.step();
+            let field = Field { key: self.word(), value: FieldValue::Expr(self.expression().id) };
+            self.step();
+            self.tree.fields.push(field);
+        }
+        self.step();
+        Fields { start: start as u32, len: (self.tree.fields.len() - start) as u32 }
+    }
+
+    fn import(&mut self) -> Rare {
+        let text = self.leaf();
+        self.tree.uses.push(Use { text: self.span(text) });
+        Rare::Use { index: (self.tree.uses.len() - 1) as u32 }
+    }
+
     fn rare(&mut self, shape: Shape, rule: Option<Rule>) -> DeclKind {
         let rare = match shape {
             Shape::Joint(kind) => self.joint(kind),
@@ -255,12 +357,14 @@ impl Build<'_> {
             Shape::Base => Rare::Base { name: self.name(), fields: self.fields(), signal: self.clause(Rule::signal) },
             Shape::Force => self.force(),
             Shape::Torque => self.torque(),
-            Shape::Initial => Rare::Initial { body: self.name(), fields: self.fields() },
+            Shape::Initial => Rare::Initial { body: self.path(), fields: self.fields() },
             Shape::Output => Rare::Output { name: self.name(), value: self.expression().id },
             Shape::Damping if rule == Some(Rule::damping_modal) => Rare::DampingModal { ratio: self.expression().id },
             Shape::Damping => Rare::DampingRayleigh { arguments: self.arguments().0 },
             Shape::Rest => Rare::RestAsDrawn,
             Shape::Solve => self.solve(),
+            Shape::Place => self.placed(),
+            Shape::Use => self.import(),
             _ => Rare::Require { condition: self.expression().id },
         };
         self.tree.rare.push(rare);
@@ -285,7 +389,7 @@ impl Build<'_> {
 
     fn solve(&mut self) -> Rare {
         Rare::Solve {
-            parameter: self.name(),
+            parameter: self.path(),
             low: self.expression().id,
             high: self.expression().id,
             measure: self.expression().id,
@@ -377,14 +481,53 @@ impl Build<'_> {
         self.node((start, end), ExprKind::Named { name_len, value: value.id }, value.depth)
     }
 
+    fn path(&mut self) -> Path {
+        let start = self.step();
+        let (first, whole) = self.path_from(start);
+        self.step();
+        Path { first, whole }
+    }
+
+    /// A name and its members, where a rule that starts with them has just found the place of the first.
+    fn path_from(&mut self, start: usize) -> (Ident, Option<ExprId>) {
+        let span = self.word_at(start);
+        let (indices, depth) = self.expressions();
+        if self.next != Some(Rule::member) {
+            return (Ident { span, indices }, None);
+        }
+        let mut operand = self.node((start, self.next_place), ExprKind::Name { indices }, depth);
+        while self.next == Some(Rule::member) {
+            operand = self.member(operand);
+        }
+        (Ident { span, indices }, Some(operand.id))
+    }
+
     fn end(&mut self) -> EndId {
         let start = self.step();
-        let span = self.word_at(start);
-        let (indices, _) = self.expressions();
-        let at = (self.next == Some(Rule::at)).then(|| self.place().0.id);
+        let (part, whole) = self.path_from(start);
+        let at = (self.next == Some(Rule::spot)).then(|| self.spot());
         let end = self.step();
-        self.tree.ends.push(End { span: self.span((start, end)), part: Ident { span, indices }, at });
+        let word_len = part.span.len() as u16;
+        self.tree.ends.push(End { span: self.span((start, end)), word_len, indices: part.indices, whole, at });
         EndId((self.tree.ends.len() - 1) as u32)
+    }
+
+    /// `@A`, `@front.hub`, `@(0, 1 m)`
+    fn spot(&mut self) -> ExprId {
+        self.step();
+        let point = match self.next {
+            Some(Rule::path) => self.path_expression(),
+            _ => self.group().id,
+        };
+        self.step();
+        point
+    }
+
+    fn path_expression(&mut self) -> ExprId {
+        let start = self.step();
+        let (Ident { indices, .. }, whole) = self.path_from(start);
+        let end = self.step();
+        whole.unwrap_or_else(|| self.node((start, end), ExprKind::Name { indices }, 0).id)
     }
 
     fn ends(&mut self) -> EndId {
@@ -584,15 +727,40 @@ impl Build<'_> {
     }
 
     fn member(&mut self, base: Operand) -> Operand {
-        let (start, end) = self.leaf();
-        let member_len = self.word_at(start + 1).len() as u16;
-        self.node((base.start as usize, end), ExprKind::Member { base: base.id, member_len }, base.depth)
+        let member = self.read_member();
+        self.member_of(base, member)
     }
 
+    fn read_member(&mut self) -> ReadMember {
+        let start = self.step();
+        let member_len = self.word_at(start + 1).len() as u16;
+        let (indices, depth) = self.expressions();
+        ReadMember { member_len, indices, depth, end: self.step() }
+    }
+
+    fn member_of(&mut self, base: Operand, member: ReadMember) -> Operand {
+        let ReadMember { member_len, indices, depth, end } = member;
+        let kind = ExprKind::Member { base: base.id, member_len, indices };
+        self.node((base.start as usize, end), kind, base.depth.max(depth))
+    }
+
+    /// `@A`; of `@front.hub.y` all members but the last lead to the point.
     fn point_of(&mut self, base: Operand) -> Operand {
-        let (point, end) = self.place();
+        let (mut point, mut end) = self.place();
+        let mut last = None;
+        while self.next == Some(Rule::member) {
+            let member = self.read_member();
+            if let Some(before) = last.replace(member) {
+                point = self.member_of(point, before);
+                end = point.end as usize;
+            }
+        }
         let kind = ExprKind::At { base: base.id, point: point.id };
-        self.node((base.start as usize, end), kind, base.depth.max(point.depth))
+        let at = self.node((base.start as usize, end), kind, base.depth.max(point.depth));
+        match last {
+            Some(member) => self.member_of(at, member),
+            None => at,
+        }
     }
 
     /// `(x)` is x itself; `(x, y)` a tuple.

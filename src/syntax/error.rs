@@ -15,6 +15,7 @@ const UNCLOSED_STRING: Code = Code::model("vib::syntax::unclosed_string");
 const CHARACTER: Code = Code::model("vib::syntax::character");
 const TOO_DEEP: Code = Code::model("vib::syntax::too_deep");
 const TOO_LARGE: Code = Code::model("vib::syntax::too_large");
+const INNER: Code = Code::model("vib::component::inner");
 const MORE: Code = Code::model("vib::syntax::more_errors");
 
 /// A syntax error.
@@ -38,7 +39,8 @@ pub enum SyntaxError {
         open: Span,
         bracket: char,
         before: Option<Span>,
-        repeat: bool,
+        /// The keyword whose body it opens.
+        of: Option<&'static str>,
     },
     /// An opening bracket is closed by one of another kind.
     Mismatch {
@@ -68,6 +70,11 @@ pub enum SyntaxError {
     /// Too many `repeat`s inside each other.
     RepeatNesting {
         at: Span,
+    },
+    /// `component` or `use` inside a `repeat` or a component.
+    InnerComponent {
+        at: Span,
+        keyword: &'static str,
     },
     /// An expression whose tree is too deep.
     ExpressionDepth {
@@ -157,6 +164,10 @@ pub enum Remark {
     Semicolon,
     Hash,
     Comparison,
+    /// `at (0, 0) at (1 m, 0)`
+    OnceEach,
+    /// `axle(40 kg)`
+    ArgumentName,
     /// `b.x'`
     Derivative,
 }
@@ -173,6 +184,7 @@ impl SyntaxError {
             | SyntaxError::Character { at, .. }
             | SyntaxError::Nesting { at }
             | SyntaxError::RepeatNesting { at }
+            | SyntaxError::InnerComponent { at, .. }
             | SyntaxError::ExpressionDepth { at }
             | SyntaxError::DeclarationLength { at }
             | SyntaxError::WordLength { at }
@@ -195,8 +207,8 @@ impl SyntaxError {
                 meant.mended(told)
             }
             SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
-            SyntaxError::Unclosed { bracket, before, repeat, .. } => {
-                let of = if *repeat { " of `repeat`" } else { "" };
+            SyntaxError::Unclosed { bracket, before, of, .. } => {
+                let of = of.map_or(String::new(), |keyword| format!(" of `{keyword}`"));
                 let closing = closing(*bracket);
                 let end = if before.is_some() { "the next declaration" } else { "the end of the file" };
                 let told = error(UNCLOSED, format!("the `{bracket}`{of} is not closed"))
@@ -227,6 +239,11 @@ impl SyntaxError {
             SyntaxError::RepeatNesting { .. } => {
                 error(TOO_DEEP, format!("`repeat`s are nested more than {} levels deep", limits::REPEATS))
                     .help("a name has at most three indices; write separate `repeat`s")
+            }
+            SyntaxError::InnerComponent { keyword, .. } => {
+                error(INNER, format!("`{keyword}` stands inside another declaration")).help(
+                    "write it on its own, outside of every `repeat` and component; what is used here is a `place`",
+                )
             }
             SyntaxError::ExpressionDepth { .. } => {
                 error(TOO_DEEP, format!("this expression has more than {} levels", limits::EXPRESSION_DEPTH))
@@ -333,7 +350,9 @@ impl Remark {
             (Remark::UnitOfNoNumber, _) => Some(Change::Replace(format!("* 1 {found}"))),
             (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
             (_, Expected::Separator) => Some(Change::Replace(format!(", {found}"))),
-            (_, Expected::Sign(sign @ (":" | "=" | "--"), _)) => Some(Change::Replace(format!("{sign} {found}"))),
+            (_, Expected::Sign(sign @ (":" | "=" | "--"), _)) if !matches!(self, Remark::ArgumentName) => {
+                Some(Change::Replace(format!("{sign} {found}")))
+            }
             _ => None,
         }
     }
@@ -367,6 +386,8 @@ impl Remark {
             }
             Remark::Hash => "write `//` before a comment",
             Remark::Derivative => "write `b.vx` for the velocity of `b.x` and `b.ax` for its acceleration",
+            Remark::OnceEach => "`at`, `mirrored` and `turned` stand at most once each",
+            Remark::ArgumentName => "write `=` between a parameter of the component and its value: `axle(m = 40 kg)`",
             Remark::Comparison => "a requirement compares with `<`, `<=`, `>` or `>=`",
         };
         text.into()

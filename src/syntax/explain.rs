@@ -249,6 +249,11 @@ impl Reader<'_> {
             Piece::Along => self.along(),
             Piece::Signal(_) => self.signal(),
             Piece::Fields => self.fields(),
+            Piece::Formals => self.formals(),
+            Piece::Actuals => self.actuals(),
+            Piece::Placing => self.placing(),
+            Piece::Text(which) => self.text(which),
+            Piece::Path(_, whose) => self.path(whose),
         }
     }
 
@@ -265,7 +270,7 @@ impl Reader<'_> {
     /// What comes first after the keyword and its blank.
     fn first(&self) -> Expected {
         match self.declaration.pieces.get(1) {
-            Some(Piece::Word(_, whose) | Piece::Name(_, whose)) => Expected::Name(whose),
+            Some(Piece::Word(_, whose) | Piece::Name(_, whose) | Piece::Path(_, whose)) => Expected::Name(whose),
             Some(Piece::Marker(word, place)) => Expected::Sign(word, place),
             Some(Piece::OneOf(words, place, _)) => Expected::OneOf(words, place),
             _ => Expected::Value("a value"),
@@ -341,8 +346,137 @@ impl Reader<'_> {
         if self.eat(")") { Ok(()) } else { self.list(what, ')') }
     }
 
+    /// A name, and names of a component behind it.
+    fn path(&mut self, whose: &'static str) -> Read {
+        self.name(whose)?;
+        while self.next() == Some('.') && !self.rest().starts_with("..") {
+            self.at += 1;
+            self.name("a part or quantity of the component")?;
+        }
+        Ok(())
+    }
+
+    // ---- Components ----
+
+    /// `(part chassis, m: kg, k = 150 kN/m)`
+    fn formals(&mut self) -> Read {
+        self.blanks();
+        if !self.eat("(") {
+            return Err(self.problem(Expected::Sign("(", "after the component's name")));
+        }
+        self.several(Self::formal)?;
+        self.blanks();
+        Ok(())
+    }
+
+    /// What stands in brackets, separated by commas.
+    fn several(&mut self, one: fn(&mut Self) -> Read) -> Read {
+        self.blanks();
+        if self.eat(")") {
+            return Ok(());
+        }
+        loop {
+            one(self)?;
+            self.blanks();
+            if self.eat(")") {
+                return Ok(());
+            }
+            if !self.eat(",") {
+                return Err(self.problem(Expected::Comma(')')));
+            }
+            self.blanks();
+        }
+    }
+
+    fn formal(&mut self) -> Read {
+        let start = self.at;
+        self.word("a parameter")?;
+        let is_part = &self.text[start..self.at] == "part";
+        let after = self.at;
+        self.blanks();
+        if is_part && self.next().is_some_and(words::is_letter) {
+            return self.word("the part");
+        }
+        if self.eat(":") {
+            self.blanks();
+            let start = self.at;
+            if !self.eat("1") {
+                self.eat("/");
+                self.at = if self.factors() { self.at } else { start };
+            }
+            if self.at == start {
+                return Err(self.problem(Expected::Value("a unit that says the dimension, such as `kg`, or `1`")));
+            }
+        } else {
+            self.at = after;
+        }
+        let after = self.at;
+        self.blanks();
+        if self.eat("=") {
+            self.blanks();
+            return self.expression("the default");
+        }
+        self.at = after;
+        Ok(())
+    }
+
+    /// `(m = 40 kg)`
+    fn actuals(&mut self) -> Read {
+        self.blanks();
+        if !self.eat("(") {
+            return Err(self.problem(Expected::Sign("(", "after the component")));
+        }
+        self.several(Self::actual)
+    }
+
+    fn actual(&mut self) -> Read {
+        if !self.next().is_some_and(words::is_letter) {
+            return Err(self.problem_with(Expected::Name("a parameter of the component"), Remark::ArgumentName));
+        }
+        self.word("a parameter of the component")?;
+        self.blanks();
+        if !self.eat("=") {
+            return Err(
+                self.problem_with(Expected::Sign("=", "after a parameter of the component"), Remark::ArgumentName)
+            );
+        }
+        self.blanks();
+        self.expression("the parameter's value")
+    }
+
+    /// `at (1 m, 0) mirrored x turned 10 deg`
+    fn placing(&mut self) -> Read {
+        loop {
+            let before = self.at;
+            self.blanks();
+            if self.eat_word("at") {
+                self.apart()?;
+                self.expression("a place `(x, y)`")?;
+            } else if self.eat_word("turned") {
+                self.apart()?;
+                self.expression("an angle")?;
+            } else if self.eat_word("mirrored") {
+                self.blank()?;
+                self.word("an axis")?;
+            } else {
+                self.at = before;
+                return Ok(());
+            }
+        }
+    }
+
+    /// `"axles.vib"`
+    fn text(&mut self, which: &'static str) -> Read {
+        self.blanks();
+        if !self.eat("\"") {
+            return Err(self.problem(Expected::Value(which)));
+        }
+        self.at += self.rest().find('"').map_or(self.rest().len(), |at| at + 1);
+        Ok(())
+    }
+
     fn end(&mut self, which: &'static str) -> Read {
-        self.name(which)?;
+        self.path(which)?;
         let after = self.at;
         self.blanks();
         if self.eat("@") {
@@ -374,7 +508,7 @@ impl Reader<'_> {
         if !self.next().is_some_and(words::is_letter) {
             return Err(self.problem(Expected::Value("a point, its name or `(x, y)`")));
         }
-        self.name("a point")
+        self.path("a point")
     }
 
     fn along(&mut self) -> Read {
@@ -573,7 +707,7 @@ impl Reader<'_> {
         loop {
             if self.next() == Some('.') && !self.rest().starts_with("..") {
                 self.at += 1;
-                self.word("a motion or quantity of the part")?;
+                self.name("a motion or quantity of the part")?;
             } else if self.eat("@") {
                 self.place()?;
             } else {
@@ -611,19 +745,25 @@ impl Reader<'_> {
         if self.eat(" ") {
             self.eat("/");
         }
-        let about = self.at;
-        let is_about = self.eat_word("about");
-        self.at = about;
-        if is_about || !self.factor() {
+        let word = self.at;
+        let follows = ["about", "at", "turned", "mirrored"].into_iter().any(|word| self.eat_word(word));
+        self.at = word;
+        if follows || !self.factors() {
             self.at = number;
-            return;
+        }
+    }
+
+    /// Units, glued together.
+    fn factors(&mut self) -> bool {
+        if !self.factor() {
+            return false;
         }
         loop {
             let after = self.at;
             let glued = ["*", "/", "·", "⋅"].into_iter().any(|sign| self.eat(sign));
             if !(glued && self.factor()) {
                 self.at = after;
-                return;
+                return true;
             }
         }
     }

@@ -27,3 +27,6 @@ pub const ERRORS: usize = 100;
 
 /// Bytes of all tables of a model together.
 pub const TABLES: usize = 64 << 20;
+
+/// Bytes of all files together that a model uses for their components.
+pub const USED: usize = 16 << 20;

@@ -16,12 +16,13 @@ pub mod words;
 pub use error::SyntaxError;
 
 use crate::base::{Diagnostics, FileId, Sources, Span, runs};
-use build::{Built, Refused, RepeatHead, Yard};
+use build::{Built, ComponentHead, Head, Refused, RepeatHead, Yard};
 use error::{Expected, Meant, Remark};
 use report::Report;
 use split::{Piece, Pieces, Trouble};
+use std::collections::HashSet;
 use std::ops::Range;
-use tree::{Decl, DeclKind, ExprId, Repeat, Tree};
+use tree::{Component, Decl, DeclKind, ExprId, Rare, Repeat, Tree};
 
 /// A parsed file.
 #[derive(Clone, Debug)]
@@ -31,11 +32,57 @@ pub struct Parsed {
     pub errors: Diagnostics,
 }
 
-/// Parses a model file.
+/// Parses a model file, and for their components the files that it uses, as far as they are among the sources.
 pub fn parse(sources: &Sources, file: FileId) -> Parsed {
     runs::begins("parse");
-    let text = sources.text(file);
-    let mut parse = Parse::new(text, file);
+    let mut parsed = parse_into(Tree::new(file), sources.text(file));
+    let mut read = vec![file];
+    let mut next = 0;
+    while let Some(using) = parsed.tree.uses.get(next) {
+        next += 1;
+        let Some(used) = sources.used(using.text).filter(|used| !read.contains(used)) else { continue };
+        read.push(used);
+        // Of a file that is used, components alone come in.
+        let declarations = std::mem::take(&mut parsed.tree.decls);
+        parsed.tree.file = used;
+        let more = parse_into(parsed.tree, sources.text(used));
+        parsed.tree = more.tree;
+        let is_model = !parsed.tree.decls.is_empty() || more.errors.iter().next().is_none();
+        parsed.tree.file = file;
+        parsed.tree.decls = declarations;
+        if is_model {
+            parsed.errors.extend(more.errors);
+        } else {
+            // Nothing of it is a declaration: what it holds is nobody's business.
+            parsed.tree.broken.retain(|span| span.file() != used);
+            parsed.tree.no_models.push(used);
+        }
+    }
+    parsed.tree.sort_docs();
+    parsed
+}
+
+/// The files that `use` lines of a text name, each once, in order.
+pub fn used_files(text: &str) -> Vec<String> {
+    let mut files: Vec<String> = Vec::new();
+    if !text.contains("use") {
+        return files;
+    }
+    let mut seen = HashSet::new();
+    let starts_use = |line: &&str| line.trim_start_matches([' ', '\t', '\u{feff}']).starts_with("use");
+    for line in text.lines().filter(starts_use) {
+        let rest = &line[line.find("use").map_or(0, |at| at + 3)..];
+        let named = rest.trim_start_matches([' ', '\t']).strip_prefix('"').and_then(|rest| rest.split('"').next());
+        if let Some(file) = named.filter(|file| seen.insert(*file)) {
+            files.push(file.to_string());
+        }
+    }
+    files
+}
+
+/// Parses the text of the tree's file to what the tree has already.
+fn parse_into(tree: Tree, text: &str) -> Parsed {
+    let mut parse = Parse::new(text, tree);
     if text.len() > limits::FILE {
         parse.report.tell(SyntaxError::FileLength { at: parse.span(0..1) });
         return parse.finish();
@@ -60,12 +107,12 @@ pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
     Some((tree, value))
 }
 
-/// A `repeat` whose `}` has not come yet.
-struct OpenRepeat {
+/// A `repeat` or `component` whose `}` has not come yet.
+struct Opened {
     range: Range<usize>,
     doc: Option<Range<usize>>,
     /// `None` if it does not match the grammar.
-    head: Option<RepeatHead>,
+    head: Option<Head>,
     body: Vec<Decl>,
 }
 
@@ -74,7 +121,7 @@ struct Parse<'a> {
     tree: Tree,
     yard: Yard,
     report: Report,
-    open: Vec<OpenRepeat>,
+    open: Vec<Opened>,
     /// Buffer for the text of a declaration with its comments replaced by blanks.
     blanked: String,
     /// The previous declaration lacks its `{`: everything up to the next keyword belongs to it.
@@ -84,10 +131,10 @@ struct Parse<'a> {
 }
 
 impl<'a> Parse<'a> {
-    fn new(text: &'a str, file: FileId) -> Parse<'a> {
+    fn new(text: &'a str, tree: Tree) -> Parse<'a> {
         Parse {
             text,
-            tree: Tree::new(file),
+            tree,
             yard: Yard::default(),
             report: Report::default(),
             open: Vec::new(),
@@ -130,8 +177,12 @@ impl<'a> Parse<'a> {
         if let Some(doc) = doc {
             self.tree.push_doc(decl.span.start(), self.span(doc));
         }
+        let is_use = matches!(decl.kind, DeclKind::Rare { index } if matches!(self.tree.rare(index), Rare::Use { .. }));
+        if is_use && !self.open.is_empty() {
+            self.report.tell(SyntaxError::InnerComponent { at: decl.span, keyword: "use" });
+        }
         match self.open.last_mut() {
-            Some(repeat) => repeat.body.push(decl),
+            Some(opened) => opened.body.push(decl),
             None => self.tree.decls.push(decl),
         }
     }
@@ -140,10 +191,12 @@ impl<'a> Parse<'a> {
     /// memory.
     fn push_broken(&mut self, range: Range<usize>) {
         // A broken `repeat` contains the broken texts of its body.
-        while self.tree.broken.last().is_some_and(|last| range.start <= last.start()) {
+        let file = self.tree.file;
+        let here = |last: &Span| last.file() == file;
+        while self.tree.broken.last().is_some_and(|last| here(last) && range.start <= last.start()) {
             self.tree.broken.pop();
         }
-        if let Some(last) = self.tree.broken.last_mut() {
+        if let Some(last) = self.tree.broken.last_mut().filter(|last| here(last)) {
             let adjacent = last.end() <= range.start && self.text[last.end()..range.start].trim().is_empty();
             if adjacent && range.end - last.start() < Span::MAX_LEN {
                 *last = Span::new(last.file(), last.start(), range.end);
@@ -193,6 +246,10 @@ impl<'a> Parse<'a> {
             Refused::TooDeep(at) => SyntaxError::ExpressionDepth { at },
             Refused::LongWord(at) => SyntaxError::WordLength { at },
             Refused::LongNumber(at) => SyntaxError::NumberLength { at },
+            Refused::Twice(at) => {
+                let found = Some(explain::shown(&self.text[at.range()]));
+                SyntaxError::Unexpected { at, found, expected: Expected::LineEnd, remark: Remark::OnceEach }
+            }
         };
         self.headless = error.lacks_brace();
         self.abandoned += usize::from(self.headless);
@@ -229,7 +286,7 @@ impl<'a> Parse<'a> {
         let error = match trouble {
             Trouble::Unclosed { open, before, .. } => {
                 let before = before.map(|before| self.span(before));
-                SyntaxError::Unclosed { open: one(open), bracket: self.char_at(open), before, repeat: false }
+                SyntaxError::Unclosed { open: one(open), bracket: self.char_at(open), before, of: None }
             }
             Trouble::Mismatch { open, close } => SyntaxError::Mismatch {
                 open: one(open),
@@ -297,27 +354,40 @@ impl<'a> Parse<'a> {
             // Reported once, for the outermost one that is too deep.
             limits::REPEATS.. => None,
             _ => match self.build(&range, trouble, comments) {
-                Some(Built::Repeat(head)) => Some(head),
+                Some(Built::Head(Head::Component(head))) if !self.open.is_empty() => {
+                    self.report.tell(SyntaxError::InnerComponent { at: head.name, keyword: "component" });
+                    None
+                }
+                Some(Built::Head(head)) => Some(head),
                 _ => None,
             },
         };
-        self.open.push(OpenRepeat { range, doc, head, body: Vec::new() });
+        self.open.push(Opened { range, doc, head, body: Vec::new() });
     }
 
     fn close(&mut self, end: usize) {
-        let Some(OpenRepeat { range, doc, head, body }) = self.open.pop() else { return };
-        let Some(head) = head else { return self.push_broken(range.start..end) };
-        self.tree.repeats.push(Repeat { index: head.index, first: head.first, last: head.last, body });
-        let kind = DeclKind::Repeat { index: (self.tree.repeats.len() - 1) as u32 };
+        let Some(Opened { range, doc, head, body }) = self.open.pop() else { return };
+        let kind = match head {
+            None => return self.push_broken(range.start..end),
+            Some(Head::Repeat(RepeatHead { index, first, last })) => {
+                self.tree.repeats.push(Repeat { index, first, last, body });
+                DeclKind::Repeat { index: (self.tree.repeats.len() - 1) as u32 }
+            }
+            Some(Head::Component(ComponentHead { name, formals })) => {
+                self.tree.components.push(Component { name, formals, body });
+                DeclKind::Component { index: (self.tree.components.len() - 1) as u32 }
+            }
+        };
         self.push(Decl { span: self.span(range.start..end), kind }, doc);
     }
 
     /// Reports the `repeat`s that are still open at the end of the file, and closes them.
     fn close_rest(&mut self) {
-        while let Some(repeat) = self.open.last() {
-            let open = repeat.range.end - 1;
-            let error =
-                SyntaxError::Unclosed { open: self.span(open..open + 1), bracket: '{', before: None, repeat: true };
+        while let Some(opened) = self.open.last() {
+            let open = opened.range.end - 1;
+            let of =
+                Some(if self.text[opened.range.clone()].starts_with("component") { "component" } else { "repeat" });
+            let error = SyntaxError::Unclosed { open: self.span(open..open + 1), bracket: '{', before: None, of };
             self.report.tell(error);
             self.close(self.text.len());
         }

@@ -1,9 +1,9 @@
 //! Splits a file's text into declarations: where each starts and ends, and which brackets and quotes do not match.
 //!
-//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes, which keeps nothing but the open brackets of the
-//! current declaration. A declaration ends at the first line end outside all brackets; the body of a `repeat` is a list
-//! of declarations of its own. If a bracket stays open, the next line that starts like a declaration starts a new one: no
-//! field and no expression has a line of the form `body b`. See spec.md#declarations.
+//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; nothing is kept but the open brackets of the
+//! declaration at hand. A declaration ends at the first line end outside all brackets; the body of a `repeat` or `component`
+//! is a list of declarations of its own. Where a bracket stays open, the next line that starts like a declaration starts
+//! one: no field and no expression has a line of the form `body b`. See spec.md#declarations.
 
 use super::limits;
 use super::words;
@@ -14,9 +14,9 @@ use std::ops::Range;
 pub(super) enum Piece {
     /// A declaration without blanks and comments around it.
     Declaration { range: Range<usize>, trouble: Option<Trouble> },
-    /// The head of a `repeat`, its `{` included.
+    /// The head of a `repeat` or `component`, its `{` included.
     Open { range: Range<usize>, trouble: Option<Trouble> },
-    /// The `}` of a `repeat`.
+    /// The `}` of a `repeat` or `component`.
     Close { at: usize },
     /// A character that is not allowed anywhere, in a comment or between declarations.
     Character { range: Range<usize> },
@@ -50,7 +50,7 @@ pub(super) struct Pieces<'a> {
     bytes: &'a [u8],
     text: &'a str,
     at: usize,
-    /// Open `repeat`s.
+    /// Open `repeat`s and `component`s.
     repeats: usize,
     /// Only blanks since the line began or a `repeat` was opened.
     fresh: bool,

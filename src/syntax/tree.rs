@@ -9,9 +9,10 @@ use crate::base::{FileId, Span};
 use crate::kinds::{ElementId, JointId};
 use std::num::NonZeroU32;
 
-/// One parsed file.
+/// One parsed file, with the components of the files that it uses.
 #[derive(Clone, Debug)]
 pub struct Tree {
+    /// The file of the declarations; components may stand in others.
     pub file: FileId,
     /// Top-level declarations in order; the bodies of `repeat` are in [`Repeat::body`].
     pub decls: Vec<Decl>,
@@ -22,12 +23,18 @@ pub struct Tree {
     pub fields: Vec<Field>,
     pub ends: Vec<End>,
     pub repeats: Vec<Repeat>,
+    /// Of all files.
+    pub components: Vec<Component>,
+    /// `use` lines of all files, file by file.
+    pub uses: Vec<Use>,
     /// Declarations that are too large or too rare to sit in [`DeclKind`].
     pub rare: Vec<Rare>,
     /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
-    docs: Vec<(u32, Span)>,
+    docs: Vec<((FileId, u32), Span)>,
     /// Texts that are not declarations; the check reports nothing about names that occur in them.
     pub broken: Vec<Span>,
+    /// Files that were used and hold no declaration, but something else.
+    pub no_models: Vec<FileId>,
 }
 
 /// An expression of the tree, see [`Tree::expr`]: an index plus one, so that `Option<ExprId>` is no larger.
@@ -82,6 +89,8 @@ pub enum DeclKind {
     Element { kind: ElementId, name: Ident, ends: EndId, fields: Fields },
     /// `repeat i in 2..100 { ... }`: index into [`Tree::repeats`].
     Repeat { index: u32 },
+    /// `component axle(m: kg) { ... }`: index into [`Tree::components`].
+    Component { index: u32 },
     /// Index into [`Tree::rare`].
     Rare { index: u32 },
 }
@@ -100,7 +109,7 @@ pub enum Rare {
     /// `torque T: a`, `torque T: a -- b = step(1 N*m, 0 s)`
     Torque { name: Ident, from: EndId, to: Option<EndId>, signal: Option<ExprId> },
     /// `initial block { x = 16 mm, vx = 0.375 m/s }`
-    Initial { body: Ident, fields: Fields },
+    Initial { body: Path, fields: Fields },
     /// `output theta = rod.angle`
     Output { name: Ident, value: ExprId },
     /// `damping modal 2 %`
@@ -110,9 +119,63 @@ pub enum Rare {
     /// `rest as drawn`
     RestAsDrawn,
     /// `solve fn in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB`
-    Solve { parameter: Ident, low: ExprId, high: ExprId, measure: ExprId, value: ExprId },
+    Solve { parameter: Path, low: ExprId, high: ExprId, measure: ExprId, value: ExprId },
     /// `require frequency(1) > 2 Hz`, `require stable`
     Require { condition: ExprId },
+    /// `place front = axle(m = 40 kg) at (1.2 m, 0) turned 10 deg`
+    Place { name: Ident, component: Span, arguments: Fields, placing: Placing },
+    /// `use "axles.vib"`: index into [`Tree::uses`].
+    Use { index: u32 },
+}
+
+/// Where a component is placed: mirrored first, then turned, then moved.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Placing {
+    /// `at (1.2 m, 0)`
+    pub at: Option<ExprId>,
+    /// `turned 10 deg`
+    pub turned: Option<ExprId>,
+    /// The axis of `mirrored x`.
+    pub mirrored: Option<Span>,
+}
+
+/// `use "axles.vib"`
+#[derive(Clone, Copy, Debug)]
+pub struct Use {
+    /// The file's name with its quotes.
+    pub text: Span,
+}
+
+/// `component axle(part chassis, m: kg, k = 150 kN/m) { body }`
+#[derive(Clone, Debug)]
+pub struct Component {
+    pub name: Span,
+    pub formals: Vec<Formal>,
+    pub body: Vec<Decl>,
+}
+
+/// What a component takes at its places.
+#[derive(Clone, Copy, Debug)]
+pub struct Formal {
+    pub name: Span,
+    pub kind: FormalKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum FormalKind {
+    /// `part chassis`
+    Port,
+    /// `m: kg`, `k = 150 kN/m`: the unit that says the dimension, and the default.
+    Number { unit: Option<Span>, default: Option<ExprId> },
+}
+
+/// A name of the scene, or one behind the name of a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// The first name.
+    pub first: Ident,
+    /// The whole as a [`ExprKind::Member`], where there is more than one.
+    pub whole: Option<ExprId>,
 }
 
 /// `repeat i in first..last { body }`, bounds included.
@@ -129,9 +192,21 @@ pub struct Repeat {
 pub struct End {
     /// From the part to the point.
     pub span: Span,
-    pub part: Ident,
+    /// Bytes of the part's first word.
+    pub(super) word_len: u16,
+    pub(super) indices: ExprList,
+    pub(super) whole: Option<ExprId>,
     /// The expression after `@`.
     pub at: Option<ExprId>,
+}
+
+impl End {
+    /// The part as named.
+    pub fn part(&self) -> Path {
+        let start = self.span.start();
+        let span = Span::new(self.span.file(), start, start + usize::from(self.word_len));
+        Path { first: Ident { span, indices: self.indices }, whole: self.whole }
+    }
 }
 
 /// A field in braces: `mass = 1 kg`, `moves x y`, `inertia = 1 kg*m^2 about A`.
@@ -194,10 +269,12 @@ pub enum ExprKind {
     Tuple {
         items: ExprList,
     },
-    /// `rod.angle`: the member's span is the end of this one's, `member_len` bytes long.
+    /// `rod.angle`, `front.m[3]`: the member's word is `member_len` bytes long and begins behind the dot that follows the
+    /// base, see [`Tree::member`].
     Member {
         base: ExprId,
         member_len: u16,
+        indices: ExprList,
     },
     /// `rod@(0, -2 m)`, before a member.
     At {
@@ -234,6 +311,7 @@ pub(super) struct Mark {
     lists: usize,
     fields: usize,
     ends: usize,
+    uses: usize,
     rare: usize,
 }
 
@@ -247,9 +325,12 @@ impl Tree {
             fields: Vec::new(),
             ends: Vec::new(),
             repeats: Vec::new(),
+            components: Vec::new(),
+            uses: Vec::new(),
             rare: Vec::new(),
             docs: Vec::new(),
             broken: Vec::new(),
+            no_models: Vec::new(),
         }
     }
 
@@ -260,6 +341,13 @@ impl Tree {
     /// Every text in quotes, quotes included, in the order of the file: the names of tables.
     pub fn texts(&self) -> impl Iterator<Item = Span> {
         self.exprs.iter().filter(|expr| matches!(expr.kind, ExprKind::Text)).map(|expr| expr.span)
+    }
+
+    /// The member of a [`ExprKind::Member`] with that base.
+    pub fn member(&self, base: ExprId, member_len: u16, indices: ExprList) -> Ident {
+        let base = self.expr(base).span;
+        let start = base.end() + 1;
+        Ident { span: Span::new(base.file(), start, start + usize::from(member_len)), indices }
     }
 
     pub fn list(&self, list: ExprList) -> &[ExprId] {
@@ -297,8 +385,18 @@ impl Tree {
 
     /// The `///` lines before a declaration, slashes included, from the first to the end of the last.
     pub fn doc(&self, decl: &Decl) -> Option<Span> {
-        let at = self.docs.binary_search_by_key(&(decl.span.start() as u32), |(start, _)| *start).ok()?;
+        let place = (decl.span.file(), decl.span.start() as u32);
+        let at = self.docs.binary_search_by_key(&place, |(start, _)| *start).ok()?;
         Some(self.docs[at].1)
+    }
+
+    pub fn component(&self, index: u32) -> &Component {
+        &self.components[index as usize]
+    }
+
+    /// The component of this file that a word names.
+    pub fn components_of(&self, file: FileId) -> impl Iterator<Item = (u32, &Component)> {
+        (0..).zip(&self.components).filter(move |(_, component)| component.name.file() == file)
     }
 
     /// Reserves room for the rest of the file, estimated from the part that is parsed: `done` of `total` bytes. An arena
@@ -330,6 +428,7 @@ impl Tree {
             lists: self.lists.len(),
             fields: self.fields.len(),
             ends: self.ends.len(),
+            uses: self.uses.len(),
             rare: self.rare.len(),
         }
     }
@@ -339,11 +438,18 @@ impl Tree {
         self.lists.truncate(mark.lists);
         self.fields.truncate(mark.fields);
         self.ends.truncate(mark.ends);
+        self.uses.truncate(mark.uses);
         self.rare.truncate(mark.rare);
     }
 
+    /// Docs come in the order of the text, file by file.
     pub(super) fn push_doc(&mut self, decl_start: usize, doc: Span) {
-        self.docs.push((decl_start as u32, doc));
+        self.docs.push(((doc.file(), decl_start as u32), doc));
+    }
+
+    /// What follows is parsed from another file.
+    pub(super) fn sort_docs(&mut self) {
+        self.docs.sort_unstable_by_key(|(start, _)| *start);
     }
 }
 

@@ -36,6 +36,7 @@ pub fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
     let starts = std::str::from_utf8(word).is_ok_and(is_keyword)
         && rest.first().is_some_and(|b| matches!(b, b' ' | b'\t'))
         && (after.first().is_some_and(|b| continues(*b) && !b.is_ascii_digit())
+            || word == b"use" && after.first() == Some(&b'"')
             || word == b"gravity" && after.first().is_some_and(|b| b.is_ascii_digit() || *b == b'('));
     starts.then_some(start..start + word.len())
 }
@@ -46,11 +47,11 @@ fn skip_blanks(text: &[u8]) -> &[u8] {
     &text[blanks..]
 }
 
-/// Whether the text before a `{` is the head of a `repeat`, or of something meant as one: another word followed by a
-/// range.
+/// The text before a `{` is the head of a `repeat` or `component`, or of what was meant as a `repeat`: another word with a range
+/// after it.
 pub(super) fn opens_repeat(head: &str) -> bool {
     let word = first_word(head.as_bytes());
-    word == b"repeat" || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
+    matches!(word, b"repeat" | b"component") || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
 }
 
 /// Whether a byte may be part of a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.

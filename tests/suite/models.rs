@@ -33,6 +33,11 @@ impl Run {
             arguments: add(SourceKind::Arguments, "--set", arguments),
             ..Overrides::default()
         };
+        vibc::add_used_files(&mut sources, model, Some(name.to_string()), |file| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics").join(file);
+            // What a platform says of a missing file differs.
+            fs::read(path).map(|bytes| (file.to_string(), bytes)).map_err(|_| "no such file".to_string())
+        });
         for table in vibc::table_files(&sources, model) {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics").join(&table);
             let file = match fs::read(path) {

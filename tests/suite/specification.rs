@@ -10,9 +10,9 @@ use vibc::base::{SourceFile, Sources};
 use vibc::kinds::DECLARATIONS;
 use vibc::syntax;
 
-/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no model gives): their
-/// pages describe the example in words.
-const IN_WORDS: [&str; 23] = [
+/// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
+/// model gives): their pages describe the example in words.
+const IN_WORDS: [&str; 25] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -36,6 +36,8 @@ const IN_WORDS: [&str; 23] = [
     "vib::table::unit",
     "vib::table::units_differ",
     "vib::table::unreadable",
+    "vib::use::cycle",
+    "vib::use::unreadable",
 ];
 
 /// The code of each file of docs/diagnostics, by its folder and name.

@@ -8,7 +8,7 @@
 
 [
   "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "base"
-  "force" "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require"
+  "force" "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require" "component" "place" "use"
 ] @keyword
 ["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh"] @keyword
 (axis) @constant.builtin

@@ -27,6 +27,7 @@ macro_rules! pages {
 pub const PAGES: &[Page] = pages! {
     base: no_motion;
     body: freedom given_twice no_freedom no_place;
+    component: dimension duplicate forbidden inner motion_name recursion unknown;
     couple: motions;
     damper: negative;
     damping: base large negative;
@@ -51,6 +52,7 @@ pub const PAGES: &[Page] = pages! {
     number: division_by_zero domain overflow root_of_negative;
     parameter: cycle;
     part: kind unknown;
+    place: duplicate mirrored missing position solved turned_input unknown vector;
     position: unknown;
     repeat: reversed;
     require: fails form no_value undetermined;
@@ -65,5 +67,6 @@ pub const PAGES: &[Page] = pages! {
     table: first_column heading order row scale too_short unit units_differ unreadable;
     unit: ambiguous cycles exponent frequency malformed mismatch missing unknown;
     unused: element gravity input parameter point property;
+    use: cycle unreadable;
     value: comparison components kind motion negative;
 };

@@ -139,7 +139,8 @@ impl Layout<'_> {
             if separates || matches!(piece.role, Role::LineEnd | Role::Comment) {
                 continue;
             }
-            if self.is_field(piece) && line.last().is_some_and(|last| last.role != Role::Open('{')) {
+            let first = line.last().is_none_or(|last| last.role == Role::Open('{'));
+            if open.last() == Some(&'{') && self.is_field(piece) && !first {
                 line.push(comma());
             }
             line.push(piece.clone());

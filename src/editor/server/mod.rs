@@ -22,8 +22,16 @@ use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread;
 
-/// Reads a file that a model names, if it lies below one of the folders; an error says why it cannot be read.
-pub type Read<'a> = dyn Fn(&str, &[String]) -> Result<Vec<u8>, String> + 'a;
+/// What a model names a file for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Named {
+    Table,
+    Components,
+}
+
+/// Reads a file that a model names, if it lies below one of the folders: what is the same for the same file, and its content;
+/// why it cannot be read.
+pub type Read<'a> = dyn Fn(&str, &[String], Named) -> Result<(String, Vec<u8>), String> + 'a;
 
 /// How a client disconnected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +104,8 @@ struct Text {
     /// The analysed document: of this text, or of an earlier one if `is_new`.
     document: Option<Document>,
     is_new: bool,
+    /// How often it went through the stages: a file that it uses may have changed, and not its version.
+    revision: u64,
 }
 
 struct Server<'a> {
@@ -116,7 +126,7 @@ struct Server<'a> {
 /// A text whose complete analysis takes a while.
 struct Job {
     uri: Uri,
-    version: i32,
+    revision: u64,
     sources: Sources,
     file: FileId,
 }
@@ -124,7 +134,7 @@ struct Job {
 /// A version of a text whose analysis is complete.
 struct Done {
     uri: Uri,
-    version: i32,
+    revision: u64,
     document: Document,
 }
 
@@ -137,10 +147,10 @@ fn worker() -> (Sender<Job>, Receiver<Done>) {
             while let Ok(newer) = inbox.try_recv() {
                 job = newer;
             }
-            let Job { uri, version, sources, file } = job;
+            let Job { uri, revision, sources, file } = job;
             let found = catch_unwind(AssertUnwindSafe(|| Document::whole(sources, file, None)));
             let Ok(document) = found else { continue };
-            if outbox.send(Done { uri, version, document }).is_err() {
+            if outbox.send(Done { uri, revision, document }).is_err() {
                 break;
             }
         }
@@ -198,29 +208,44 @@ impl Server<'_> {
             "textDocument/didOpen" => self.open(params),
             "textDocument/didChange" => self.change(params),
             "textDocument/didClose" => self.close(params),
-            // A table next to the model may have changed.
-            "textDocument/didSave" => self.look_at_tables_again(),
+            // A table or a file of components beside the model may have been written.
+            "textDocument/didSave" => self.look_at_files_again(),
             "workspace/didChangeWorkspaceFolders" => self.change_folders(&params["event"]),
             _ => {}
         }
     }
 
-    fn look_at_tables_again(&mut self) {
-        self.texts.iter_mut().for_each(|text| text.is_new |= text.text.contains("table"));
+    fn look_at_files_again(&mut self) {
+        let names = |text: &str| text.contains("table") || text.contains("use");
+        self.texts.iter_mut().for_each(|text| text.is_new |= names(&text.text));
+    }
+
+    /// Models that use a text are looked at again where it has changed.
+    fn look_at_users_again(&mut self, of: &Uri) {
+        let path = path(of);
+        for text in self.texts.iter_mut().filter(|text| text.uri != *of) {
+            let Some(document) = &text.document else { continue };
+            let uses = |file: FileId| {
+                let source = document.sources.file(file);
+                source.unread.is_some() || plain(&source.name) == path
+            };
+            text.is_new |= document.tree.uses.iter().any(|using| document.sources.used(using.text).is_none_or(uses));
+        }
     }
 
     fn change_folders(&mut self, event: &Value) {
         let removed = folders_of(&event["removed"]);
         self.folders.retain(|folder| !removed.contains(folder));
         self.folders.extend(folders_of(&event["added"]));
-        self.look_at_tables_again();
+        self.look_at_files_again();
     }
 
     fn open(&mut self, params: Value) {
         let Ok(DidOpenTextDocumentParams { text_document: item }) = serde_json::from_value(params) else { return };
         self.texts.retain(|text| text.uri != item.uri);
         let (uri, version, text) = (item.uri, item.version, item.text);
-        self.texts.push(Text { uri, version, text, document: None, is_new: true });
+        self.look_at_users_again(&uri);
+        self.texts.push(Text { uri, version, text, document: None, is_new: true, revision: 0 });
     }
 
     fn change(&mut self, params: Value) {
@@ -236,11 +261,13 @@ impl Server<'_> {
             }
         }
         (text.version, text.is_new) = (text_document.version, true);
+        self.look_at_users_again(&uri);
     }
 
     fn close(&mut self, params: Value) {
         let Ok(DidCloseTextDocumentParams { text_document }) = serde_json::from_value(params) else { return };
         self.texts.retain(|text| text.uri != text_document.uri);
+        self.look_at_users_again(&text_document.uri);
         let params = PublishDiagnosticsParams { uri: text_document.uri, version: None, diagnostics: Vec::new() };
         self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
     }
@@ -253,19 +280,21 @@ impl Server<'_> {
 
     /// Analyses a text if it is new, and publishes its findings.
     fn bring_up_to_date(&mut self, index: usize) {
-        let text = &mut self.texts[index];
-        if !std::mem::take(&mut text.is_new) {
+        if !std::mem::take(&mut self.texts[index].is_new) {
             return;
         }
-        let before = text.document.take();
-        let made = catch_unwind(AssertUnwindSafe(|| made(text, before.as_ref(), self.read, &self.folders)));
+        self.texts[index].revision += 1;
+        let before = self.texts[index].document.take();
+        let made =
+            catch_unwind(AssertUnwindSafe(|| made(&self.texts, index, before.as_ref(), self.read, &self.folders)));
+        let text = &mut self.texts[index];
         let Ok(document) = made else {
             return self.log(format!("a defect of the program in `{}`", self.texts[index].uri.0));
         };
         if !document.is_whole {
             let (uri, sources) = (text.uri.clone(), document.sources.clone());
             // The worker lives as long as the server.
-            let _ = self.jobs.send(Job { uri, version: text.version, sources, file: document.file });
+            let _ = self.jobs.send(Job { uri, revision: text.revision, sources, file: document.file });
         }
         text.document = Some(document);
         self.publish(index);
@@ -279,8 +308,8 @@ impl Server<'_> {
     }
 
     /// Adds a completed analysis; the client is notified to request hints again.
-    fn add(&mut self, Done { uri, version, mut document }: Done) {
-        let newest = |text: &Text| text.uri == uri && text.version == version && !text.is_new;
+    fn add(&mut self, Done { uri, revision, mut document }: Done) {
+        let newest = |text: &Text| text.uri == uri && text.revision == revision && !text.is_new;
         let Some(index) = self.texts.iter().position(newest) else { return };
         let text = &mut self.texts[index];
         let before = text.document.take();
@@ -326,23 +355,65 @@ fn invalid(why: &str) -> Refusal {
     Refusal { code: ErrorCode::InvalidRequest, message: why.into() }
 }
 
-/// The document of a text, with the tables that it names. These must be below an open folder; if no folder is open,
-/// below that of the text, which must be a file.
-fn made(text: &Text, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
+/// The document of a text, with the tables and files of components that it names. They lie below a folder that is open; where
+/// none is, beside the text, which has to be a file for that. A file that is open counts as it stands in the editor.
+fn made(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
+    let text = &texts[index];
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
     let is_file = text.uri.0.starts_with("file://");
     let own = is_file.then(|| sources.file(file).directory.to_string_lossy().into_owned());
     let own: Vec<String> = own.into_iter().collect();
     let folders = if folders.is_empty() { &own } else { folders };
-    for written in crate::table_files(&sources, file) {
-        let name = sources.file(file).beside(&written);
-        sources.add(match read(&name, folders) {
-            Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
-            Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
-        });
+    let own_path = path(&text.uri);
+    let uses = !crate::syntax::used_files(&text.text).is_empty();
+    let key = || read(&own_path, folders, Named::Components).map_or(own_path.clone(), |(key, _)| key);
+    let mut room = crate::syntax::limits::USED;
+    crate::add_used_files(&mut sources, file, uses.then(key), |name| {
+        let stored = read(name, folders, Named::Components);
+        let stored_at = stored.as_ref().map(|(key, _)| key.clone());
+        let is_named = |text: &&Text| {
+            let open = path(&text.uri);
+            open == plain(name) || stored_at.as_ref().is_ok_and(|key| *key == open)
+        };
+        let (key, bytes) = match texts.iter().find(is_named) {
+            Some(open) => (stored_at.unwrap_or_else(|_| path(&open.uri)), open.text.clone().into_bytes()),
+            None => stored?,
+        };
+        let full =
+            || format!("the files that a model uses have at most {} MiB in all", crate::syntax::limits::USED >> 20);
+        room = room.checked_sub(bytes.len()).ok_or_else(full)?;
+        Ok((key, bytes))
+    });
+    for of in sources.models().collect::<Vec<_>>() {
+        for written in crate::table_files(&sources, of) {
+            let name = sources.file(of).beside(&written);
+            if sources.len() >= MOST_FILES {
+                break;
+            }
+            sources.add(match read(&name, folders, Named::Table) {
+                Ok((_, bytes)) => SourceFile::decode(SourceKind::Table, name, bytes),
+                Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
+            });
+        }
     }
     Document::new(sources, file, before)
+}
+
+/// A document has room for 256 files.
+const MOST_FILES: usize = 250;
+
+/// A path without `.` and, as far as they have something before them, `..`: as the client names what it has open.
+fn plain(path: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." if parts.last().is_some_and(|last| !matches!(*last, "" | "..")) => drop(parts.pop()),
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
 }
 
 /// The path of a file's URI; a URI of another kind is returned unchanged.

@@ -3,11 +3,13 @@
 
 mod names;
 mod parts;
+mod places;
 mod questions;
 mod values;
 
 pub use names::NameError;
 pub use parts::{PartError, RowFault, TABLE_UNREADABLE};
+pub use places::{PlaceError, kind_with_article};
 pub use questions::QuestionError;
 pub use values::ValueError;
 
@@ -20,6 +22,7 @@ pub enum Error {
     Value(ValueError),
     Name(NameError),
     Part(PartError),
+    Place(PlaceError),
     Question(QuestionError),
 }
 
@@ -30,6 +33,7 @@ impl Error {
             Error::Value(error) => error.diagnostic(),
             Error::Name(error) => error.diagnostic(),
             Error::Part(error) => error.diagnostic(),
+            Error::Place(error) => error.diagnostic(),
             Error::Question(error) => error.diagnostic(),
         }
     }
@@ -50,6 +54,12 @@ impl From<NameError> for Error {
 impl From<PartError> for Error {
     fn from(error: PartError) -> Error {
         Error::Part(error)
+    }
+}
+
+impl From<PlaceError> for Error {
+    fn from(error: PlaceError) -> Error {
+        Error::Place(error)
     }
 }
 

@@ -5,7 +5,7 @@ use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use vibc::editor::server::Leave;
+use vibc::editor::server::{Leave, Named};
 
 /// The text's URI.
 pub const URI: &str = "file:///models/model.vib";
@@ -34,7 +34,7 @@ impl Client {
     pub fn open_as(text: &str, capabilities: Value) -> Client {
         let (own, other) = Connection::memory();
         let server = std::thread::spawn(move || {
-            let read = |path: &str, _: &[String]| Err(format!("there is no `{path}`"));
+            let read = |path: &str, _: &[String], _: Named| Err(format!("there is no `{path}`"));
             assert_eq!(vibc::editor::server::serve(&other, &read), Leave::Announced);
         });
         let text = text.to_string();

@@ -1,0 +1,274 @@
+//! Errors of components, of their places and of the files that they come from.
+
+use super::{error, kind_noun, listed, named, with_suggestion};
+use crate::base::{Code, Diagnostic, Dimension, Span};
+use crate::model::scope::DefinitionKind;
+
+/// A file of components that could not be read.
+pub const USE_UNREADABLE: Code = Code::file("vib::use::unreadable");
+
+/// What is wrong with a component, a place or a `use`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlaceError {
+    /// The file that a `use` names.
+    Unread {
+        span: Span,
+        reason: String,
+    },
+    /// A file that uses itself, through those in between.
+    UseCycle {
+        span: Span,
+        files: Vec<String>,
+    },
+    UnknownComponent {
+        span: Span,
+        word: String,
+        suggestion: Option<String>,
+        known: Vec<String>,
+    },
+    DuplicateComponent {
+        span: Span,
+        word: String,
+        others: Vec<Span>,
+    },
+    /// A component that places itself: the components in between, from it to it.
+    Recursion {
+        span: Span,
+        chain: Vec<String>,
+    },
+    TooDeep {
+        span: Span,
+        limit: usize,
+    },
+    /// A declaration that may not stand in a component.
+    Forbidden {
+        span: Span,
+        keyword: String,
+        reason: &'static str,
+        help: &'static str,
+    },
+    /// A part that is called like a motion.
+    MotionName {
+        span: Span,
+        word: String,
+    },
+    /// A parameter without a unit and without a default.
+    Undetermined {
+        span: Span,
+        word: String,
+    },
+    /// A default of another dimension than the unit beside it.
+    UnlikeUnit {
+        span: Span,
+        unit: Span,
+        found: Option<Dimension>,
+        wanted: Dimension,
+    },
+    MissingArguments {
+        span: Span,
+        component: String,
+        missing: Vec<(String, Span)>,
+        example: String,
+    },
+    UnknownArgument {
+        span: Span,
+        word: String,
+        component: String,
+        suggestion: Option<String>,
+        known: Vec<String>,
+    },
+    ArgumentTwice {
+        span: Span,
+        first: Span,
+        word: String,
+    },
+    /// Something else than the name of a part, where a port is.
+    NoPart {
+        span: Span,
+        port: String,
+        declared: Span,
+    },
+    /// A port whose part is a place or other thing that nothing is tied to.
+    PortKind {
+        span: Span,
+        word: String,
+        found: &'static str,
+        declared: Span,
+    },
+    /// A part of the component where a position is needed, and none in the scene.
+    NoPosition {
+        span: Span,
+        component: String,
+        needs: Span,
+    },
+    MirrorAxis {
+        span: Span,
+    },
+    /// A parameter that its place gives, and `solve` would find.
+    GivenBySolve {
+        span: Span,
+        word: String,
+        given: Span,
+    },
+    /// A vector that may be a place or a difference of two.
+    VectorOfPlace {
+        span: Span,
+        word: String,
+        declared: Span,
+    },
+    UnknownMember {
+        span: Span,
+        word: String,
+        of: String,
+        component: Span,
+        wanted: &'static str,
+        suggestion: Option<String>,
+    },
+    /// A member that is something else than what is wanted.
+    OtherMember {
+        span: Span,
+        word: String,
+        found: &'static str,
+        wanted: &'static str,
+        declared: Span,
+    },
+    /// A name before a `.` that is no place.
+    NoPlace {
+        span: Span,
+        word: String,
+    },
+    /// An input motion of a base that is turned with its component.
+    TurnedMotion {
+        span: Span,
+        word: String,
+    },
+}
+
+impl PlaceError {
+    /// What is said about it.
+    pub fn diagnostic(self) -> Diagnostic {
+        use PlaceError::*;
+        match self {
+            Unread { span, reason } => {
+                Diagnostic::error(USE_UNREADABLE, span, format!("this file of components cannot be read: {reason}"))
+                    .help("the path is relative to the file with the `use`; `\"std/...\"` are the components that come with the program")
+            }
+            UseCycle { span, files } => {
+                error("vib::use::cycle", span, format!("the file uses itself: {}", files.join(" -> ")))
+                    .help("put the components that both need into a file of their own")
+            }
+            UnknownComponent { span, word, suggestion, known } => {
+                let message = format!("there is no component `{word}`");
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let help = match known.is_empty() {
+                    true => "declare it with `component`, or name the file that it is in: `use \"axles.vib\"`".into(),
+                    false => format!("known here: {}", listed(&known)),
+                };
+                with_suggestion(error("vib::component::unknown", span, message), suggestion, Some(help))
+            }
+            DuplicateComponent { span, word, others } => {
+                let told = error("vib::component::duplicate", span, format!("there are two components `{word}`"));
+                let told = others.into_iter().fold(told, |told, other| told.related(other, "one of this name is declared here"));
+                told.help("rename one of them")
+            }
+            Recursion { span, chain } => {
+                error("vib::component::recursion", span, format!("the component contains itself: {}", chain.join(" -> ")))
+                    .help("a component places other components only; write rows of them with `repeat`")
+            }
+            TooDeep { span, limit } => {
+                error("vib::component::recursion", span, format!("components contain each other more than {limit} levels deep"))
+                    .help("place some of them in the scene")
+            }
+            Forbidden { span, keyword, reason, help } => {
+                error("vib::component::forbidden", span, format!("`{keyword}` may not stand in a component: {reason}"))
+                    .help(help)
+            }
+            MotionName { span, word } => {
+                error("vib::component::motion_name", span, format!("`{word}` is the name of a motion"))
+                    .label("a part or output in a component is called so")
+                    .help(format!("choose another name: from outside, `front.{word}` would mean two things"))
+            }
+            Undetermined { span, word } => {
+                error("vib::component::dimension", span, format!("the dimension of `{word}` is not known"))
+                    .help(format!("write its unit or a default: `{word}: kg`, `{word} = 1 kg`, `{word}: 1` for a plain number"))
+            }
+            UnlikeUnit { span, unit, found, wanted } => {
+                let found = found.map_or("a point".to_string(), named);
+                error("vib::component::dimension", span, format!("the default is {found}, and the unit says {}", named(wanted)))
+                    .related(unit, "the unit")
+                    .help("change one of them; a default alone says the dimension too")
+            }
+            MissingArguments { span, component, missing, example } => {
+                let words: Vec<&str> = missing.iter().map(|(word, _)| word.as_str()).collect();
+                let message = format!("the component `{component}` needs {}", listed(&words));
+                let told = error("vib::place::missing", span, message);
+                let told = missing.iter().fold(told, |told, (_, at)| told.related(*at, "declared here, without a default"));
+                told.help(format!("write `{component}({example})`"))
+            }
+            UnknownArgument { span, word, component, suggestion, known } => {
+                let message = format!("the component `{component}` has no parameter or port `{word}`");
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", listed(&known)) };
+                with_suggestion(error("vib::place::unknown", span, message), suggestion, Some(help))
+            }
+            ArgumentTwice { span, first, word } => {
+                error("vib::place::duplicate", span, format!("`{word}` is given twice"))
+                    .related(first, "given first here")
+                    .help("keep one of them")
+            }
+            NoPart { span, port, declared } => {
+                error("vib::part::kind", span, format!("the port `{port}` takes a part of the scene"))
+                    .related(declared, "the port")
+                    .help("name a body, a base or `ground`")
+            }
+            PortKind { span, word, found, declared } => {
+                error("vib::part::kind", span, format!("`{word}` is {found}, no body"))
+                    .related(declared, "declared here")
+                    .help("a port takes a body, a base or `ground`")
+            }
+            NoPosition { span, component, needs } => {
+                error("vib::place::position", span, format!("the component `{component}` has positions, and this place has none"))
+                    .related(needs, "this is a position")
+                    .help("say where its origin comes to lie: `at (0, 0)`")
+            }
+            MirrorAxis { span } => error("vib::place::mirrored", span, "a component is mirrored along x or y")
+                .help("write `mirrored x`, which changes the sign of its x, or `mirrored y`"),
+            GivenBySolve { span, word, given } => {
+                error("vib::place::solved", span, format!("`{word}` has a value already: its place gives it"))
+                    .related(given, "given here")
+                    .help("leave it out at the place, or give it there as a `param` and solve for that")
+            }
+            VectorOfPlace { span, word, declared } => {
+                error("vib::place::vector", span, format!("`{word}` can be read as a place or as a difference of two places"))
+                    .related(declared, "declared with `let`")
+                    .help("a place would move with the component, a difference would only turn: declare it as a `point`")
+            }
+            UnknownMember { span, word, of, component, wanted, suggestion } => {
+                let code = if wanted == "parameter or point" { "vib::name::unknown" } else { "vib::part::unknown" };
+                let told = error(code, span, format!("`{of}` has no {wanted} `{word}`"));
+                with_suggestion(told.related(component, "its component"), suggestion, None)
+            }
+            OtherMember { span, word, found, wanted, declared } => {
+                error("vib::part::kind", span, format!("`{word}` is {found}, no {wanted}"))
+                    .related(declared, "declared here")
+            }
+            NoPlace { span, word } => {
+                error("vib::part::kind", span, format!("`{word}` is no place of a component: it has no parts or parameters"))
+                    .help("what stands before a `.` here is the name of a `place`")
+            }
+            TurnedMotion { span, word } => {
+                error("vib::place::turned_input", span, format!("the motion `{word}` of this base is no input of the scene here"))
+                    .help("the base moves along x and y of the scene, and its component is turned: measure from outside, or give the component two bases")
+            }
+        }
+    }
+}
+
+/// A declared quantity with its article.
+pub fn kind_with_article(kind: DefinitionKind) -> &'static str {
+    match kind_noun(kind) {
+        "parameter" => "a parameter",
+        "point" => "a point",
+        _ => "a value",
+    }
+}

@@ -1,0 +1,1072 @@
+//! Components at their places. In: `component`, `place` and `use`; out: for each place a [`Frame`], what the names in the component
+//! stand in, and the declarations of its body as instances of their own. See spec.md#components.
+//!
+//! A component is not copied: its declarations stay where they are, and each place is an environment in which they are looked at.
+//! Positions and directions are worked out in the component's own axes, exactly as they are written, and carried over into those
+//! of the scene where they enter it ([`Placed`]).
+
+use super::Check;
+use super::error::{NameError, PlaceError, QuestionError, ValueError};
+use super::evaluate::{Evaluated, Stop};
+use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Group, Instance, Role, State};
+use super::suggestion::nearest;
+use super::value::{Scalar, Value};
+use crate::base::{Dimension, FileId, Name, Number, Place, Quantity, Span, Symbol, Vec3};
+use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::syntax::tree::{
+    Component, Decl, DeclKind, ExprId, ExprKind, FieldValue, Fields, Formal, FormalKind, Ident, Path, Placing, Rare,
+};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Levels of components in components.
+pub const MAX_LEVELS: usize = 64;
+
+/// Index into the places of a scene, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameId(pub u32);
+
+/// A component at one of its places.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// What the names inside stand in.
+    pub place: Place,
+    /// `None` where it is not known which, or where something is wrong with the arguments: nothing is said about what is inside.
+    pub component: Option<u32>,
+    /// Where the `place` stands.
+    pub outer: Environment,
+    /// What the component's declarations see.
+    pub inside: Environment,
+    /// The name that the `place` declares.
+    pub span: Span,
+    pub at: Option<DefinitionId>,
+    pub turned: Option<DefinitionId>,
+    mirrored: [bool; 2],
+    placed: Option<Evaluated<Arc<Placed>>>,
+}
+
+/// A part that a component ties to.
+#[derive(Clone, Debug)]
+pub struct Port {
+    /// Where the argument is looked at.
+    outer: Environment,
+    argument: ExprId,
+    /// The port's name in the component.
+    declared: Span,
+    part: Option<Evaluated<scope::Part>>,
+}
+
+/// How a component lies: in the axes around its place, and in those of the scene.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    pub around: Motion,
+    pub scene: Motion,
+}
+
+/// x -> o + R S x: mirrored by the signs S, turned by R, moved to o.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// `None` where the place has no position.
+    pub origin: Option<Vec3>,
+    pub angle: Number,
+    /// Sine and cosine of the angle.
+    pub sine: Number,
+    pub cosine: Number,
+    /// Whether x and y change their signs.
+    pub mirrored: [bool; 2],
+}
+
+impl Motion {
+    /// Lengths and directions stay as they are.
+    pub fn keeps_directions(&self) -> bool {
+        self.angle.is_zero() && self.mirrored == [false, false]
+    }
+
+    /// Counter-clockwise becomes clockwise.
+    pub fn reverses(&self) -> bool {
+        self.mirrored[0] != self.mirrored[1]
+    }
+
+    /// A direction or a difference of places.
+    pub fn direction(&self, v: &Vec3) -> Vec3 {
+        let signed = |number: &Number, is_mirrored| if is_mirrored { -number } else { number.clone() };
+        let (x, y) = (signed(&v.x, self.mirrored[0]), signed(&v.y, self.mirrored[1]));
+        if self.angle.is_zero() {
+            return Vec3::planar(x, y);
+        }
+        let (sine, cosine) = (&self.sine, &self.cosine);
+        Vec3::planar(&(cosine * &x) - &(sine * &y), &(sine * &x) + &(cosine * &y))
+    }
+
+    /// A place; `None` where the component has none.
+    pub fn place(&self, v: &Vec3) -> Option<Vec3> {
+        Some(self.origin.as_ref()?.add(&self.direction(v)))
+    }
+
+    /// First `inner`, then this.
+    fn after(&self, inner: &Motion) -> Option<Motion> {
+        let angle = if self.reverses() { -&inner.angle } else { inner.angle.clone() };
+        let angle = &self.angle + &angle;
+        let (sine, cosine) = angle.sin_cos()?;
+        let origin = inner.origin.as_ref().and_then(|origin| self.place(origin));
+        let mirrored = [0, 1].map(|axis| self.mirrored[axis] != inner.mirrored[axis]);
+        Some(Motion { origin, angle, sine, cosine, mirrored })
+    }
+}
+
+/// The components that each file knows by name: its own and those of the files that it uses.
+#[derive(Debug, Default)]
+pub struct Known<'a> {
+    by_name: HashMap<(FileId, &'a str), u32>,
+    /// In order, for suggestions.
+    names: HashMap<FileId, Vec<&'a str>>,
+    /// Components that cannot be placed, since they contain themselves.
+    broken: Vec<bool>,
+}
+
+const ANGLE: super::expect::Expected = super::expect::Expected::new("an angle", Dimension::NONE, "turned 10 deg");
+
+/// Whether nothing but a motion may be called so.
+fn is_motion(word: &str) -> bool {
+    BODY_MOTIONS.iter().any(|motion| motion.name == word) || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
+}
+
+impl<'a> Check<'a> {
+    // ---- Files and components, before anything is placed ----
+
+    /// What is wrong with `use` lines and with components, wherever they are placed.
+    pub fn components(&mut self) {
+        let tree = self.tree;
+        if tree.components.is_empty() && tree.uses.is_empty() {
+            return;
+        }
+        self.uses();
+        self.known_components();
+        for component in &tree.components {
+            self.formals(component);
+            self.component_body(&component.body);
+        }
+        self.recursions();
+    }
+
+    fn uses(&mut self) {
+        let tree = self.tree;
+        for using in &tree.uses {
+            let reason = match self.sources.used(using.text) {
+                None => "it was not read: a model uses at most 32 files".to_string(),
+                Some(file) => match &self.sources.file(file).unread {
+                    Some(reason) => reason.clone(),
+                    None if tree.no_models.contains(&file) => "it is no model file".into(),
+                    None => continue,
+                },
+            };
+            // Whatever is placed of it would be unknown for this reason alone.
+            self.lacks_components = true;
+            self.report(Environment::TOP, PlaceError::Unread { span: using.text, reason });
+        }
+        let mut done = Vec::new();
+        self.use_cycles(&mut vec![tree.file], &mut done);
+    }
+
+    /// Walks from file to file; the number of files is limited far below what the stack holds.
+    fn use_cycles(&mut self, path: &mut Vec<FileId>, done: &mut Vec<FileId>) {
+        let tree = self.tree;
+        let Some(&file) = path.last() else { return };
+        for using in tree.uses.iter().filter(|using| using.text.file() == file) {
+            let Some(used) = self.sources.used(using.text) else { continue };
+            if let Some(start) = path.iter().position(|known| *known == used) {
+                let name =
+                    |file: &FileId| format!("`{}`", crate::base::readable::readable(&self.sources.file(*file).name));
+                let files = path[start..].iter().chain([&used]).map(name).collect();
+                self.report(Environment::TOP, PlaceError::UseCycle { span: using.text, files });
+            } else if !done.contains(&used) {
+                path.push(used);
+                self.use_cycles(path, done);
+                path.pop();
+            }
+        }
+        done.push(file);
+    }
+
+    fn known_components(&mut self) {
+        let tree = self.tree;
+        self.known.broken = vec![false; tree.components.len()];
+        let mut files: Vec<FileId> = vec![tree.file];
+        files.extend(tree.components.iter().map(|component| component.name.file()));
+        files.extend(tree.uses.iter().map(|using| using.text.file()));
+        files.sort_unstable();
+        files.dedup();
+        for &file in &files {
+            for (index, component) in tree.components_of(file) {
+                self.know(file, index, component, component.name);
+            }
+        }
+        for &file in &files {
+            let mut seen = vec![file];
+            for using in tree.uses.iter().filter(|using| using.text.file() == file) {
+                let Some(used) = self.sources.used(using.text).filter(|used| !seen.contains(used)) else { continue };
+                seen.push(used);
+                for (index, component) in tree.components_of(used) {
+                    self.know(file, index, component, using.text);
+                }
+            }
+        }
+    }
+
+    /// Enters a component among those that a file knows; `at` is where it comes from.
+    fn know(&mut self, file: FileId, index: u32, component: &Component, at: Span) {
+        let word = self.sources.slice(component.name);
+        if let Some(&other) = self.known.by_name.get(&(file, word)) {
+            let other = self.tree.component(other).name;
+            let own = if at == component.name { Vec::new() } else { vec![component.name] };
+            // Where the file has one of its own, that is the one to rename.
+            let (span, others) = match other.file() == file && at != component.name {
+                true => (other, own),
+                false => (at, std::iter::once(other).chain(own).collect()),
+            };
+            return self
+                .report(Environment::TOP, PlaceError::DuplicateComponent { span, word: word.to_string(), others });
+        }
+        self.known.by_name.insert((file, word), index);
+        self.known.names.entry(file).or_default().push(word);
+    }
+
+    /// Names and defaults in the brackets of a component.
+    fn formals(&mut self, component: &'a Component) {
+        let mut seen: HashMap<&str, Span> = HashMap::new();
+        for formal in &component.formals {
+            let word = self.sources.slice(formal.name);
+            if let Some(&first) = seen.get(word) {
+                let error = NameError::Duplicate { span: formal.name, name: word.into(), first: Some(first) };
+                self.report(Environment::TOP, error);
+                continue;
+            }
+            seen.insert(word, formal.name);
+            match formal.kind {
+                FormalKind::Port if word == "ground" => {
+                    let error = NameError::Reserved { span: formal.name, word: word.into() };
+                    self.report(Environment::TOP, error);
+                }
+                FormalKind::Port => self.no_motion_name(formal.name),
+                FormalKind::Number { unit: None, default: None } => {
+                    let error = PlaceError::Undetermined { span: formal.name, word: word.into() };
+                    self.report(Environment::TOP, error);
+                }
+                FormalKind::Number { .. } => {
+                    self.not_reserved(formal.name, Environment::TOP);
+                }
+            }
+        }
+    }
+
+    fn no_motion_name(&mut self, span: Span) {
+        let word = self.sources.slice(span);
+        if is_motion(word) {
+            self.report(Environment::TOP, PlaceError::MotionName { span, word: word.to_string() });
+        }
+    }
+
+    /// What may not stand in a component, and names that it may not declare.
+    fn component_body(&mut self, body: &'a [Decl]) {
+        const WHOLE: (&str, &str) =
+            ("it holds for the whole scene", "declare it in the scene, outside of the component");
+        for decl in body {
+            let (reason, help) = match decl.kind {
+                DeclKind::Param { .. } => (
+                    "its numbers come from the brackets behind its name",
+                    "write it there, `component axle(k = 10 N/m)`, or as `let` where it follows from others",
+                ),
+                DeclKind::Model { .. } | DeclKind::Gravity { .. } => WHOLE,
+                DeclKind::Repeat { index } => {
+                    self.component_body(&self.tree.repeat(index).body);
+                    continue;
+                }
+                DeclKind::Rare { index } => match self.tree.rare(index) {
+                    Rare::DampingModal { .. } | Rare::DampingRayleigh { .. } | Rare::RestAsDrawn => WHOLE,
+                    Rare::Solve { .. } => {
+                        ("it finds a parameter for the whole scene", "write it in the scene: `solve front.k in ...`")
+                    }
+                    Rare::Place { name, .. } => {
+                        self.no_motion_name(name.span);
+                        continue;
+                    }
+                    _ => {
+                        self.declared_ident(decl).into_iter().for_each(|ident| self.no_motion_name(ident.span));
+                        continue;
+                    }
+                },
+                DeclKind::Body { name, .. } | DeclKind::Element { name, .. } => {
+                    self.no_motion_name(name.span);
+                    continue;
+                }
+                DeclKind::Let { .. } | DeclKind::Point { .. } | DeclKind::Component { .. } => continue,
+            };
+            let text = self.sources.slice(decl.span);
+            let end = text.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(text.len());
+            let span = Span::new(decl.span.file(), decl.span.start(), decl.span.start() + end);
+            let keyword = text[..end].to_string();
+            self.report(Environment::TOP, PlaceError::Forbidden { span, keyword, reason, help });
+        }
+    }
+
+    /// Components that contain themselves, or contain each other too deep.
+    fn recursions(&mut self) {
+        #[derive(Clone, Copy, PartialEq)]
+        enum Seen {
+            No,
+            /// On the way from the first one.
+            Open,
+            Done {
+                levels: usize,
+            },
+        }
+        let tree = self.tree;
+        let contained: Vec<Vec<(u32, Span)>> = tree.components.iter().map(|c| self.contained(&c.body)).collect();
+        let mut seen = vec![Seen::No; tree.components.len()];
+        for first in 0..tree.components.len() {
+            if seen[first] != Seen::No {
+                continue;
+            }
+            // Each entry: a component, how many of those in it were looked at, the levels below it so far.
+            let mut path: Vec<(usize, usize, usize)> = vec![(first, 0, 0)];
+            seen[first] = Seen::Open;
+            while let Some((index, next, levels)) = path.last_mut() {
+                let Some(&(inner, span)) = contained[*index].get(*next) else {
+                    let done = *levels + 1;
+                    seen[*index] = Seen::Done { levels: done };
+                    path.pop();
+                    if let Some((_, _, levels)) = path.last_mut() {
+                        *levels = done.max(*levels);
+                    }
+                    continue;
+                };
+                *next += 1;
+                match seen[inner as usize] {
+                    Seen::Done { levels: below } => {
+                        *levels = below.max(*levels);
+                        if below >= MAX_LEVELS {
+                            let index = *index;
+                            self.known.broken[index] = true;
+                            self.report(Environment::TOP, PlaceError::TooDeep { span, limit: MAX_LEVELS });
+                        }
+                    }
+                    Seen::No => {
+                        seen[inner as usize] = Seen::Open;
+                        path.push((inner as usize, 0, 0));
+                    }
+                    Seen::Open => {
+                        let start = path.iter().position(|entry| entry.0 == inner as usize).unwrap_or(0);
+                        let members: Vec<usize> =
+                            path[start..].iter().map(|entry| entry.0).chain([inner as usize]).collect();
+                        for member in &members {
+                            self.known.broken[*member] = true;
+                        }
+                        /// More of them say no more.
+                        const SHOWN: usize = 8;
+                        let word = |member: &usize| format!("`{}`", self.sources.slice(tree.components[*member].name));
+                        let mut chain: Vec<String> = members.iter().take(SHOWN).map(word).collect();
+                        if members.len() > SHOWN {
+                            chain.push("...".into());
+                            chain.extend(members.last().map(word));
+                        }
+                        self.report(Environment::TOP, PlaceError::Recursion { span, chain });
+                    }
+                }
+            }
+        }
+        // What contains a broken one cannot be placed either.
+        let mut changed = true;
+        while std::mem::take(&mut changed) {
+            for (index, inner) in contained.iter().enumerate() {
+                if !self.known.broken[index] && inner.iter().any(|(inner, _)| self.known.broken[*inner as usize]) {
+                    self.known.broken[index] = true;
+                    changed = true;
+                }
+            }
+        }
+    }
+
+    /// The components that a body places, and where it names them.
+    fn contained(&self, body: &'a [Decl]) -> Vec<(u32, Span)> {
+        let mut all = Vec::new();
+        for decl in body {
+            match decl.kind {
+                DeclKind::Repeat { index } => all.extend(self.contained(&self.tree.repeat(index).body)),
+                DeclKind::Rare { index } => {
+                    if let Rare::Place { component, .. } = self.tree.rare(index) {
+                        let known = self.known.by_name.get(&(component.file(), self.sources.slice(*component)));
+                        all.extend(known.map(|index| (*index, *component)));
+                    }
+                }
+                _ => {}
+            }
+        }
+        all
+    }
+
+    // ---- Places ----
+
+    /// What the names of an environment stand in.
+    pub fn place_of(&self, environment: Environment) -> Place {
+        self.environments.frame(environment).map_or(Place::SCENE, |frame| self.frame(frame).place)
+    }
+
+    pub fn group_of(&self, environment: Environment) -> Group {
+        let frame = self.environments.frame(environment);
+        frame.and_then(|frame| self.frame(frame).component).map_or(Group::SCENE, Group::of_component)
+    }
+
+    pub fn frame(&self, id: FrameId) -> &Frame {
+        &self.frames[id.0 as usize]
+    }
+
+    /// Declares a place and everything in it.
+    pub fn declare_place(&mut self, instance: Instance<'a>) {
+        let Instance { decl, environment } = instance;
+        let DeclKind::Rare { index } = decl.kind else { return };
+        let Rare::Place { name: ident, component: word, arguments, placing } = self.tree.rare[index as usize] else {
+            return;
+        };
+        let span = ident.span;
+        if self.sources.slice(span) == "ground" || !self.not_reserved(span, environment) {
+            if self.sources.slice(span) == "ground" {
+                self.report(environment, NameError::Reserved { span, word: "ground".into() });
+            }
+            return;
+        }
+        let Ok(name) = self.declared_name(ident, environment) else { return };
+        let id = FrameId(self.frames.len() as u32);
+        let group = self.group_of(environment);
+        let taken = self.values.get(name).map(|other| self.definitions[other.0 as usize].span);
+        let declared = self.parts.declare(group, name, span, scope::Part::Place(id));
+        let taken = taken.or_else(|| Some(self.part_span(declared.err()?)));
+        if taken.is_some() {
+            let name = self.words.display(name);
+            return self.report(environment, NameError::Duplicate { span, name, first: taken });
+        }
+        let place = self.words.place(name);
+        let component = self.component_named(word, environment);
+        let inside = self.environments.enter(id);
+        let mirrored = self.mirror(placing, environment);
+        let (at, turned) = self.placing_definitions(name, span, placing, environment);
+        self.frames.push(Frame {
+            place,
+            component: None,
+            outer: environment,
+            inside,
+            span,
+            at,
+            turned,
+            mirrored: mirrored.unwrap_or_default(),
+            placed: mirrored.is_err().then_some(Err(Stop::Reported)),
+        });
+        let Some(component) = component else { return };
+        if self.tie_arguments(id, component, word, arguments).is_err() {
+            return;
+        }
+        self.frames[id.0 as usize].component = Some(component);
+        self.declare_body(component, word, inside);
+    }
+
+    /// Declares what a component declares, unless that is too much.
+    fn declare_body(&mut self, component: u32, word: Span, inside: Environment) {
+        let body: &'a [Decl] = &self.tree.component(component).body;
+        let mut counted = self.counted;
+        counted.add(body, 1);
+        if let Some((limit, what)) = counted.exceeded() {
+            let error = NameError::TooManyInstances { span: word, limit, what };
+            return self.report(Environment::TOP, error);
+        }
+        self.counted = counted;
+        for decl in body {
+            self.declare_value(Instance { decl, environment: inside });
+        }
+        for decl in body {
+            let instance = Instance { decl, environment: inside };
+            match decl.kind {
+                DeclKind::Repeat { index } => self.unroll_counted(self.tree.repeat(index), inside),
+                // Said where the component is declared.
+                DeclKind::Param { .. } | DeclKind::Model { .. } | DeclKind::Gravity { .. } => {}
+                DeclKind::Rare { index } => match self.tree.rare(index) {
+                    Rare::Solve { .. }
+                    | Rare::DampingModal { .. }
+                    | Rare::DampingRayleigh { .. }
+                    | Rare::RestAsDrawn => {}
+                    _ => self.declare_part(instance),
+                },
+                _ => self.declare_part(instance),
+            }
+        }
+    }
+
+    fn component_named(&mut self, word: Span, environment: Environment) -> Option<u32> {
+        let text = self.sources.slice(word);
+        if let Some(&index) = self.known.by_name.get(&(word.file(), text)) {
+            return (!self.known.broken[index as usize]).then_some(index);
+        }
+        if self.lacks_components || self.broken_words.contains(text) {
+            return None;
+        }
+        let known = self.known.names.get(&word.file()).map_or(&[][..], Vec::as_slice);
+        let suggestion = nearest(text, known.iter().copied()).map(str::to_string);
+        let known = known.iter().take(8).map(|word| word.to_string()).collect();
+        self.report(
+            environment,
+            PlaceError::UnknownComponent { span: word, word: text.to_string(), suggestion, known },
+        );
+        None
+    }
+
+    fn mirror(&mut self, placing: Placing, environment: Environment) -> Evaluated<[bool; 2]> {
+        let Some(axis) = placing.mirrored else { return Ok([false, false]) };
+        match self.sources.slice(axis) {
+            "x" => Ok([true, false]),
+            "y" => Ok([false, true]),
+            _ => self.fail(environment, PlaceError::MirrorAxis { span: axis }),
+        }
+    }
+
+    /// `at` and `turned` as definitions without a word: they are settled when they are needed, like any other.
+    fn placing_definitions(
+        &mut self,
+        name: Name,
+        span: Span,
+        placing: Placing,
+        environment: Environment,
+    ) -> (Option<DefinitionId>, Option<DefinitionId>) {
+        let mut define = |expr: Option<ExprId>, kind| {
+            let expr = expr?;
+            let id = DefinitionId(self.definitions.len() as u32);
+            let (state, role) = (State::Unsettled, Role::Placing);
+            self.definitions.push(Definition { kind, name, span, expr, environment, state, used: true, role });
+            Some(id)
+        };
+        (define(placing.at, DefinitionKind::Point), define(placing.turned, DefinitionKind::Let))
+    }
+
+    /// Ties ports and declares parameters; everything that is wrong with them is one finding each, and then nothing in the
+    /// component is looked at.
+    fn tie_arguments(&mut self, frame: FrameId, component: u32, word: Span, arguments: Fields) -> Evaluated<()> {
+        let (tree, outer) = (self.tree, self.frame(frame).outer);
+        let formals = &tree.component(component).formals;
+        let name = || self.sources.slice(tree.component(component).name).to_string();
+        let mut given: Vec<Option<(Span, ExprId)>> = vec![None; formals.len()];
+        let mut errors = Vec::new();
+        for field in tree.fields(arguments) {
+            let text = self.sources.slice(field.key);
+            let FieldValue::Expr(expr) = field.value else { continue };
+            match formals.iter().position(|formal| self.sources.slice(formal.name) == text) {
+                Some(index) => match given[index] {
+                    None => given[index] = Some((field.key, expr)),
+                    Some((first, _)) => {
+                        errors.push(PlaceError::ArgumentTwice { span: field.key, first, word: text.to_string() });
+                    }
+                },
+                None => {
+                    let known = || formals.iter().map(|formal| self.sources.slice(formal.name));
+                    let suggestion = nearest(text, known()).map(str::to_string);
+                    let known = known().map(str::to_string).collect();
+                    let (span, word, component) = (field.key, text.to_string(), name());
+                    errors.push(PlaceError::UnknownArgument { span, word, component, suggestion, known });
+                }
+            }
+        }
+        let lacks = |(formal, given): &(&Formal, &Option<_>)| {
+            let has_default = matches!(formal.kind, FormalKind::Number { default: Some(_), .. });
+            given.is_none() && !has_default
+        };
+        let missing: Vec<&Formal> = formals.iter().zip(&given).filter(lacks).map(|(formal, _)| formal).collect();
+        // A word that is spelt wrongly is missing too: that is one mistake.
+        if !missing.is_empty() && errors.is_empty() {
+            let example = missing.iter().map(|formal| {
+                let word = self.sources.slice(formal.name);
+                match formal.kind {
+                    FormalKind::Port => format!("{word} = ground"),
+                    FormalKind::Number { unit, .. } => {
+                        let unit = unit.map_or("1", |unit| self.sources.slice(unit));
+                        if unit == "1" { format!("{word} = 1") } else { format!("{word} = 1 {unit}") }
+                    }
+                }
+            });
+            let example = example.collect::<Vec<_>>().join(", ");
+            let missing = missing.iter().map(|formal| (self.sources.slice(formal.name).to_string(), formal.name));
+            errors.push(PlaceError::MissingArguments {
+                span: word,
+                component: name(),
+                missing: missing.collect(),
+                example,
+            });
+        }
+        let broken = !errors.is_empty();
+        for error in errors {
+            self.report(outer, error);
+        }
+        if broken {
+            return Err(Stop::Reported);
+        }
+        for (index, (formal, given)) in formals.iter().zip(given).enumerate() {
+            self.declare_formal(frame, component, (index as u32, formal), given.map(|(_, expr)| expr));
+        }
+        Ok(())
+    }
+
+    fn declare_formal(
+        &mut self,
+        frame: FrameId,
+        component: u32,
+        (index, formal): (u32, &Formal),
+        given: Option<ExprId>,
+    ) {
+        let Frame { outer, inside, place, .. } = *self.frame(frame);
+        let (span, group) = (formal.name, Group::of_component(component));
+        let symbol = self.words.intern(self.sources.slice(span));
+        let name = Name::plain(symbol).within(place);
+        // What has a name twice was reported for the component.
+        match (formal.kind, given) {
+            (FormalKind::Port, Some(argument)) => {
+                let port = scope::Part::Port(self.ports.len() as u32);
+                if self.parts.declare(group, name, span, port).is_ok() {
+                    self.ports.push(Port { outer, argument, declared: span, part: None });
+                }
+            }
+            (FormalKind::Port, None) => {}
+            (FormalKind::Number { default, .. }, given) => {
+                let Some((expr, environment)) = given.map(|expr| (expr, outer)).or(default.map(|expr| (expr, inside)))
+                else {
+                    return;
+                };
+                let id = DefinitionId(self.definitions.len() as u32);
+                if self.values.declare(group, name, span, id).is_ok() {
+                    let role = Role::Parameter { frame, formal: index, given: given.is_some() };
+                    let (kind, state) = (DefinitionKind::Param, State::Unsettled);
+                    self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });
+                }
+            }
+        }
+    }
+
+    /// The number that a parameter of a component is like: of its unit, or of its default.
+    pub fn formal_like(&mut self, component: u32, formal: u32, inside: Environment) -> Evaluated<Option<Scalar>> {
+        if let Some(known) = self.formals_like.get(&(component, formal)) {
+            return known.clone();
+        }
+        let described = self.tree.component(component).formals[formal as usize];
+        let FormalKind::Number { unit, default } = described.kind else { return Ok(None) };
+        let like = match (unit, default) {
+            (Some(unit), _) => self.of_unit(unit, inside).map(Some),
+            (None, Some(default)) => match self.walk(default, inside) {
+                Err(Stop::Deep) => return Err(Stop::Deep),
+                Ok(Value::Scalar(scalar)) => Ok(Some(scalar)),
+                // Said where the default is used.
+                Ok(Value::Vector(_)) | Err(Stop::Reported) => Ok(None),
+            },
+            (None, None) => Err(Stop::Reported),
+        };
+        self.formals_like.insert((component, formal), like.clone());
+        like
+    }
+
+    /// One of a unit as it stands in the brackets of a component.
+    fn of_unit(&mut self, span: Span, environment: Environment) -> Evaluated<Scalar> {
+        let text: &'a str = self.sources.slice(span);
+        if text == "1" {
+            return Ok(Scalar::new(Quantity::plain(Number::ONE)));
+        }
+        let per = text.starts_with('/');
+        let text = text.trim_start_matches('/');
+        let unit = self.unit(text, Span::new(span.file(), span.end() - text.len(), span.end()), environment)?;
+        let dimension = if per { unit.dimension.pow(-1, 1).ok_or(Stop::Reported)? } else { unit.dimension };
+        Ok(Scalar::new(Quantity { si: Number::ONE, dimension, angle: unit.angle }))
+    }
+
+    // ---- Where a component lies ----
+
+    /// How the component lies that an environment is the inside of; `None` for the scene.
+    pub fn placed(&mut self, environment: Environment) -> Evaluated<Option<Arc<Placed>>> {
+        match self.environments.frame(environment) {
+            None => Ok(None),
+            Some(frame) => loop {
+                self.walk.depth = 0;
+                match self.placed_frame(frame) {
+                    Err(Stop::Deep) => self.settle_waiting(),
+                    placed => return placed.map(Some),
+                }
+            },
+        }
+    }
+
+    /// The same for a place; may be called in the middle of a walk.
+    pub fn placed_frame(&mut self, id: FrameId) -> Evaluated<Arc<Placed>> {
+        if let Some(placed) = &self.frame(id).placed {
+            return placed.clone();
+        }
+        let placed = self.place_frame(id);
+        if !matches!(placed, Err(Stop::Deep)) {
+            self.frames[id.0 as usize].placed = Some(placed.clone());
+        }
+        placed
+    }
+
+    fn place_frame(&mut self, id: FrameId) -> Evaluated<Arc<Placed>> {
+        let Frame { at, turned, mirrored, outer, span, .. } = *self.frame(id);
+        let origin = match at {
+            None => None,
+            Some(at) => match self.value_of(at, span, outer)? {
+                Value::Vector(vector) => Some((*vector.si).clone()),
+                Value::Scalar(_) => return Err(Stop::Reported),
+            },
+        };
+        let angle = match turned {
+            None => Number::ZERO,
+            Some(turned) => {
+                let value = self.value_of(turned, span, outer)?;
+                let expr = self.definitions[turned.0 as usize].expr;
+                self.as_number(&value, expr, outer, &ANGLE)?
+            }
+        };
+        let (sine, cosine) = match angle.sin_cos() {
+            Some(known) => known,
+            None => {
+                let expr = turned.map(|turned| self.definitions[turned.0 as usize].expr);
+                let span = expr.map_or(span, |expr| self.tree.expr(expr).span);
+                return self.fail(outer, ValueError::Overflow { span });
+            }
+        };
+        let around = Motion { origin, angle, sine, cosine, mirrored };
+        let scene = match self.environments.frame(outer) {
+            None => around.clone(),
+            Some(frame) => match self.placed_frame(frame)?.scene.after(&around) {
+                Some(scene) => scene,
+                None => return self.fail(outer, ValueError::Overflow { span }),
+            },
+        };
+        Ok(Arc::new(Placed { around, scene }))
+    }
+
+    /// A place of a component in the scene.
+    pub fn in_scene(&mut self, local: Arc<Vec3>, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        let Some(placed) = self.placed(environment)? else { return Ok(local) };
+        match placed.scene.place(&local) {
+            Some(place) => Ok(Arc::new(place)),
+            None => {
+                let needs = self.tree.expr(expr).span;
+                Err(self.no_position(environment, needs))
+            }
+        }
+    }
+
+    /// Says that a component has positions, and its place, or one around it, has none.
+    fn no_position(&mut self, environment: Environment, needs: Span) -> Stop {
+        let mut inner = self.environments.frame(environment);
+        while let Some(frame) = inner {
+            let Frame { at, outer, span, component, .. } = *self.frame(frame);
+            if at.is_none() {
+                let name = component.map_or("", |index| self.sources.slice(self.tree.component(index).name));
+                let error = PlaceError::NoPosition { span, component: name.to_string(), needs };
+                self.report(outer, error);
+                break;
+            }
+            inner = self.environments.frame(outer);
+        }
+        Stop::Reported
+    }
+
+    /// A direction of a component in the scene.
+    pub fn turned(&mut self, local: Arc<Vec3>, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        match self.placed(environment)? {
+            Some(placed) if !placed.scene.keeps_directions() => Ok(Arc::new(placed.scene.direction(&local))),
+            _ => Ok(local),
+        }
+    }
+
+    /// Whether counter-clockwise in a component is clockwise in the scene.
+    pub fn reverses(&mut self, environment: Environment) -> Evaluated<bool> {
+        Ok(self.placed(environment)?.is_some_and(|placed| placed.scene.reverses()))
+    }
+
+    /// A place of a component as it is seen from an environment around it.
+    fn seen_from(
+        &mut self,
+        mut frame: FrameId,
+        mut place: Vec3,
+        environment: Environment,
+        needs: Span,
+    ) -> Evaluated<Vec3> {
+        let viewer = self.environments.frame(environment);
+        if viewer.is_none() {
+            let placed = self.placed_frame(frame)?;
+            let inside = self.frame(frame).span;
+            return match placed.scene.place(&place) {
+                Some(place) => Ok(place),
+                None => Err(self.no_position_of(frame, needs, inside)),
+            };
+        }
+        loop {
+            let placed = self.placed_frame(frame)?;
+            place = match placed.around.place(&place) {
+                Some(place) => place,
+                None => return Err(self.no_position_of(frame, needs, self.frame(frame).span)),
+            };
+            let outer = self.environments.frame(self.frame(frame).outer);
+            match outer {
+                Some(outer) if Some(outer) != viewer => frame = outer,
+                _ => return Ok(place),
+            }
+        }
+    }
+
+    fn no_position_of(&mut self, frame: FrameId, needs: Span, span: Span) -> Stop {
+        let Frame { component, outer, .. } = *self.frame(frame);
+        let name = component.map_or("", |index| self.sources.slice(self.tree.component(index).name));
+        self.report(outer, PlaceError::NoPosition { span, component: name.to_string(), needs });
+        Stop::Reported
+    }
+
+    // ---- Names behind the name of a place ----
+
+    /// The place that an expression names: `front`, `outer.inner[2]`. `None` where it names something else.
+    pub fn place_at(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Option<FrameId>> {
+        if self.frames.is_empty() {
+            return Ok(None);
+        }
+        let node = *self.tree.expr(expr);
+        let (ident, place) = match node.kind {
+            ExprKind::Name { indices } => {
+                (Ident { span: self.word_of(node.span), indices }, self.place_of(environment))
+            }
+            ExprKind::Member { base, member_len, indices } => match self.place_at(base, environment)? {
+                Some(frame) => (self.tree.member(base, member_len, indices), self.frame(frame).place),
+                None => return Ok(None),
+            },
+            _ => return Ok(None),
+        };
+        let Some(symbol) = self.words.get(self.sources.slice(ident.span)) else { return Ok(None) };
+        let name = self.indexed(symbol, ident.indices, environment)?.within(place);
+        match self.parts.get(name) {
+            Some(scope::Part::Place(frame)) => Ok(Some(frame)),
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether a member is a quantity of a component: `front.k`, and not a motion.
+    pub fn is_value_of_place(&mut self, base: ExprId, environment: Environment) -> bool {
+        matches!(self.place_at(base, environment), Ok(Some(_)))
+    }
+
+    /// `front.k` in an expression: a parameter, a point or a `let`.
+    pub fn member_value(&mut self, frame: FrameId, member: Ident, environment: Environment) -> Evaluated<Value> {
+        let id = self.member_definition(frame, member, environment)?;
+        let span = self.ident_span(member);
+        let value = self.value_of(id, span, environment)?;
+        self.walk.varies |= !environment.is_top();
+        let definition = &self.definitions[id.0 as usize];
+        match (definition.kind, value) {
+            (DefinitionKind::Point, Value::Vector(vector)) => {
+                let place = (*vector.si).clone();
+                let si = Arc::new(self.seen_from(frame, place, environment, span)?);
+                Ok(Value::Vector(super::value::Vector { si, dimension: Some(Dimension::LENGTH) }))
+            }
+            (_, Value::Vector(_)) => {
+                let (word, declared) = (self.sources.slice(span).to_string(), definition.span);
+                self.fail(environment, PlaceError::VectorOfPlace { span, word, declared })
+            }
+            (_, value) => Ok(value),
+        }
+    }
+
+    /// The parameter, point or `let` behind the name of a place.
+    pub fn member_definition(
+        &mut self,
+        frame: FrameId,
+        member: Ident,
+        environment: Environment,
+    ) -> Evaluated<DefinitionId> {
+        const WANTED: &str = "parameter or point";
+        let Some(name) = self.member_name(frame, member, environment)? else {
+            return self.unknown_member(frame, member, WANTED, environment);
+        };
+        if let Some(id) = self.values.get(name) {
+            return Ok(id);
+        }
+        match self.parts.get(name) {
+            Some(part) => {
+                let (word, found) = (self.words.display(name), self.noun_of(part));
+                let (span, declared) = (self.ident_span(member), self.part_span(part));
+                self.fail(environment, PlaceError::OtherMember { span, word, found, wanted: WANTED, declared })
+            }
+            None => self.unknown_member(frame, member, WANTED, environment),
+        }
+    }
+
+    fn member_name(&mut self, frame: FrameId, member: Ident, environment: Environment) -> Evaluated<Option<Name>> {
+        if self.frame(frame).component.is_none() {
+            return Err(Stop::Reported);
+        }
+        let Some(symbol) = self.words.get(self.sources.slice(member.span)) else { return Ok(None) };
+        let place = self.frame(frame).place;
+        Ok(Some(self.indexed(symbol, member.indices, environment)?.within(place)))
+    }
+
+    fn unknown_member<T>(
+        &mut self,
+        frame: FrameId,
+        member: Ident,
+        wanted: &'static str,
+        environment: Environment,
+    ) -> Evaluated<T> {
+        let Frame { place, component: Some(component), .. } = *self.frame(frame) else { return Err(Stop::Reported) };
+        let word = self.sources.slice(member.span);
+        if self.broken_words.contains(word) {
+            return Err(Stop::Reported);
+        }
+        let group = Group::of_component(component);
+        let words: &[Symbol] =
+            if wanted == "parameter or point" { self.values.words(group) } else { self.parts.words(group) };
+        let suggestion = nearest(word, words.iter().map(|symbol| self.words.text(*symbol))).map(str::to_string);
+        let of = self.words.place_name(place).map_or(String::new(), |name| self.words.display(name));
+        let (span, word, component) = (self.ident_span(member), word.to_string(), self.tree.component(component).name);
+        self.fail(environment, PlaceError::UnknownMember { span, word, of, component, wanted, suggestion })
+    }
+
+    /// The part that a path names, a port's own part in place of the port.
+    pub fn path_part(&mut self, path: Path, environment: Environment, wanted: &'static str) -> Evaluated<scope::Part> {
+        match path.whole {
+            None => self.named_part(path.first, environment, wanted),
+            Some(expr) => self.expression_part(expr, environment, wanted),
+        }
+    }
+
+    /// The part that an expression names: `wheel`, `front.wheel`.
+    pub fn expression_part(
+        &mut self,
+        expr: ExprId,
+        environment: Environment,
+        wanted: &'static str,
+    ) -> Evaluated<scope::Part> {
+        let node = *self.tree.expr(expr);
+        match node.kind {
+            ExprKind::Name { indices } => {
+                let ident = Ident { span: self.word_of(node.span), indices };
+                self.named_part(ident, environment, wanted)
+            }
+            ExprKind::Member { base, member_len, indices } => {
+                let member = self.tree.member(base, member_len, indices);
+                let frame = self.frame_before(base, environment)?;
+                self.member_part(frame, member, environment, wanted)
+            }
+            _ => self.fail(environment, QuestionError::MotionOfWhat { span: node.span }),
+        }
+    }
+
+    /// The place before a `.`.
+    pub fn frame_before(&mut self, base: ExprId, environment: Environment) -> Evaluated<FrameId> {
+        self.walk.depth = 0;
+        if let Some(frame) = self.place_at(base, environment)? {
+            return Ok(frame);
+        }
+        let node = *self.tree.expr(base);
+        let (word, inner) = match node.kind {
+            ExprKind::Member { base, .. } => (node.span, Some(base)),
+            _ => (self.word_of(node.span), None),
+        };
+        // What stands before that may be no place already.
+        if let Some(inner) = inner {
+            let frame = self.frame_before(inner, environment)?;
+            if self.frame(frame).component.is_none() {
+                return Err(Stop::Reported);
+            }
+        }
+        let text = self.sources.slice(word).to_string();
+        let known = self.words.get(&text).map(|symbol| Name::plain(symbol).within(self.place_of(environment)));
+        let known = known.is_some_and(|name| self.parts.get(name).is_some() || self.values.get(name).is_some());
+        if inner.is_some() || known {
+            return self.fail(environment, PlaceError::NoPlace { span: word, word: text });
+        }
+        let ExprKind::Name { indices } = node.kind else {
+            return self.fail(environment, PlaceError::NoPlace { span: word, word: text });
+        };
+        let ident = Ident { span: word, indices };
+        let name = self.name(ident, environment)?;
+        let error = self.unknown_part(ident, name, "place", environment);
+        self.fail_unless_broken(environment, word, error)
+    }
+
+    fn member_part(
+        &mut self,
+        frame: FrameId,
+        member: Ident,
+        environment: Environment,
+        wanted: &'static str,
+    ) -> Evaluated<scope::Part> {
+        let Some(name) = self.member_name(frame, member, environment)? else {
+            return self.unknown_member(frame, member, wanted, environment);
+        };
+        if let Some(part) = self.parts.get(name) {
+            return self.untied(part);
+        }
+        match self.values.get(name) {
+            Some(id) => {
+                let definition = &self.definitions[id.0 as usize];
+                let found = super::error::kind_with_article(definition.kind);
+                let (word, declared, span) = (self.words.display(name), definition.span, self.ident_span(member));
+                self.fail(environment, PlaceError::OtherMember { span, word, found, wanted, declared })
+            }
+            None => self.unknown_member(frame, member, wanted, environment),
+        }
+    }
+
+    // ---- Ports ----
+
+    /// Looks at every port, used or not.
+    pub fn tie_ports(&mut self) {
+        for index in 0..self.ports.len() {
+            let _ = self.port(index as u32);
+        }
+    }
+
+    /// The part itself, where it is a port.
+    pub fn untied(&mut self, part: scope::Part) -> Evaluated<scope::Part> {
+        match part {
+            scope::Part::Port(port) => self.port(port),
+            part => Ok(part),
+        }
+    }
+
+    /// Where a port is declared.
+    pub fn port_span(&self, port: u32) -> Span {
+        self.ports[port as usize].declared
+    }
+
+    /// The part that a port is tied to. Ports of ports are as many as components have levels.
+    fn port(&mut self, index: u32) -> Evaluated<scope::Part> {
+        let Port { outer, argument, declared, part, .. } = self.ports[index as usize].clone();
+        if let Some(part) = part {
+            return part;
+        }
+        let part = self.port_argument(argument, declared, outer);
+        self.ports[index as usize].part = Some(part.clone());
+        part
+    }
+
+    fn port_argument(&mut self, argument: ExprId, declared: Span, outer: Environment) -> Evaluated<scope::Part> {
+        let node = *self.tree.expr(argument);
+        let is_ground = matches!(node.kind, ExprKind::Name { indices } if indices.is_empty())
+            && self.sources.slice(node.span) == "ground";
+        if is_ground {
+            return Ok(scope::Part::Ground);
+        }
+        let is_name = matches!(node.kind, ExprKind::Name { .. } | ExprKind::Member { .. });
+        if !is_name {
+            let port = self.sources.slice(declared).to_string();
+            return self.fail(outer, PlaceError::NoPart { span: node.span, port, declared });
+        }
+        match self.expression_part(argument, outer, "body")? {
+            part @ (scope::Part::Body(_) | scope::Part::Base(_) | scope::Part::Ground) => Ok(part),
+            other => {
+                let (word, found) = (self.sources.slice(node.span).to_string(), self.noun_of(other));
+                let declared = self.part_span(other);
+                self.fail(outer, PlaceError::PortKind { span: node.span, word, found, declared })
+            }
+        }
+    }
+}
