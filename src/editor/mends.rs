@@ -6,6 +6,7 @@ use super::roles::Role;
 use super::tokens::TokenKind;
 use crate::base::{Change, Diagnostic, Mend};
 use crate::syntax::tree::FieldValue;
+use crate::syntax::words;
 use std::ops::Range;
 
 /// A named change of the text.
@@ -126,7 +127,7 @@ fn closing_place(document: &Document, open: usize, bracket: char) -> usize {
 fn statement_end(document: &Document, token: usize) -> usize {
     let Some(index) = document.statement_of(token) else { return document.tokens.len() };
     let end = document.outline.statements[index].tokens.end;
-    if document.keyword(index) == "repeat" && end == token + 1 { document.tokens.len() } else { end }
+    if words::has_body(document.keyword(index)) && end == token + 1 { document.tokens.len() } else { end }
 }
 
 /// Whether a word and `=`, or a freedom, follow a comma.

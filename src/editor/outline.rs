@@ -1,4 +1,4 @@
-//! Groups tokens into statements: where each declaration of a text starts and ends, and which `repeat` contains it,
+//! Groups tokens into statements: where each declaration of a text starts and ends, and which `repeat` or `component` contains it,
 //! whether it conforms to the grammar or not. See spec.md#declarations.
 //!
 //! It works like the parser's own splitting (`syntax::split`), but never fails: if a bracket stays open, the next line
@@ -11,11 +11,11 @@ use std::ops::Range;
 /// A declaration, or text in the place of one.
 #[derive(Clone, Debug)]
 pub struct Statement {
-    /// Its tokens, from the keyword on; for a `repeat`, those of the head with its `{`.
+    /// Its tokens, from the keyword on; for a `repeat` or `component`, those of the head with its `{`.
     pub tokens: Range<usize>,
-    /// The enclosing `repeat`.
+    /// The enclosing `repeat` or `component`.
     pub inside: Option<usize>,
-    /// For a `repeat`, the token of its `}`.
+    /// For these, the token of the `}`.
     pub close: Option<usize>,
 }
 
@@ -41,7 +41,7 @@ impl Outline {
                 }
                 _ => {
                     let end = end(text, tokens, at, open.is_empty());
-                    let opens = token.text(text) == "repeat" && tokens[end - 1].text(text) == "{";
+                    let opens = words::has_body(token.text(text)) && tokens[end - 1].text(text) == "{";
                     let inside = open.last().copied();
                     outline.statements.push(Statement { tokens: at..end, inside, close: None });
                     if opens {
@@ -61,11 +61,11 @@ impl Outline {
         let between = text.get(end..offset).unwrap_or("");
         let opens =
             self.statements[index].close.is_some() || tokens[self.statements[index].tokens.end - 1].text(text) == "{";
-        let is_head = text[tokens[self.statements[index].tokens.start].range.clone()].starts_with("repeat") && opens;
+        let is_head = words::has_body(tokens[self.statements[index].tokens.start].text(text)) && opens;
         (!between.contains('\n') && (!is_head || offset < end)).then_some(index)
     }
 
-    /// The enclosing `repeat`s of a statement, from the innermost outwards.
+    /// The enclosing `repeat`s and component of a statement, from the innermost outwards.
     pub fn around(&self, statement: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(self.statements[statement].inside, |repeat| self.statements[*repeat].inside)
     }
@@ -73,7 +73,7 @@ impl Outline {
 
 /// The position after the last token of the statement that starts at a token.
 fn end(text: &str, tokens: &[Token], start: usize, outermost: bool) -> usize {
-    let repeats = tokens[start].text(text) == "repeat";
+    let has_body = words::has_body(tokens[start].text(text));
     let mut open: Vec<&str> = Vec::new();
     let mut end = start + 1;
     for (at, token) in tokens.iter().enumerate().skip(start) {
@@ -81,7 +81,7 @@ fn end(text: &str, tokens: &[Token], start: usize, outermost: bool) -> usize {
             TokenKind::LineEnd if open.is_empty() => break,
             TokenKind::LineEnd if words::starts_declaration(&text.as_bytes()[token.range.end..]).is_some() => break,
             TokenKind::LineEnd | TokenKind::Comment => continue,
-            TokenKind::Open if repeats && open.is_empty() && token.text(text) == "{" => return at + 1,
+            TokenKind::Open if has_body && open.is_empty() && token.text(text) == "{" => return at + 1,
             TokenKind::Open => open.push(token.text(text)),
             TokenKind::Close if token.text(text) == "}" && !outermost && !open.contains(&"{") => break,
             TokenKind::Close => drop(open.pop()),

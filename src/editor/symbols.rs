@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::roles::{Role, keyword};
 use super::tokens::TokenKind;
+use crate::syntax::words;
 use std::ops::Range;
 
 /// A declaration in the outline.
@@ -45,7 +46,7 @@ fn symbol(document: &Document, index: usize) -> Option<Symbol> {
     let range = document.range_of(index);
     let end = statement.close.map_or(range.end, |close| document.tokens[close].range.end);
     let name = if named { full_name(document, second) } else { word.to_string() };
-    let children = if word == "repeat" { inside(document, Some(index)) } else { Vec::new() };
+    let children = if words::has_body(word) { inside(document, Some(index)) } else { Vec::new() };
     Some(Symbol { name, detail: word.to_string(), range: range.start..end, selection, children })
 }
 

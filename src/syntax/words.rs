@@ -51,10 +51,16 @@ fn skip_blanks(text: &[u8]) -> &[u8] {
 /// after it.
 pub(super) fn opens_repeat(head: &str) -> bool {
     let word = first_word(head.as_bytes());
-    matches!(word, b"repeat" | b"component") || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
+    std::str::from_utf8(word).is_ok_and(has_body)
+        || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
 }
 
 /// Whether a byte may be part of a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.
+/// Whether a body of declarations follows the head that starts with this word.
+pub fn has_body(keyword: &str) -> bool {
+    matches!(keyword, "repeat" | "component")
+}
+
 pub(super) fn continues(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }

@@ -164,6 +164,7 @@ fn every_model_that_is_shown_is_a_model() {
         for block in blocks(&page(path), "vib") {
             let mut sources = Sources::new();
             let model = sources.add(SourceFile::model("shown.vib", block.as_str()));
+            vibc::add_used_files(&mut sources, model, None, |path| Err(format!("there is no `{path}`")));
             for table in vibc::table_files(&sources, model) {
                 let rows = b"time_s,force_N\n0,0\n1,2\n".to_vec();
                 sources.add(SourceFile::decode(SourceKind::Table, table, rows));

@@ -1,6 +1,7 @@
 //! Groups tokens into declarations, comments on lines of their own, and blank lines. See spec.md#declarations.
 
 use crate::editor::tokens::{Token, TokenKind};
+use crate::syntax::words;
 use std::ops::Range;
 
 /// An item of a file, in vertical order; ranges and places refer to tokens.
@@ -13,12 +14,12 @@ pub(super) enum Item {
         tokens: Range<usize>,
         comment: Option<usize>,
     },
-    /// The head of a `repeat` with its `{`.
+    /// The head of a `repeat` or `component` with its `{`.
     Open {
         tokens: Range<usize>,
         comment: Option<usize>,
     },
-    /// The `}` of a `repeat`.
+    /// The `}` of a `repeat` or `component`.
     Close {
         comment: Option<usize>,
     },
@@ -77,12 +78,12 @@ impl Cutter<'_> {
     /// A declaration: up to the line end outside all brackets, or to a brace that ends or opens a `repeat`.
     fn declaration(&mut self) -> Item {
         let start = self.at;
-        let repeats = self.tokens[start].text(self.text) == "repeat";
+        let has_body = words::has_body(self.tokens[start].text(self.text));
         let mut depth = 0_usize;
         while let Some(token) = self.tokens.get(self.at) {
             match token.kind {
                 TokenKind::LineEnd | TokenKind::Comment if depth == 0 => break,
-                TokenKind::Open if repeats && depth == 0 && token.text(self.text) == "{" => {
+                TokenKind::Open if has_body && depth == 0 && token.text(self.text) == "{" => {
                     self.step();
                     return Item::Open { tokens: start..self.at, comment: self.comment() };
                 }

@@ -125,7 +125,11 @@ impl Reader<'_> {
     fn is_keyword(&self, word: &str) -> bool {
         match self.visible().map(|last| last.role) {
             None => true,
-            Some(Role::Word | Role::Value { .. } | Role::Close) => matches!(word, "in" | "along" | "about"),
+            Some(Role::Word | Role::Value { .. } | Role::Close) => {
+                let clause =
+                    self.keyword == "place" && self.open.is_empty() && matches!(word, "at" | "turned" | "mirrored");
+                clause || matches!(word, "in" | "along" | "about")
+            }
             Some(Role::Keyword) => self.keyword == "damping" && word == "modal",
             Some(_) => false,
         }
@@ -153,6 +157,8 @@ impl Reader<'_> {
             return self.minus(at + 1);
         }
         let role = match text {
+            // Of the unit of a component's parameter.
+            "/" | "*" if self.is_unit() => Role::Glue,
             "," => Role::Comma,
             ":" => Role::Colon,
             "." | "@" | "^" => Role::Glue,
@@ -174,6 +180,14 @@ impl Reader<'_> {
             self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Value { .. } | Role::Close));
         let role = if after_value { Role::Operator { close: self.is_close() } } else { Role::Minus };
         self.push("-", role, at);
+    }
+
+    /// Whether the current piece belongs to the unit after a colon: `k: N*m/rad`.
+    fn is_unit(&self) -> bool {
+        let ends =
+            |piece: &&Piece| matches!(piece.role, Role::Colon | Role::Comma | Role::Open(_)) || piece.text == "=";
+        let before = self.pieces.iter().rev().find(ends);
+        self.keyword == "component" && before.is_some_and(|piece| piece.role == Role::Colon)
     }
 
     /// Whether the place is in an index or in the range of a `repeat`.

@@ -180,6 +180,7 @@ pub fn symbol(document: &Document, encoding: Encoding, symbol: Symbol) -> lsp::D
         "base" | "force" | "torque" => lsp::SymbolKind::Event,
         "output" => lsp::SymbolKind::Property,
         "repeat" => lsp::SymbolKind::Array,
+        "component" => lsp::SymbolKind::Struct,
         "require" | "solve" => lsp::SymbolKind::Boolean,
         _ => lsp::SymbolKind::Object,
     };
