@@ -318,7 +318,7 @@ fn equations(options: &Equations, messages: &Messages) -> Status {
         EquationsFormat::Latex => backend::equations::latex(&document),
         EquationsFormat::Typst => backend::equations::typst(&document),
         EquationsFormat::Mathml => backend::equations::mathml(&document),
-        EquationsFormat::Json => backend::equations::json(&document),
+        EquationsFormat::Json => backend::equations::json(equations, &document),
     };
     deliver(options.output.as_deref(), &text).max(status)
 }

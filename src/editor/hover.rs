@@ -6,9 +6,10 @@ use super::pages;
 use super::roles::{Role, Space};
 use super::shown;
 use super::tokens::TokenKind;
+use crate::backend;
 use crate::base::Number;
 use crate::model::scene::{Body, Element, Freedom, Geometry, Law, Scene};
-use crate::model::{Scalar, Value};
+use crate::model::{Overrides, Scalar, Value};
 use crate::system::Origin;
 use std::ops::Range;
 
@@ -118,6 +119,8 @@ fn part(document: &Document, token: usize) -> Option<String> {
         for body in scene.bodies.iter().filter(|body| named(body.name)).take(MANY) {
             markdown += &body_page(scene, body, known.motions.as_ref());
         }
+        let bodies = scene.bodies.iter().filter(|body| named(body.name)).map(|body| scene.words.display(body.name));
+        markdown += &equations(document, known, &bodies.take(MANY).collect::<Vec<String>>());
         markdown += &elements(known, named);
     }
     (!markdown.is_empty()).then_some(markdown)
@@ -150,6 +153,26 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
         text += &shares(motions, "kinetic energy", |mode| {
             mode.kinetic.iter().filter(|share| share.of.name.name == body.name).map(|share| share.part.0).sum()
         });
+    }
+    text
+}
+
+/// Coordinates of a scene whose equations are derived while somebody waits.
+const FEW: usize = 12;
+
+/// The equations of motion of bodies, derived when they are asked for; none where that would take long, or where the text has errors.
+fn equations(document: &Document, known: &Known, bodies: &[String]) -> String {
+    let is_small = known.motions.as_ref().is_some_and(|m| m.system.n() + m.rest.dependent.len() <= FEW);
+    if bodies.is_empty() || !document.is_current || !is_small {
+        return String::new();
+    }
+    let found = crate::equations(&document.sources, document.file, &Overrides::default()).answer;
+    let lines = |of: &[String]| of.iter().map(|line| format!("{line}\n")).collect::<String>();
+    let both = found.map(|found| backend::equations::of_bodies(&found, bodies));
+    let Some((moving, linear)) = both.filter(|(moving, _)| !moving.is_empty()) else { return String::new() };
+    let mut text = format!("equations of motion:\n\n```text\n{}```\n\n", lines(&moving));
+    if !linear.is_empty() && linear != moving {
+        text += &format!("about rest:\n\n```text\n{}```\n\n", lines(&linear));
     }
     text
 }

@@ -1,7 +1,9 @@
-//! Natural frequencies and poles in closed form, part by part: coordinates that no entry joins are parts of their own. In: the
-//! linearised equations; out: for parts of one and two coordinates the characteristic polynomial and what solves it.
+//! Natural frequencies in closed form, part by part: coordinates that no entry joins are parts of their own. In: the linearised equations;
+//! out: for parts of one and two coordinates the characteristic polynomial in symbols and what solves it, for larger ones its numbers.
 
+use super::polynomial::{self, Polynomial};
 use super::{Entry, Equations};
+use crate::base::Number;
 use crate::symbols::{Factor, Product, Sum, Symbol};
 
 /// Coordinates that are coupled.
@@ -9,44 +11,142 @@ use crate::symbols::{Factor, Product, Sum, Symbol};
 pub struct Part {
     /// Their places among the independent coordinates.
     pub places: Vec<usize>,
-    /// det(M s^2 + C s + K) by powers of s, the constant first.
+    /// det(M s^2 + C s + K) by powers of s, the constant first; empty where it is too long or has no symbols.
     pub characteristic: Vec<Sum>,
-    /// Whether C has an entry.
-    pub damped: bool,
+    /// The same with numbers, for parts of more coordinates.
+    pub numbers: Polynomial,
+    /// det(K - omega^2 M) by powers of -omega^2, the constant first.
+    pub undamped: Vec<Sum>,
+    /// What solves it, ascending.
+    pub squares: Vec<Square>,
+    /// c/(2 sqrt(k m)) of a single coordinate with damping.
+    pub damping_ratio: Option<(Sum, Number)>,
+}
+
+/// The square of a natural frequency.
+#[derive(Clone, Debug)]
+pub struct Square {
+    /// In symbols where it is not the root of a quadratic.
+    pub form: Option<Sum>,
+    /// `None` where its enclosure says nothing.
+    pub value: Option<Number>,
 }
 
 /// Terms of a coefficient beyond which a closed form says less than its numbers.
 pub const MOST_TERMS: usize = 16;
+/// Coordinates of a part whose polynomials are written with numbers.
+const MOST_NUMBERS: usize = 8;
 
-/// The parts of one and two coordinates whose closed form is short.
+/// The parts whose closed form is short, and those of a few more coordinates.
 pub fn parts(equations: &Equations) -> Vec<Part> {
     let linear = &equations.linear;
-    // Damping of the whole scene has no symbols in C.
-    if equations.rayleigh.is_some() || equations.modal_damping.is_some() {
-        return Vec::new();
-    }
     let groups = groups(linear.coordinates.len(), &[&linear.mass, &linear.damping, &linear.stiffness]);
-    let short = |part: &Part| part.characteristic.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
-    groups.into_iter().filter(|places| places.len() <= 2).map(|places| part(equations, places)).filter(short).collect()
+    groups.into_iter().filter_map(|places| part(equations, places)).collect()
 }
 
-fn part(equations: &Equations, places: Vec<usize>) -> Part {
+/// An entry of M s^2 + C s + K by powers of s, Rayleigh damping in C; `None` where damping has no entries in symbols.
+pub fn entry(equations: &Equations, i: usize, j: usize) -> Vec<Sum> {
     let linear = &equations.linear;
-    let entry = |matrix: &[Vec<Entry>], i: usize, j: usize| matrix[i][j].sum.clone();
-    let s = |i: usize, j: usize| -> Vec<Sum> {
-        vec![entry(&linear.stiffness, i, j), entry(&linear.damping, i, j), entry(&linear.mass, i, j)]
+    let (mass, stiffness) = (&linear.mass[i][j].sum, &linear.stiffness[i][j].sum);
+    let mut damping = linear.damping[i][j].sum.clone();
+    if let Some((alpha, beta)) = &equations.rayleigh {
+        damping = &damping + &(&(alpha * mass) + &(beta * stiffness));
+    }
+    vec![stiffness.clone(), damping, mass.clone()]
+}
+
+fn part(equations: &Equations, places: Vec<usize>) -> Option<Part> {
+    let has_symbols = equations.modal_damping.is_none();
+    let empty = Part {
+        places: places.clone(),
+        characteristic: Vec::new(),
+        numbers: Vec::new(),
+        undamped: Vec::new(),
+        squares: Vec::new(),
+        damping_ratio: None,
     };
-    let characteristic = match places[..] {
-        [one] => s(one, one),
+    if places.len() > 2 {
+        let numbers = (has_symbols && places.len() <= MOST_NUMBERS).then(|| numbers(equations, &places)).flatten();
+        return numbers.map(|numbers| Part { numbers, ..empty });
+    }
+    let undamped = undamped(equations, &places);
+    let is_short = |sums: &[Sum]| sums.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
+    if !is_short(&undamped) {
+        return None;
+    }
+    let whole = determinant(&|i, j| entry(equations, i, j), &places);
+    let characteristic = if has_symbols && is_short(&whole) { whole } else { Vec::new() };
+    let squares = squares(equations, &undamped);
+    let damping_ratio = if has_symbols { damping_ratio(equations, &places) } else { None };
+    Some(Part { characteristic, undamped, squares, damping_ratio, ..empty })
+}
+
+/// det(K - omega^2 M): stiffness and mass by powers of -omega^2.
+fn undamped(equations: &Equations, places: &[usize]) -> Vec<Sum> {
+    let linear = &equations.linear;
+    determinant(&|i, j| vec![linear.stiffness[i][j].sum.clone(), linear.mass[i][j].sum.clone()], places)
+}
+
+fn determinant(entry: &impl Fn(usize, usize) -> Vec<Sum>, places: &[usize]) -> Vec<Sum> {
+    match *places {
+        [one] => entry(one, one),
         [one, other] => {
-            let straight = product(&s(one, one), &s(other, other));
-            let across = product(&s(one, other), &s(other, one));
+            let straight = product(&entry(one, one), &entry(other, other));
+            let across = product(&entry(one, other), &entry(other, one));
             straight.iter().zip(&across).map(|(a, b)| &a.evaluated() - &b.evaluated()).collect()
         }
         _ => Vec::new(),
+    }
+}
+
+/// What solves a_0 - a_2 omega^2 + a_4 omega^4 = 0.
+fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
+    let names = &equations.names;
+    let quotient = |over: &Sum, under: &Sum| {
+        let form = over.over(under).map(|form| form.simplified());
+        let value = form.as_ref().and_then(|form| names.worth(form));
+        Square { form, value }
     };
-    let damped = places.iter().any(|i| places.iter().any(|j| !linear.damping[*i][*j].sum.is_zero()));
-    Part { places, characteristic, damped }
+    match undamped {
+        [stiffness, mass] => vec![quotient(stiffness, mass)],
+        [zeroth, second, fourth] if zeroth.vanishes() => {
+            vec![Square { form: Some(Sum::ZERO), value: Some(Number::ZERO) }, quotient(second, fourth)]
+        }
+        [zeroth, second, fourth] => {
+            let root = |negative: bool| {
+                let (r, p, q) = (names.worth(zeroth)?, names.worth(second)?, names.worth(fourth)?);
+                let root = (&p.square() - &(&(&q * &r) * &Number::from(4))).sqrt()?;
+                let top = if negative { &p - &root } else { &p + &root };
+                top.checked_div(&(&q + &q))
+            };
+            [true, false].map(|negative| Square { form: None, value: root(negative) }).to_vec()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number)> {
+    let &[one] = places else { return None };
+    let [stiffness, damping, mass] = &entry(equations, one, one)[..] else { return None };
+    if damping.is_zero() {
+        return None;
+    }
+    let critical = equations.names.length(&(stiffness * mass)).scaled(&crate::base::Rational::from(2));
+    let ratio = damping.over(&critical)?.simplified();
+    let value = equations.names.worth(&ratio)?;
+    Some((ratio, value))
+}
+
+/// The characteristic polynomial of a larger part.
+fn numbers(equations: &Equations, places: &[usize]) -> Option<Polynomial> {
+    polynomial::determinant(&matrix_of_numbers(equations, places)?)
+}
+
+/// M s^2 + C s + K of a part with numbers.
+pub fn matrix_of_numbers(equations: &Equations, places: &[usize]) -> Option<Vec<Vec<Polynomial>>> {
+    let worth = |sum: &Sum| equations.names.worth(sum);
+    let cell = |i: usize, j: usize| entry(equations, i, j).iter().map(worth).collect::<Option<Polynomial>>();
+    places.iter().map(|i| places.iter().map(|j| cell(*i, *j)).collect()).collect()
 }
 
 /// The product of two polynomials in s.

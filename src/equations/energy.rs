@@ -30,7 +30,8 @@ pub struct Element {
     pub number: usize,
     pub name: String,
     pub span: Span,
-    pub is_spring: bool,
+    /// Which derivative of the stretch it answers.
+    pub order: Order,
     /// k, c or b.
     pub coefficient: Sum,
     pub stretch: Stretch,
@@ -45,10 +46,8 @@ pub struct Element {
 #[derive(Clone, Debug, Default)]
 pub struct Energies {
     pub kinetic: Sum,
-    /// Those elements whose energy is kinetic, and part of it.
+    /// Inerters whose energy is part of the kinetic energy; those along a line that turns are among `elements`.
     pub inerters: Vec<Element>,
-    /// One of them along a line that turns, whose energy is not written in symbols.
-    pub unwritten: Option<Span>,
     /// Of weights and constant loads, up to a constant.
     pub weights: Sum,
     pub elements: Vec<Element>,
@@ -129,7 +128,7 @@ impl Energies {
             &name,
             names,
         )?;
-        let (is_spring, mut free, mut tension) = (element.law.kind.is_elastic(), Sum::ZERO, Sum::ZERO);
+        let (mut free, mut tension) = (Sum::ZERO, Sum::ZERO);
         if let Stretch::Line { drawn, .. } = &stretch {
             free = drawn.clone();
         }
@@ -157,10 +156,10 @@ impl Energies {
         let idle = matches!(&stretch, Stretch::Plain(plain) if plain.is_zero());
         if !idle {
             let (span, order) = (element.span, element.law.kind.order);
-            let element = Element { number, name, span, is_spring, coefficient, stretch, free, tension };
-            match order {
-                Order::Displacement | Order::Velocity => self.elements.push(element),
-                Order::Acceleration => self.inerter(element, motion),
+            let element = Element { number, name, span, order, coefficient, stretch, free, tension };
+            match (order, &element.stretch) {
+                (Order::Acceleration, Stretch::Plain(_)) => self.inerter(element, motion),
+                _ => self.elements.push(element),
             }
         }
         Some(())
@@ -168,13 +167,7 @@ impl Energies {
 
     /// b (de/dt)^2 / 2.
     fn inerter(&mut self, element: Element, motion: &Motion) {
-        match &element.stretch {
-            Stretch::Plain(stretch) => {
-                let rate = motion.rate(stretch, &Lengths::default());
-                self.kinetic = &self.kinetic + &(&element.coefficient * &rate.square()).halved();
-            }
-            Stretch::Line { .. } => self.unwritten = self.unwritten.or(Some(element.span)),
-        }
+        self.kinetic = &self.kinetic + &element.rate_energy(motion);
         self.inerters.push(element);
     }
 
@@ -229,9 +222,13 @@ impl Energies {
                 return Some(Stretch::Plain(&root - &names.length(&dot(&drawn, &drawn))));
             }
         }
-        let length = Symbol::new(class::LENGTH, self.lengths.0.len());
-        names.set(length, Label::new("l", name), None);
-        self.lengths.0.push((length, square.clone()));
+        let known = self.lengths.0.iter().find(|(_, known)| *known == square).map(|(length, _)| *length);
+        let length = known.unwrap_or_else(|| {
+            let length = Symbol::new(class::LENGTH, self.lengths.0.len());
+            names.set(length, Label::new("l", name), None);
+            self.lengths.0.push((length, square.clone()));
+            length
+        });
         Some(Stretch::Line { length, square, drawn: names.length(&dot(&drawn, &drawn)) })
     }
 
@@ -286,26 +283,6 @@ impl Energies {
     pub fn element_of(&self, number: usize) -> Option<&Element> {
         self.elements.iter().chain(&self.inerters).find(|known| known.number == number)
     }
-
-    /// The potential of springs and loads.
-    pub fn potential(&self) -> Sum {
-        let springs = self.elements.iter().filter(|element| element.is_spring);
-        springs.fold(self.weights.clone(), |sum, spring| &sum + &spring.energy())
-    }
-
-    /// Half the power that dampers take.
-    pub fn dissipation(&self, motion: &Motion) -> Sum {
-        let dampers = self.elements.iter().filter(|element| !element.is_spring);
-        dampers.fold(Sum::ZERO, |sum, damper| {
-            let rate = motion.rate(&damper.stretch.sum(), &self.lengths);
-            &sum + &(&damper.coefficient * &rate.square()).halved()
-        })
-    }
-
-    /// The power of the forces, each times its displacement.
-    pub fn work(&self) -> Sum {
-        self.works.iter().fold(Sum::ZERO, |sum, work| &sum + &(&Sum::name(work.force) * &work.displacement))
-    }
 }
 
 impl Stretch {
@@ -324,6 +301,22 @@ impl Element {
         let stretched = &self.stretch.sum() - &self.free;
         let own = (&self.coefficient * &stretched.square()).halved();
         &own + &(&self.tension * &self.stretch.sum())
+    }
+
+    /// Half the coefficient times the square of the rate of stretch: the energy of an inerter, half the power of a damper.
+    pub fn rate_energy(&self, motion: &Motion) -> Sum {
+        let rate = match &self.stretch {
+            Stretch::Plain(stretch) => motion.rate(stretch, &Lengths::default()),
+            Stretch::Line { length, square, .. } => {
+                let inverse = Sum::name(*length).inverse().unwrap_or_default();
+                &motion.rate(square, &Lengths::default()).halved() * &inverse
+            }
+        };
+        (&self.coefficient * &rate.square()).halved()
+    }
+
+    pub fn is_spring(&self) -> bool {
+        self.order == Order::Displacement
     }
 
     /// k (e - e_free) + T.

@@ -25,10 +25,6 @@ pub enum EquationsError {
         equations: usize,
         most: usize,
     },
-    /// An inerter acts along a line that turns.
-    TurningInerter {
-        span: Span,
-    },
     /// Something in the scene has no form in symbols.
     NoForm {
         span: Span,
@@ -61,10 +57,6 @@ impl EquationsError {
                     "{equations} constraint equations that depend on each other are not solved in symbols; the most are {most}"
                 );
                 Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
-            }
-            EquationsError::TurningInerter { span } => {
-                Diagnostic::error(NO_FORM, *span, "an inerter along a line that turns is not written in symbols")
-                    .help("give it a direction, `along = x`, or use `vibc analyze --matrices` for the numbers")
             }
             EquationsError::NoForm { span } => {
                 Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")

@@ -5,8 +5,9 @@
 //! nothing approximated. Where the lever of a spring or damper turns with the motion, what it adds stays apart as pull times lever.
 
 use super::constraint::Constraint;
-use super::energy::{Energies, Stretch, is_motion};
+use super::energy::{Element, Energies, Stretch, is_motion};
 use super::motion::Motion;
+use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
 /// One equation of motion: `plain + lines = forces`.
@@ -21,7 +22,7 @@ pub struct Equation {
     pub forces: Sum,
 }
 
-/// A spring or damper at work on a coordinate by a lever that the motion changes.
+/// A spring, damper or inerter at work on a coordinate by a lever that the motion changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its place among the elements of the energies.
@@ -51,7 +52,8 @@ pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint
                         lines.push(Line { element: number, slope });
                         continue;
                     }
-                    let force = if element.is_spring { element.pull() } else { &element.coefficient * &rates[number] };
+                    let force =
+                        if element.is_spring() { element.pull() } else { &element.coefficient * &rates[number] };
                     plain = &plain + &(&force * &slope);
                 }
                 Stretch::Line { square, .. } => {
@@ -100,21 +102,33 @@ impl Equation {
 impl Line {
     fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
         let element = &energies.elements[self.element];
-        let (length, square) = match &element.stretch {
-            Stretch::Line { length, square, .. } => (length, square),
-            Stretch::Plain(_) if element.is_spring => return &element.pull() * &self.slope,
-            Stretch::Plain(stretch) => {
-                let rate = motion.rate(stretch, &Lengths::default());
-                return &(&element.coefficient * &rate) * &self.slope;
-            }
-        };
-        let inverse = Sum::name(*length).inverse().unwrap_or_default();
-        let pull = if element.is_spring {
-            element.pull()
-        } else {
-            let rate = motion.rate(square, &Lengths::default()).halved();
-            &(&element.coefficient * &rate) * &inverse
-        };
-        &(&pull * &self.slope) * &inverse
+        let force = &pull(element, motion) * &self.slope;
+        match &element.stretch {
+            Stretch::Line { length, .. } => &force * &Sum::name(*length).inverse().unwrap_or_default(),
+            Stretch::Plain(_) => force,
+        }
+    }
+}
+
+/// What an element pulls with: k (e - e_free) + T, c e' or b e''.
+pub fn pull(element: &Element, motion: &Motion) -> Sum {
+    let none = Lengths::default();
+    match (element.order, &element.stretch) {
+        (Order::Displacement, _) => element.pull(),
+        (Order::Velocity, Stretch::Plain(stretch)) => &element.coefficient * &motion.rate(stretch, &none),
+        (Order::Acceleration, Stretch::Plain(stretch)) => {
+            &element.coefficient * &motion.rate(&motion.rate(stretch, &none), &none)
+        }
+        (order, Stretch::Line { length, square, .. }) => {
+            let inverse = Sum::name(*length).inverse().unwrap_or_default();
+            // l l' = (l^2)'/2, and l l'' = (l^2)''/2 - l'^2
+            let half_rate = motion.rate(square, &none).halved();
+            let rate = &half_rate * &inverse;
+            let whole = match order {
+                Order::Acceleration => &(&motion.rate(&half_rate, &none) - &rate.square()) * &inverse,
+                _ => rate,
+            };
+            &element.coefficient * &whole
+        }
     }
 }

@@ -6,6 +6,7 @@ use super::energy::{Energies, Stretch};
 use super::lagrange::Equation;
 use super::motion::Motion;
 use super::names::{Label, Names, class, still};
+use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
 /// A square matrix of sums, row by row.
@@ -102,7 +103,7 @@ pub fn linear(motion: &Motion, energies: &Energies, equations: &[Equation], at_r
     linear
 }
 
-/// What springs and dampers along lines add.
+/// What springs, dampers and inerters along lines add.
 fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: &AtRest, linear: &mut Linear) {
     for (i, equation) in equations.iter().enumerate() {
         for line in &equation.lines {
@@ -110,11 +111,12 @@ fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: 
                 let [q, ..] = motion.coordinates[j].symbols;
                 let (own, geometric) = line_entry(energies, line, q, at_rest);
                 let element = &energies.elements[line.element];
-                let matrix = if element.is_spring { &mut linear.stiffness } else { &mut linear.damping };
-                matrix[i][j] = &matrix[i][j] + &own;
-                if element.is_spring {
-                    matrix[i][j] = &matrix[i][j] + &geometric;
-                }
+                let matrix = match element.order {
+                    Order::Displacement => &mut linear.stiffness,
+                    Order::Velocity => &mut linear.damping,
+                    Order::Acceleration => &mut linear.mass,
+                };
+                matrix[i][j] = &(&matrix[i][j] + &own) + &geometric;
             }
         }
     }
@@ -128,7 +130,7 @@ fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_
         Stretch::Line { length, square, .. } => (length, square),
         Stretch::Plain(stretch) => {
             let own = &still(&line.slope) * &still(&stretch.derivative(by, &none));
-            let pull = if element.is_spring { at_rest.of(&element.pull()) } else { Sum::ZERO };
+            let pull = if element.is_spring() { at_rest.of(&element.pull()) } else { Sum::ZERO };
             return (&element.coefficient * &own, &pull * &still(&line.slope.derivative(by, &none)));
         }
     };
@@ -138,7 +140,7 @@ fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_
     let both = &(&own * &other) * &per_square;
     let elastic = &element.coefficient * &both;
     let pull = at_rest.of(&element.pull());
-    if pull.is_zero() || !element.is_spring {
+    if pull.is_zero() || !element.is_spring() {
         return (elastic, Sum::ZERO);
     }
     let bend = &still(&line.slope.derivative(by, &none)) - &both;
@@ -158,10 +160,8 @@ fn columns(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest
                 let mut entry = at_rest.of(&equation.plain.derivative(*symbol, lengths));
                 for line in &equation.lines {
                     let (own, geometric) = line_entry(energies, line, coordinate.symbols[0], at_rest);
-                    match (energies.elements[line.element].is_spring, order) {
-                        (true, 0) => entry = &(&entry + &own) + &geometric,
-                        (false, 1) => entry = &entry + &own,
-                        _ => {}
+                    if energies.elements[line.element].order as usize == order {
+                        entry = &(&entry + &own) + &geometric;
                     }
                 }
                 parts[order].push(-&entry);

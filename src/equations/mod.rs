@@ -5,28 +5,34 @@
 //! 2. [`energy`], [`constraint`]: kinetic energy, potential, dissipation, forces, constraint equations
 //! 3. [`lagrange`]: the equations of motion, nothing approximated
 //! 4. [`rest`]: what the rest has to fulfil, and its closed form where there is one
-//! 5. [`linear`], [`reduce`]: the linearised equations, entry by entry
-//! 6. [`verify`]: each entry against the lowered system, the equations of motion against derivatives of the energies
+//! 5. [`loops`]: the same without multipliers, over the independent coordinates
+//! 6. [`linear`], [`reduce`]: the linearised equations, entry by entry
+//! 7. [`closed`], [`transfer`]: natural frequencies, poles, outputs and transfer functions
+//! 8. [`verify`]: each of them against the lowered system, the equations of motion against derivatives of the energies
 //!
 //! Nothing is taken from the lowering but the values of rest and which coordinates are independent; what is found is compared with it.
 
 pub mod closed;
 pub mod constraint;
 pub mod coordinate;
+pub mod elimination;
 pub mod energy;
 pub mod error;
 pub mod lagrange;
 pub mod linear;
+pub mod loops;
 pub mod motion;
 pub mod names;
+pub mod polynomial;
 pub mod reduce;
 pub mod rest;
 pub mod transfer;
 pub mod verify;
 
-use crate::base::{Dimension, Number, Span};
+use crate::base::{Dimension, Number, Rational, Span};
+use crate::elements::Order;
 use crate::lower::Lowered;
-use crate::model::scene::{Damping, Scene};
+use crate::model::scene::{Damping, Geometry, Scene};
 use crate::model::written::{Named, Written, class_of};
 use crate::symbols::{Sum, Symbol};
 use constraint::Constraint;
@@ -48,11 +54,16 @@ pub struct Equations {
     pub energies: Energies,
     pub constraints: Vec<Constraint>,
     pub nonlinear: Vec<Equation>,
+    /// Without multipliers, where there are constraints that are solved in symbols.
+    pub reduced: Option<loops::Reduced>,
     pub rest: Rest,
     pub linear: Linearised,
     /// Names of the inputs and outputs of the scene.
     pub inputs: Vec<String>,
     pub outputs: Vec<transfer::Output>,
+    /// Natural frequencies and poles, and transfer functions.
+    pub parts: Vec<closed::Part>,
+    pub transfers: Vec<transfer::Transfer>,
     /// alpha and beta of Rayleigh damping.
     pub rayleigh: Option<(Sum, Sum)>,
     /// The ratio of modal damping, which has no symbols.
@@ -72,6 +83,8 @@ pub struct Linearised {
     pub inputs: Vec<Column>,
     /// What dependent coordinates are in the independent ones and the prescribed motions, to first order.
     pub dependent: Vec<(usize, Sum)>,
+    /// Velocity ratios that have a name, each with its value in symbols.
+    pub ratios: Vec<(Symbol, Sum)>,
     /// Lengths at rest that have a name, each with its square.
     pub lengths: Vec<(Symbol, Sum)>,
 }
@@ -100,6 +113,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     refuse_large(scene, lowered)?;
     let mut written = written.clone();
     name_gravity(&mut written);
+    name_quotients(scene, &mut written);
     let mut names = Names::new(&written);
     let numbers = rest::numbers(lowered);
     let mut derived = derived(scene, &written, &mut names, &|names, coordinate, index| {
@@ -120,9 +134,26 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     }
     let Derived { motion, energies, constraints, equations } = derived;
     let at_rest = AtRest::new(&energies, &mut names);
-    rest.settle(&at_rest);
+    rest.settle(&at_rest, &names);
     let full = linear::linear(&motion, &energies, &equations, &at_rest);
-    let linear = reduce::reduced(lowered, &motion, &constraints, &equations, &full, &mut names, &mut rest, &at_rest)?;
+    let independent = reduce::independent(lowered, &motion)?;
+    let follows = match constraints.is_empty() {
+        true => None,
+        false => loops::follows(&motion, &constraints, &independent, &mut names),
+    };
+    let in_motion = follows.as_ref().map(|(follows, _)| &follows[..]);
+    let linear = reduce::reduced(
+        independent.clone(),
+        &motion,
+        &constraints,
+        &equations,
+        &full,
+        &mut names,
+        &mut rest,
+        &at_rest,
+        in_motion,
+    )?;
+    let reduced = follows.map(|follows| loops::reduced(&motion, &equations, &independent, follows));
     let rayleigh = written.rayleigh.clone();
     let modal_damping = match &scene.damping {
         Some(Damping::Modal { ratio, .. }) => Some(ratio.clone()),
@@ -138,16 +169,21 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         energies,
         constraints,
         nonlinear: equations,
+        reduced,
         rest,
         linear,
         inputs,
         outputs: Vec::new(),
+        parts: Vec::new(),
+        transfers: Vec::new(),
         rayleigh,
         modal_damping,
         bodies,
     };
     equations.outputs = transfer::outputs(scene, &written, &equations, &at_rest);
-    verify::verify(&equations, lowered)?;
+    equations.parts = closed::parts(&equations);
+    equations.transfers = transfer::transfers(&equations, &equations.parts);
+    verify::verify(&equations, scene, lowered)?;
     Ok(equations)
 }
 
@@ -180,9 +216,6 @@ fn derived(
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;
     let constraints = constraint::constraints(scene, written, &motion, names).ok_or_else(without)?;
-    if let Some(span) = energies.unwritten {
-        return Err(EquationsError::TurningInerter { span });
-    }
     let equations = lagrange::equations(&motion, &energies, &constraints);
     Ok(Derived { motion, energies, constraints, equations })
 }
@@ -196,11 +229,63 @@ fn name_gravity(written: &mut Written) {
     }
     let dimension = Dimension::ACCELERATION;
     // Behind every name of the model.
-    let symbol = Symbol::new(class_of(dimension), usize::MAX);
+    let symbol = Symbol::new(class_of(dimension), Symbol::LAST);
     let (text, value) = ("g".to_string(), Number::from(value));
     written.names.push(Named { symbol, text, value, dimension, definition: None, source: None });
     written.gravity = Some([Sum::ZERO, -&Sum::name(symbol)]);
     written.free_fall = Some(Sum::name(symbol));
+}
+
+/// Masses and coefficients that are quotients without a short decimal get a name: m_chassis for 16975/9.81.
+fn name_quotients(scene: &Scene, written: &mut Written) {
+    let mut made = Vec::new();
+    let taken: Vec<String> = written.names.iter().map(|named| named.text.clone()).collect();
+    let mut name = |sum: &mut Sum, letter: &str, of: String, dimension: Dimension| {
+        let text = format!("{letter}_{of}");
+        let Some(number) = sum.as_number().filter(is_unreadable) else { return };
+        if taken.contains(&text) {
+            return;
+        }
+        // In front of g, behind every name of the model.
+        let symbol = Symbol::new(class_of(dimension), Symbol::LAST - 1 - made.len());
+        let (value, definition) = (Number::from(number), Some(sum.clone()));
+        made.push(Named { symbol, text, value, dimension, definition, source: None });
+        *sum = Sum::name(symbol);
+    };
+    for (body, own) in scene.bodies.iter().zip(&mut written.bodies) {
+        let of = || scene.words.display(body.name);
+        own.mass.iter_mut().for_each(|mass| name(mass, "m", of(), Dimension::MASS));
+        own.inertia.iter_mut().for_each(|inertia| name(inertia, "J", of(), Dimension::INERTIA));
+    }
+    for (element, own) in scene.elements.iter().zip(&mut written.elements) {
+        let (kind, turns) = (element.law.kind, element.geometry == Geometry::Torsion);
+        let dimension = match (kind.order, turns) {
+            (Order::Displacement, false) => Dimension::STIFFNESS,
+            (Order::Displacement, true) => Dimension::TORQUE,
+            (Order::Velocity, false) => Dimension::DAMPING,
+            (Order::Velocity, true) => Dimension::TORSIONAL_DAMPING,
+            (Order::Acceleration, false) => Dimension::MASS,
+            (Order::Acceleration, true) => Dimension::INERTIA,
+        };
+        name(&mut own.coefficient, kind.coefficient().name, scene.words.display(element.name), dimension);
+    }
+    written.names.extend(made);
+}
+
+/// A fraction that has no short decimal and is none of those that people write.
+fn is_unreadable(number: &Rational) -> bool {
+    /// Denominators of fractions that are read at a glance.
+    const MOST: i64 = 60;
+    let Some((_, mut denominator)) = number.to_fraction() else { return true };
+    if denominator <= MOST {
+        return false;
+    }
+    for prime in [2, 5] {
+        while denominator % prime == 0 {
+            denominator /= prime;
+        }
+    }
+    denominator > 1
 }
 
 /// The tensions that hold a drawing have their values from the lowering.

@@ -1,9 +1,9 @@
 //! The names of the equations: parameters as the model has them, coordinates as a textbook writes them, each with its value
 //! where it has one.
 
-use crate::base::Number;
+use crate::base::{Number, Rational};
 use crate::model::written::{Named, Pair, Written, dot};
-use crate::symbols::{Sum, Symbol};
+use crate::symbols::{Factor, Product, Sum, Symbol, common_factors};
 use std::collections::BTreeMap;
 
 /// Classes of names besides those of the model's parameters, in the order of factors.
@@ -18,6 +18,10 @@ pub mod class {
     pub const REST: u8 = 35;
     /// Multipliers of constraints.
     pub const MULTIPLIER: u8 = 36;
+    /// Velocity ratios that change with the motion.
+    pub const RATIO: u8 = 38;
+    /// The same at rest, and ratios that are constant.
+    pub const REST_RATIO: u8 = 39;
     pub const COORDINATE: u8 = 40;
     pub const VELOCITY: u8 = 41;
     pub const ACCELERATION: u8 = 42;
@@ -47,7 +51,12 @@ impl Label {
 
     /// As the model or a plain text would write it: `x_block`.
     pub fn plain(&self) -> String {
-        if self.index.is_empty() { self.word.clone() } else { format!("{}_{}", self.word, self.index) }
+        match &self.index {
+            index if index.is_empty() => self.word.clone(),
+            // A running index: `y_(i-1)`.
+            index if index.contains(['+', '-']) => format!("{}_({index})", self.word),
+            index => format!("{}_{index}", self.word),
+        }
     }
 }
 
@@ -114,7 +123,27 @@ impl Names {
         match square.exact_root() {
             Some(root) if self.worth(&root).is_some_and(|value| value.is_negative()) => -&root,
             Some(root) if self.worth(&root).is_some() => root,
-            _ => square.root(),
+            _ => self.square_root(square),
+        }
+    }
+
+    /// The root with those squares of positive names taken out that all terms share.
+    fn square_root(&self, square: &Sum) -> Sum {
+        let shared = common_factors(square).product;
+        let is_positive = |factor: &Factor| {
+            let value = self.worth(&Sum::term(Product::of(factor.clone(), 1), Rational::ONE));
+            value.is_some_and(|value| value.is_positive())
+        };
+        let even = shared.factors().iter().filter(|(factor, exponent)| {
+            let is_plain = matches!(factor, Factor::Name(_) | Factor::Pi);
+            is_plain && exponent % 2 == 0 && is_positive(factor)
+        });
+        let outside = even.fold(Sum::one(), |product, (factor, exponent)| {
+            &product * &Sum::term(Product::of(factor.clone(), exponent / 2), Rational::ONE)
+        });
+        match outside.inverse() {
+            Some(inverse) => &outside * &(square * &inverse.square()).root(),
+            None => square.root(),
         }
     }
 

@@ -4,23 +4,25 @@
 //! With dq = N dq_i + N_u du along the constraints, M is N^T M N, C likewise, and K is N^T (K + sum lambda grad^2 g) N.
 
 use super::constraint::Constraint;
+use super::elimination::{Rows, solve};
 use super::error::EquationsError;
 use super::lagrange::Equation;
 use super::linear::{AtRest, Column, Linear, Matrix};
+use super::loops::Follow;
 use super::motion::Motion;
-use super::names::{Names, class, still};
+use super::names::{Label, Names, class, still};
 use super::rest::Rest;
 use super::{Entry, Linearised};
-use crate::base::{Number, Span};
+use crate::base::{Number, Rational};
 use crate::lower::Lowered;
-use crate::symbols::{Lengths, Sum, Symbol};
+use crate::symbols::{Factor, Lengths, Product, Sum, Symbol};
 
 /// Constraint equations that are solved together.
 const MOST_EQUATIONS: usize = 12;
 
 #[allow(clippy::too_many_arguments)]
 pub fn reduced(
-    lowered: &Lowered,
+    coordinates: Vec<usize>,
     motion: &Motion,
     constraints: &[Constraint],
     equations: &[Equation],
@@ -28,9 +30,9 @@ pub fn reduced(
     names: &mut Names,
     rest: &mut Rest,
     at_rest: &AtRest,
+    follows_in_motion: Option<&[Follow]>,
 ) -> Result<Linearised, EquationsError> {
     let span = motion.coordinates.first().map_or_else(super::no_span, |coordinate| coordinate.span);
-    let coordinates = independent(lowered, motion, span)?;
     let n = motion.free;
     let none = Lengths::default();
     // Columns: one for each independent coordinate, then one for each prescribed motion.
@@ -40,22 +42,20 @@ pub fn reduced(
         follows[*index][column] = Sum::one();
     }
     let mut stiffness = full.stiffness.clone();
-    let mut dependent = Vec::new();
+    let (mut dependent, mut ratios) = (Vec::new(), Vec::new());
     if !constraints.is_empty() {
         let others: Vec<usize> = (0..n).filter(|index| !coordinates.contains(index)).collect();
         if others.len() > MOST_EQUATIONS && constraints.iter().any(|constraint| !constraint.is_linear) {
             let span = constraints[0].span;
             return Err(EquationsError::LargeLoop { span, equations: others.len(), most: MOST_EQUATIONS });
         }
-        let slope = |constraint: &Constraint, index: usize| {
-            still(&constraint.equation.derivative(motion.coordinates[index].symbols[0], &none))
-        };
         let columns: Vec<usize> = coordinates.iter().copied().chain(n..motion.coordinates.len()).collect();
-        let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
-        let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
-        let rows = constraints.iter().map(|constraint| (left(constraint), right(constraint))).collect();
-        let solved = solve(rows, others.len(), names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
+        let solved = match follows_in_motion {
+            Some(follows) => others.iter().map(|index| at_rest_ratios(follows, *index, &columns)).collect(),
+            None => all_together(motion, constraints, &others, &columns, names)?,
+        };
         for (index, row) in others.iter().zip(solved) {
+            let row = named(row, (*index, &columns), motion, names, &mut ratios);
             let symbols = columns.iter().map(|column| Sum::name(motion.coordinates[*column].symbols[0]));
             let sum = row.iter().zip(symbols).fold(Sum::ZERO, |sum, (entry, symbol)| &sum + &(entry * &symbol));
             dependent.push((*index, sum));
@@ -90,12 +90,75 @@ pub fn reduced(
         coordinates,
         inputs,
         dependent,
+        ratios,
         lengths: full.lengths.clone(),
     })
 }
 
+/// The velocity ratios of a dependent coordinate at rest.
+fn at_rest_ratios(follows: &[Follow], index: usize, columns: &[usize]) -> Vec<Sum> {
+    let follow = follows.iter().find(|follow| follow.coordinate == index);
+    let ratio = |by: &usize| {
+        let found = follow.and_then(|follow| follow.ratios.iter().find(|ratio| ratio.by == *by));
+        found.map_or(Sum::ZERO, |ratio| still(&ratio.form).simplified())
+    };
+    columns.iter().map(ratio).collect()
+}
+
+/// What all dependent coordinates are to first order, solved for together.
+fn all_together(
+    motion: &Motion,
+    constraints: &[Constraint],
+    others: &[usize],
+    columns: &[usize],
+    names: &Names,
+) -> Result<Vec<Vec<Sum>>, EquationsError> {
+    let none = Lengths::default();
+    let slope = |constraint: &Constraint, index: usize| {
+        still(&constraint.equation.derivative(motion.coordinates[index].symbols[0], &none))
+    };
+    let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
+    let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
+    let rows = constraints.iter().map(|constraint| (left(constraint), right(constraint))).collect();
+    solve(rows, others.len(), names).ok_or(EquationsError::NoForm { span: constraints[0].span })
+}
+
+/// Ratios that are long get a name, with their definition beside it: entries that are made of them stay readable.
+fn named(
+    row: Vec<Sum>,
+    (index, columns): (usize, &[usize]),
+    motion: &Motion,
+    names: &mut Names,
+    ratios: &mut Vec<(Symbol, Sum)>,
+) -> Vec<Sum> {
+    let is_long = |form: &Sum| {
+        let divides = |(product, _): &(Product, Rational)| {
+            product.factors().iter().any(|(factor, _)| matches!(factor, Factor::Whole(_)))
+        };
+        form.terms().len() > 2 || form.terms().iter().any(divides)
+    };
+    let label = |index: usize, names: &Names| {
+        let label = names.label(motion.coordinates[index].symbols[0]);
+        if label.index.is_empty() { label.word } else { label.index }
+    };
+    let name = |(form, by): (Sum, &usize)| {
+        if !is_long(&form) {
+            return form;
+        }
+        let own = label(index, names);
+        let index = if columns.len() > 1 { format!("{own},{},0", label(*by, names)) } else { format!("{own},0") };
+        let symbol = Symbol::new(class::REST_RATIO, ratios.len());
+        let value = names.worth(&form);
+        names.set(symbol, Label::new("h", index), value);
+        ratios.push((symbol, form));
+        Sum::name(symbol)
+    };
+    row.into_iter().zip(columns).map(name).collect()
+}
+
 /// The coordinates of the lowered system among those of the motion.
-fn independent(lowered: &Lowered, motion: &Motion, span: Span) -> Result<Vec<usize>, EquationsError> {
+pub fn independent(lowered: &Lowered, motion: &Motion) -> Result<Vec<usize>, EquationsError> {
+    let span = motion.coordinates.first().map_or_else(super::no_span, |coordinate| coordinate.span);
     let place = |coordinate: &crate::system::Coordinate| {
         motion
             .coordinates
@@ -169,53 +232,6 @@ fn inputs(motion: &Motion, full: &Linear, stiffness: &Matrix, follows: &[Vec<Sum
         Column { parts: parts.collect(), ..column.clone() }
     };
     full.inputs.iter().map(column).collect()
-}
-
-type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
-
-/// Solves rows of (left, right) for so many unknowns; rows that say nothing new are left out, and unknowns beyond are zero.
-fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Option<Vec<Vec<Sum>>> {
-    let mut done: Rows = Vec::new();
-    let mut pivots: Vec<usize> = Vec::new();
-    for _ in 0..unknowns {
-        let (row, column) = pivot(&rows, names)?;
-        let (left, right) = rows.swap_remove(row);
-        let inverse = left[column].inverse()?;
-        let scaled =
-            |entries: Vec<Sum>| entries.iter().map(|entry| (entry * &inverse).simplified()).collect::<Vec<Sum>>();
-        let (left, right) = (scaled(left), scaled(right));
-        for (other, values) in rows.iter_mut().chain(&mut done) {
-            let factor = other[column].clone();
-            if factor.is_zero() {
-                continue;
-            }
-            for (entry, own) in other.iter_mut().zip(&left).chain(values.iter_mut().zip(&right)) {
-                *entry = (&*entry - &(&factor * own)).simplified();
-            }
-        }
-        done.push((left, right));
-        pivots.push(column);
-    }
-    let mut solved = vec![Vec::new(); done.first().map_or(0, |(left, _)| left.len())];
-    for ((_, right), column) in done.into_iter().zip(pivots) {
-        solved[column] = right;
-    }
-    Some(solved)
-}
-
-/// The simplest entry that is certainly not zero.
-fn pivot(rows: &Rows, names: &Names) -> Option<(usize, usize)> {
-    let mut best: Option<(usize, (usize, usize))> = None;
-    for (row, (left, _)) in rows.iter().enumerate() {
-        for (column, entry) in left.iter().enumerate() {
-            let usable = names.worth(entry).is_some_and(|value| !value.may_be_zero());
-            let size = if entry.as_number().is_some() { 0 } else { entry.terms().len() };
-            if usable && best.is_none_or(|(least, _)| size < least) {
-                best = Some((size, (row, column)));
-            }
-        }
-    }
-    best.map(|(_, place)| place)
 }
 
 /// The multipliers at rest: G_d^T lambda = -f_d on the dependent coordinates, f what everything else does there.

@@ -22,6 +22,8 @@ pub struct Rest {
     pub closed: Vec<(usize, Sum)>,
     /// Reactions at rest: multiplier and closed form or value.
     pub reactions: Vec<(Symbol, Option<Sum>, Number)>,
+    /// Tensions that hold a drawing, in closed form.
+    pub tensions: Vec<(Symbol, Sum)>,
     /// Whether the numbers of the rest are proven.
     pub proven: bool,
 }
@@ -90,11 +92,27 @@ impl Rest {
     }
 
     /// Lengths at rest in place of their names; conditions that fulfil themselves are none.
-    pub fn settle(&mut self, at_rest: &AtRest) {
+    pub fn settle(&mut self, at_rest: &AtRest, names: &Names) {
         for (_, condition) in &mut self.conditions {
             *condition = at_rest.of(condition).simplified();
         }
         self.conditions.retain(|(_, condition)| !condition.vanishes());
+        let is_unknown = |symbol: Symbol| [class::TENSION, class::MULTIPLIER].contains(&symbol.class());
+        for (_, condition) in &self.conditions {
+            let mut unknown = std::collections::BTreeSet::new();
+            condition.names(&mut |symbol| unknown.extend(is_unknown(symbol).then_some(symbol)));
+            let (Some(symbol), 1) = (unknown.first().copied(), unknown.len()) else { continue };
+            let form = solved_linear(condition, symbol).map(|form| form.simplified());
+            let agrees = |form: &Sum| {
+                names.worth(form).zip(names.value(symbol)).is_some_and(|(worth, value)| (&worth - value).may_be_zero())
+            };
+            if symbol.class() == class::TENSION
+                && !self.tensions.iter().any(|(known, _)| *known == symbol)
+                && let Some(form) = form.filter(agrees)
+            {
+                self.tensions.push((symbol, form));
+            }
+        }
     }
 
     /// Closed forms, one coordinate after the other, each from a condition with one unknown that is left.

@@ -1,21 +1,25 @@
 //! Outputs as linear forms, and transfer functions as quotients of polynomials in s. In: the linearised equations; out: for each input
 //! and output of a part of one or two coordinates a numerator over the part's characteristic polynomial.
 
-use super::closed::{Part, product};
+use super::closed::{self, Part, in_variable, product};
 use super::energy::{Energies, Stretch};
-use super::linear::AtRest;
+use super::linear::{AtRest, Column};
 use super::motion::Motion;
-use super::names::still;
+use super::names::{class, still};
+use super::polynomial::{self, Polynomial};
 use super::{Equations, Linearised};
-use crate::base::Number;
+use crate::base::{Number, Span};
 use crate::model::scene::{Element, Motion as Moved, Scene};
 use crate::model::written::{Pair, Written, WrittenTerm, dot};
-use crate::symbols::{Lengths, Sum};
+use crate::symbols::{Factor, Lengths, Product, Sum, Symbol, common_factors};
 
 /// A linear combination of motions.
 #[derive(Clone, Debug)]
 pub struct Output {
     pub name: String,
+    /// Its place among the outputs of the scene, and in the model.
+    pub number: usize,
+    pub span: Span,
     /// By the order of the derivative: the factor of each independent coordinate.
     pub rows: Vec<Vec<Sum>>,
     /// ... and of each prescribed motion, by its input.
@@ -24,15 +28,21 @@ pub struct Output {
 
 /// The outputs of the scene; those that have no form in symbols are left out.
 pub fn outputs(scene: &Scene, written: &Written, equations: &Equations, at_rest: &AtRest) -> Vec<Output> {
-    let both = scene.outputs.iter().zip(&written.outputs);
-    let output = |(output, terms): (&crate::model::scene::Output, &Vec<WrittenTerm>)| {
+    let both = scene.outputs.iter().zip(&written.outputs).enumerate();
+    let output = |(number, (output, terms)): (usize, (&crate::model::scene::Output, &Vec<WrittenTerm>))| {
         let mut forms = vec![Sum::ZERO; 3];
         for (term, own) in output.terms.iter().zip(terms) {
             let (order, form) = form(scene, equations, &term.motion, (own, written), at_rest)?;
             forms[order] = &forms[order] + &(&own.coefficient * &form);
         }
-        let name = scene.words.display(output.name);
-        Some(combined(name, &forms, &equations.motion, &equations.linear))
+        let output = Output {
+            name: scene.words.display(output.name),
+            number,
+            span: output.span,
+            rows: Vec::new(),
+            direct: Vec::new(),
+        };
+        Some(combined(output, &forms, &equations.motion, &equations.linear))
     };
     both.filter_map(output).collect()
 }
@@ -93,7 +103,7 @@ fn first_order(sum: &Sum, motion: &Motion, lengths: &Lengths, at_rest: &AtRest) 
 }
 
 /// Over the independent coordinates and the prescribed motions.
-fn combined(name: String, forms: &[Sum], motion: &Motion, linear: &Linearised) -> Output {
+fn combined(output: Output, forms: &[Sum], motion: &Motion, linear: &Linearised) -> Output {
     let none = Lengths::default();
     let dependent = |symbol| {
         let found = linear.dependent.iter().find(|(index, _)| motion.coordinates[*index].symbols[0] == symbol);
@@ -110,48 +120,123 @@ fn combined(name: String, forms: &[Sum], motion: &Motion, linear: &Linearised) -
         driven.collect()
     };
     let direct = forms.iter().map(prescribed).collect();
-    Output { name, rows: rows.collect(), direct }
+    Output { rows: rows.collect(), direct, ..output }
 }
 
-/// A transfer function: numerator and denominator by powers of s, the constant first.
+/// A transfer function within a part, over the part's characteristic polynomial.
 #[derive(Clone, Debug)]
 pub struct Transfer {
+    /// Among the parts of the equations.
+    pub part: usize,
     pub input: usize,
-    pub output: String,
+    /// Among the outputs of the equations.
+    pub output: usize,
+    /// By powers of s, the constant first; empty where it has numbers alone.
     pub numerator: Vec<Sum>,
-    pub denominator: Vec<Sum>,
+    /// Numerator and denominator with their common factors cancelled.
+    pub reduced: (Vec<Sum>, Vec<Sum>),
+    /// The numerator of a larger part.
+    pub numbers: Polynomial,
 }
 
-/// The transfer functions within a part: those of the declared outputs, or of the coordinates where none is declared.
-pub fn transfers(equations: &Equations, part: &Part) -> Vec<Transfer> {
+/// The transfer functions within each part, between the inputs and outputs that are declared.
+pub fn transfers(equations: &Equations, parts: &[Part]) -> Vec<Transfer> {
     let mut transfers = Vec::new();
-    for column in &equations.linear.inputs {
-        let drives = |place: &usize| column.parts.iter().any(|entries| !entries[*place].is_zero());
-        if !part.places.iter().any(drives) {
-            continue;
-        }
-        for output in &equations.outputs {
-            let inside = |place: usize| part.places.contains(&place);
-            let touched = |row: &Vec<Sum>| {
-                row.iter().enumerate().filter(|(_, entry)| !entry.is_zero()).all(|(place, _)| inside(place))
-            };
-            if !output.rows.iter().all(touched) || output.rows.iter().flatten().all(Sum::is_zero) {
+    for (number, part) in parts.iter().enumerate() {
+        for column in &equations.linear.inputs {
+            let drives = |place: &usize| column.parts.iter().any(|entries| !entries[*place].is_zero());
+            if !part.places.iter().any(drives) {
                 continue;
             }
-            let numerator = numerator(equations, part, column, output);
-            let denominator = part.characteristic.clone();
-            transfers.push(Transfer { input: column.input, output: output.name.clone(), numerator, denominator });
+            let outputs = equations.outputs.iter().enumerate().filter(|(_, output)| output.is_of(part));
+            transfers
+                .extend(outputs.filter_map(|(output, row)| transfer(equations, (number, part), column, (output, row))));
         }
     }
     transfers
 }
 
-/// p adj(Z) b + d det(Z).
-fn numerator(equations: &Equations, part: &Part, column: &super::linear::Column, output: &Output) -> Vec<Sum> {
-    let linear = &equations.linear;
-    let z = |i: usize, j: usize| -> Vec<Sum> {
-        [&linear.stiffness, &linear.damping, &linear.mass].iter().map(|matrix| matrix[i][j].sum.clone()).collect()
+impl Output {
+    /// Whether it depends on coordinates of a part, and on no others.
+    fn is_of(&self, part: &Part) -> bool {
+        let inside = |(place, entry): (usize, &Sum)| entry.is_zero() || part.places.contains(&place);
+        let rows = || self.rows.iter();
+        rows().all(|row| row.iter().enumerate().all(inside)) && !rows().flatten().all(Sum::is_zero)
+    }
+}
+
+fn transfer(
+    equations: &Equations,
+    (number, part): (usize, &Part),
+    column: &Column,
+    (output, row): (usize, &Output),
+) -> Option<Transfer> {
+    let own = Transfer {
+        part: number,
+        input: column.input,
+        output,
+        numerator: Vec::new(),
+        reduced: Default::default(),
+        numbers: Vec::new(),
     };
+    if !part.characteristic.is_empty() {
+        let numerator = numerator(equations, part, column, row);
+        let reduced = reduced(&numerator, &part.characteristic);
+        return Some(Transfer { numerator, reduced, ..own });
+    }
+    let numbers = (!part.numbers.is_empty()).then(|| numerator_of_numbers(equations, part, column, row)).flatten()?;
+    Some(Transfer { numbers, ..own })
+}
+
+/// Common factors of numerator and denominator cancelled.
+fn reduced(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
+    // Powers of two different variables keep the terms apart.
+    let variables = [0, 1].map(|place| Symbol::new(class::LAPLACE, place + 1));
+    let both = &in_variable(numerator, variables[0]) + &in_variable(denominator, variables[1]);
+    let shared = common_factors(&both);
+    let number = if shared.number.signum() < 0 { -&shared.number } else { shared.number.clone() };
+    let is_variable = |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::LAPLACE);
+    let (_, factors): (Product, Product) = shared.product.split(is_variable);
+    let inverse = Sum::term(factors, number).inverse().unwrap_or_else(Sum::one);
+    let divided = |sums: &[Sum]| sums.iter().map(|sum| sum * &inverse).collect();
+    (divided(numerator), divided(denominator))
+}
+
+/// By Cramer's rule: each column of M s^2 + C s + K in turn replaced by the input's.
+fn numerator_of_numbers(equations: &Equations, part: &Part, column: &Column, output: &Output) -> Option<Polynomial> {
+    let worth = |sum: &Sum| equations.names.worth(sum);
+    let whole = closed::matrix_of_numbers(equations, &part.places)?;
+    let driven =
+        |place: &usize| column.parts.iter().map(|entries| worth(&entries[*place])).collect::<Option<Polynomial>>();
+    let driven: Vec<Polynomial> = part.places.iter().map(driven).collect::<Option<_>>()?;
+    let mut sum = Vec::new();
+    for (index, place) in part.places.iter().enumerate() {
+        let row: Polynomial = output.rows.iter().map(|row| worth(&row[*place])).collect::<Option<_>>()?;
+        if row.iter().all(Number::is_zero) {
+            continue;
+        }
+        let mut replaced = whole.clone();
+        for (cells, driven) in replaced.iter_mut().zip(&driven) {
+            cells[index] = driven.clone();
+        }
+        sum = polynomial::sum(&sum, &polynomial::product(&row, &polynomial::determinant(&replaced)?));
+    }
+    for (order, direct) in output.direct.iter().enumerate() {
+        for (_, entry) in direct.iter().filter(|(input, _)| *input == column.input) {
+            let mut shifted = vec![Number::ZERO; order];
+            shifted.push(worth(entry)?);
+            sum = polynomial::sum(&sum, &polynomial::product(&shifted, &part.numbers));
+        }
+    }
+    while sum.last().is_some_and(Number::is_zero) {
+        sum.pop();
+    }
+    Some(sum)
+}
+
+/// p adj(Z) b + d det(Z).
+fn numerator(equations: &Equations, part: &Part, column: &Column, output: &Output) -> Vec<Sum> {
+    let z = |i: usize, j: usize| closed::entry(equations, i, j);
     let negated = |polynomial: Vec<Sum>| polynomial.iter().map(|sum| -sum).collect::<Vec<Sum>>();
     let b = |place: usize| column.parts.iter().map(|entries| entries[place].clone()).collect::<Vec<Sum>>();
     let p = |place: usize| output.rows.iter().map(|row| row[place].clone()).collect::<Vec<Sum>>();

@@ -8,18 +8,22 @@ use super::Equations;
 use super::error::EquationsError;
 use super::names::still;
 use crate::base::{Number, Rational, Span};
+use crate::elements::Order;
 use crate::lower::Lowered;
+use crate::model::scene::Scene;
 use crate::symbols::{Lengths, Sum, Symbol};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 mod jets;
+mod solutions;
 
 /// Compares everything; the first difference is the error.
-pub fn verify(equations: &Equations, lowered: &Lowered) -> Result<(), EquationsError> {
+pub fn verify(equations: &Equations, scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
     let system = &lowered.system;
     matrices(equations, system)?;
     inputs(equations, system)?;
     rests(equations)?;
+    solutions::verify(equations, scene, system)?;
     jets::verify(equations)
 }
 
@@ -30,7 +34,8 @@ fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), Equation
         for (i, row) in own.iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
                 let other = &theirs[i][j];
-                if !agree(&entry.value, other) {
+                let value = equations.names.worth(&entry.sum).filter(|value| agree(value, &entry.value));
+                if !value.is_some_and(|value| agree(&value, other)) {
                     let labels = [i, j].map(|place| equations.label(place).plain());
                     let what = format!("{name}[{}, {}]", labels[0], labels[1]);
                     let place = place_of(equations, system, (name, form), i, j);
@@ -66,9 +71,15 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
             }
         }
     }
-    for element in energies.elements.iter().filter(|element| element.is_spring == (name == "K") && name != "M") {
+    let order = match name {
+        "K" => Order::Displacement,
+        "C" => Order::Velocity,
+        _ => Order::Acceleration,
+    };
+    let elements = energies.elements.iter().chain(&energies.inerters);
+    for element in elements.filter(|element| element.order == order) {
         let slope = |by: Symbol| element.stretch.sum().derivative(by, &energies.lengths);
-        let own = if element.is_spring {
+        let own = if element.is_spring() {
             element.energy().derivative(a[0], &energies.lengths).derivative(b[0], &energies.lengths)
         } else {
             &(&element.coefficient * &slope(a[0])) * &slope(b[0])

@@ -30,8 +30,11 @@ pub struct Symbol(u32);
 const PLACE_BITS: u32 = 24;
 
 impl Symbol {
+    /// The greatest place.
+    pub const LAST: usize = (1 << PLACE_BITS) - 1;
+
     pub fn new(class: u8, place: usize) -> Symbol {
-        let place = u32::try_from(place).unwrap_or(u32::MAX).min((1 << PLACE_BITS) - 1);
+        let place = u32::try_from(place).unwrap_or(u32::MAX).min(Symbol::LAST as u32);
         Symbol(u32::from(class) << PLACE_BITS | place)
     }
 

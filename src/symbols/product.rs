@@ -141,6 +141,11 @@ impl Product {
         }
     }
 
+    /// The product of two that share no factor.
+    pub fn times(&self, other: &Product) -> Product {
+        self.merged(other)
+    }
+
     /// The factors that are chosen, and the others.
     pub fn split(&self, chosen: impl Fn(&Factor) -> bool) -> (Product, Product) {
         let (yes, no) = self.0.iter().cloned().partition(|(factor, _)| chosen(factor));

@@ -1,7 +1,7 @@
-//! An independent client of the language server: Neovim, driven by `tests/clients/neovim.lua`.
+//! Other programs at what this one writes: a published client at the language server, browsers at figures and equations, LaTeX and Typst at
+//! equations.
 //!
-//! Needs Neovim 0.11 or later as `nvim`, or at the path in `NVIM`: `cargo test` shows it as ignored, `.ci/run` installs
-//! Neovim and runs it.
+//! `cargo test` shows these tests as ignored; `.ci/run` installs what they need and runs them.
 
 use std::fs;
 use std::path::Path;
@@ -80,4 +80,71 @@ fn browsers_draw_figures_alike_and_names_lie_over_nothing() {
     let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
     let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
     assert!(run.status.success(), "{said}{failed}");
+}
+
+/// The equations of every example and drawing in a form, one file each.
+fn write_equations(format: &str, ending: &str, folder: &Path) -> usize {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut written = 0;
+    for models in ["examples", "tests/drawings"] {
+        for entry in fs::read_dir(root.join(models)).expect("a folder of models") {
+            let model = entry.expect("an entry").path();
+            if model.extension().is_none_or(|extension| extension != "vib") {
+                continue;
+            }
+            let to = folder.join(model.file_stem().expect("a name")).with_extension(ending);
+            let run = Command::new(env!("CARGO_BIN_EXE_vibc"))
+                .args(["equations", "--format", format, "-o"])
+                .args([&to, &model])
+                .output()
+                .expect("the program starts");
+            assert!(run.status.success(), "{}: {}", model.display(), String::from_utf8_lossy(&run.stderr));
+            written += 1;
+        }
+    }
+    assert!(written > 20, "{written}");
+    written
+}
+
+/// Fractions, dots, indices and matrices where they belong, at two widths: `tests/clients/equations.mjs`.
+#[test]
+#[ignore = "needs node with playwright-core below PLAYWRIGHT, and Chromium"]
+fn a_browser_lays_out_the_equations() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write_equations("mathml", "html", folder.path());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients/equations.mjs");
+    let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+}
+
+#[test]
+#[ignore = "needs pdflatex with amsmath"]
+fn latex_sets_the_equations() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write_equations("latex", "tex", folder.path());
+    for entry in fs::read_dir(folder.path()).expect("the folder").collect::<Vec<_>>() {
+        let file = entry.expect("an entry").path();
+        let run = Command::new("pdflatex")
+            .args(["-interaction=nonstopmode", "-halt-on-error"])
+            .arg(&file)
+            .current_dir(folder.path())
+            .output()
+            .expect("pdflatex starts");
+        let said = String::from_utf8_lossy(&run.stdout);
+        assert!(run.status.success() && file.with_extension("pdf").exists(), "{}\n{said}", file.display());
+    }
+}
+
+/// `TYPST` names a Python that has the package `typst`.
+#[test]
+#[ignore = "needs Python with the package typst, as `python3` or as TYPST says"]
+fn typst_sets_the_equations() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let written = write_equations("typst", "typ", folder.path());
+    let python = std::env::var("TYPST").unwrap_or_else(|_| "python3".into());
+    let script = "import sys, glob, typst\nfiles = glob.glob(sys.argv[1] + '/*.typ')\nfor file in files:\n    assert typst.compile(file, format='pdf')[:5] == b'%PDF-', file\nprint(len(files))";
+    let run = Command::new(python).args(["-c", script]).arg(folder.path()).output().expect("Python starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && said.trim() == written.to_string(), "{said}{failed}");
 }

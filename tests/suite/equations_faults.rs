@@ -22,6 +22,28 @@ spring s: ground@(-1 m, 0) -- cart { k = k }
 spring v: ground@(1 m, -L) -- rod@(0, -L) { k = k }
 damper d: ground@(1 m, -L) -- rod@(0, -L) { c = c }
 force  F: rod@(0, -L) along x
+output sway = cart.x
+output pull = d.force
+";
+
+/// A linkage, in which two angles follow a third, and a coupled roller with a damper.
+const LOOP: &str = "param m = 6 kg
+param l = 3 kg
+param c = 2 N*s/m
+param k = 50 N/m
+gravity 9.81 m/s^2
+body left  { mass = l, shape = rod((0, 0), (1 m, -2 m)) }
+body bar   { mass = m, shape = rod((1 m, -2 m), (3 m, -2 m)) }
+body right { mass = l, shape = rod((3 m, -2 m), (4 m, 0)) }
+pivot a: ground@(0, 0) -- left
+pivot b: left@(1 m, -2 m) -- bar
+pivot q: bar@(3 m, -2 m) -- right
+pivot d: right@(4 m, 0) -- ground
+body wheel { mass = m, moves x, at = (9 m, 0) }
+spring s: ground@(8 m, 0) -- wheel { k = k }
+damper e: ground@(8 m, 0) -- wheel { c = c }
+force  F: bar along x
+output sway = bar.x
 ";
 
 struct Scene {
@@ -31,8 +53,12 @@ struct Scene {
 }
 
 fn scene() -> Scene {
+    scene_of(MODEL)
+}
+
+fn scene_of(model: &str) -> Scene {
     let mut sources = Sources::new();
-    let file = sources.add(SourceFile::model("faults.vib", MODEL));
+    let file = sources.add(SourceFile::model("faults.vib", model));
     let tree = vibc::syntax::parse(&sources, file).tree;
     let (checked, written) = model::check_written(&sources, &tree, &Overrides::default(), &[]);
     let (checked, written) = (checked.scene.expect("a sound model"), written.expect("its expressions"));
@@ -195,25 +221,100 @@ fn ten_faults_in_the_symbols_are_reported() {
     }
 }
 
-/// The equations of motion are compared with derivatives of the energies: a changed term in one of them is found.
+/// A fault in one thing that was derived, and the place in the model where it is reported.
+type Fault = (&'static str, fn(&mut Equations), &'static str);
+
+fn doubled(sum: &mut Sum) {
+    *sum = sum.scaled(&Rational::from(2));
+}
+
+fn assert_reported(scene: &Scene, faults: &[Fault]) {
+    let lowered = scene.lowered();
+    let sound = scene.derive(&scene.written, &lowered).expect("no defect");
+    let verify = |equations: &Equations| verify::verify(equations, scene.checked.scene(), &lowered);
+    verify(&sound).expect("no defect");
+    for (name, fault, place) in faults {
+        let mut faulty = sound.clone();
+        fault(&mut faulty);
+        assert_eq!(scene.place(verify(&faulty).expect_err(name)), *place, "{name}");
+    }
+}
+
+/// Ten faults in what is derived from the energies, besides those in what it is derived from.
+#[test]
+fn ten_faults_in_the_derived_symbols_are_reported_where_they_are() {
+    let faults: [Fault; 10] = [
+        ("an entry of M", |e| doubled(&mut e.linear.mass[1][1].sum), "rod"),
+        ("the sign of an entry of C", |e| e.linear.damping[1][1].sum = -&e.linear.damping[1][1].sum, "rod"),
+        ("the curvature in K", |e| e.linear.stiffness[1][1].sum = Sum::ZERO, "rod"),
+        ("the column of an input", |e| doubled(&mut e.linear.inputs[0].parts[0][1]), "rod"),
+        ("the row of an output", |e| e.outputs[0].rows[0][0] = -&e.outputs[0].rows[0][0], "sway"),
+        ("the row of a force", |e| e.outputs[1].rows[1][1] = Sum::ZERO, "pull"),
+        (
+            "a natural frequency",
+            |e| {
+                let value = e.parts[0].squares[0].value.as_mut().expect("a frequency");
+                *value = &*value * &Number::from(Rational::new(1001, 1000));
+            },
+            "cart",
+        ),
+        ("a numerator", |e| doubled(&mut e.transfers[0].reduced.0[0]), "sway"),
+        ("a denominator", |e| e.transfers[0].reduced.1[2] = Sum::ZERO, "sway"),
+        ("the kinetic energy", |e| doubled(&mut e.energies.kinetic), "cart"),
+    ];
+    assert_reported(&scene(), &faults);
+}
+
+#[test]
+fn faults_in_what_loops_and_dampers_give_are_reported() {
+    let faults: [Fault; 5] = [
+        ("a velocity ratio", |e| doubled(&mut e.reduced.as_mut().expect("a loop").follows[0].ratios[0].form), "q"),
+        (
+            "a term without multipliers",
+            |e| doubled(&mut e.reduced.as_mut().expect("a loop").equations[0].plain),
+            "left",
+        ),
+        (
+            "the force without multipliers",
+            |e| e.reduced.as_mut().expect("a loop").equations[0].forces = Sum::ZERO,
+            "left",
+        ),
+        ("the slope of a constraint", |e| doubled(&mut e.nonlinear[0].reactions[0].1), "left"),
+        (
+            "a damping ratio",
+            |e| {
+                let part = e.parts.iter_mut().find(|part| part.damping_ratio.is_some()).expect("a damped part");
+                let ratio = part.damping_ratio.as_mut().expect("a ratio");
+                ratio.1 = -&ratio.1;
+            },
+            "wheel",
+        ),
+    ];
+    assert_reported(&scene_of(LOOP), &faults);
+}
+
+/// The equations of motion are held against derivatives of the energies: a term that is changed in one of them is found.
 #[test]
 fn faults_in_the_equations_of_motion_are_reported() {
     let scene = scene();
     let lowered = scene.lowered();
     let sound = scene.derive(&scene.written, &lowered).expect("no defect");
-    verify::verify(&sound, &lowered).expect("no defect");
-    for index in 0..2 {
+    let verify = |equations: &Equations| verify::verify(equations, scene.checked.scene(), &lowered);
+    for (index, body) in ["cart", "rod"].into_iter().enumerate() {
         for place in 0..sound.nonlinear[index].plain.terms().len() {
             let mut faulty = sound.clone();
             let mut terms = sound.nonlinear[index].plain.terms().to_vec();
             terms[place].1 = -&terms[place].1;
             faulty.nonlinear[index].plain = Sum::of_terms(terms);
-            assert!(verify::verify(&faulty, &lowered).is_err(), "term {place} of equation {index}");
+            let error = verify(&faulty).expect_err("a changed term");
+            assert_eq!(scene.place(error), body, "term {place}");
         }
         let mut faulty = sound.clone();
         for line in &mut faulty.nonlinear[index].lines {
             line.slope = line.slope.scaled(&Rational::from(2));
         }
-        assert!(verify::verify(&faulty, &lowered).is_err(), "slopes of equation {index}");
+        if !faulty.nonlinear[index].lines.is_empty() {
+            assert_eq!(scene.place(verify(&faulty).expect_err("changed slopes")), body);
+        }
     }
 }

@@ -1,5 +1,4 @@
-//! The output shown in the README and the tutorial is that of the program. `UPDATE_DOCS=1 cargo test readme` rewrites
-//! it.
+//! What the README, the tutorial and the page on equations print is what the program prints. `UPDATE_DOCS=1 cargo test readme` writes it anew.
 
 use super::documents::{blocks, page, root};
 use std::fs;
@@ -94,6 +93,11 @@ fn the_readme_shows_what_the_program_prints() {
 fn the_tutorial_shows_what_the_program_prints() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     follow("docs/tutorial.md", folder.path());
+}
+
+#[test]
+fn the_page_on_equations_shows_what_the_program_prints() {
+    follow("docs/equations.md", root());
 }
 
 #[test]

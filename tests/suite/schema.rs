@@ -98,6 +98,11 @@ fn time_responses_have_the_published_form() {
 }
 
 #[test]
+fn equations_have_the_published_form() {
+    validate("equations", &[]);
+}
+
+#[test]
 fn diagnostics_have_the_published_form() {
     let form = Form::published("diagnostic");
     let folder = root().join("tests/diagnostics");

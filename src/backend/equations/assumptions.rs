@@ -1,16 +1,17 @@
 //! Section 1: assumptions, coordinates with a sentence each, and the meaning of names.
 
 use super::document::{DIGITS, Inline, Item, Section, Writer, paragraph, words};
-use super::formula::Formula;
+use super::fold;
+use super::formula::{Formula, Running, Shown, shown};
 use crate::backend::decimal::certain_number;
 use crate::base::Dimension;
 use crate::equations::coordinate::Coordinate;
 use crate::equations::energy::Stretch;
+use crate::equations::names::Label;
 use crate::symbols::{Sum, Symbol};
 
 impl Writer<'_> {
     pub fn assumptions(&self) -> Section {
-        let motion = &self.equations.motion;
         let mut items = vec![paragraph(
             "Bodies are rigid, joints without friction, and the motion stays in the plane. x points right, y up; angles are positive \
              counter-clockwise. Springs and dampers follow their laws at any displacement; the linearised equations keep terms of \
@@ -22,15 +23,29 @@ impl Writer<'_> {
         } else {
             "Coordinates are measured from rest, which differs from the scene as drawn by the values of section 4."
         }));
-        for (index, coordinate) in motion.coordinates.iter().enumerate() {
-            let what = self.described(index, coordinate);
-            items.push(Item::Paragraph(vec![
-                Inline::Formula(self.name(coordinate.symbols[0])),
-                words(format!(": {what}")),
-            ]));
-        }
+        items.extend(self.sentences());
         items.extend(self.names());
         Section { heading: "1 Assumptions and coordinates", items }
+    }
+
+    /// A sentence for each coordinate; those of a `repeat` together.
+    fn sentences(&self) -> Vec<Item> {
+        let both = |(index, coordinate): (usize, &Coordinate)| {
+            let what = Formula::Name(Label::new(self.described(index, coordinate), ""));
+            Formula::Product(vec![self.name(coordinate.symbols[0]), what])
+        };
+        let rows = self.equations.motion.coordinates.iter().enumerate().map(both).collect();
+        let sentence = |(formula, running): (Formula, Option<Running>)| {
+            let Formula::Product(parts) = formula else { return paragraph("") };
+            let mut parts = parts.into_iter();
+            let (Some(name), Some(Formula::Name(Label { word, .. }))) = (parts.next(), parts.next()) else {
+                return paragraph("");
+            };
+            let range = running.map(|Running { index, first, last }| format!(", {index} = {first}, ..., {last}"));
+            let range = range.unwrap_or_default();
+            Item::Paragraph(vec![Inline::Formula(name), words(format!(": {word}{range}"))])
+        };
+        fold::rows(rows, fold::index_letter(&self.equations.names)).into_iter().map(sentence).collect()
     }
 
     fn described(&self, index: usize, coordinate: &Coordinate) -> String {
@@ -60,7 +75,8 @@ impl Writer<'_> {
                     Dimension::FREQUENCY => "1/s".to_string(),
                     dimension => dimension.usual_unit(),
                 };
-                let note = if definition.as_number().is_some() { unit } else { format!("{value} {unit}") };
+                let is_read = definition.as_number().is_some_and(|number| matches!(shown(&number), Shown::Whole(_)));
+                let note = if is_read { unit } else { format!("{value} {unit}") };
                 items.push(Item::Formula {
                     formula: name.equal(self.build.sum(definition)),
                     note: vec![words(note.trim())],
@@ -81,7 +97,7 @@ impl Writer<'_> {
     }
 
     fn is_made_up(&self, symbol: Symbol) -> bool {
-        symbol.place() == Symbol::new(0, usize::MAX).place()
+        symbol.place() == Symbol::LAST
     }
 
     /// Names that occur in the energies or equations, including those in definitions.

@@ -5,7 +5,7 @@ use super::formula::{Formula, Shown, shown};
 use crate::base::Rational;
 use crate::equations::energy::is_motion;
 use crate::equations::names::{Names, class};
-use crate::symbols::{Factor, Product, Sum, common_factors};
+use crate::symbols::{Factor, Product, Sum, Symbol, common_factors};
 
 /// The position of a numerical fraction: `1/2 m x'^2` or `m x''/2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +42,7 @@ impl<'a> Builder<'a> {
         match sum.terms() {
             [] => (false, Formula::zero()),
             [(product, coefficient)] => (coefficient.signum() < 0, self.term(product, &absolute(coefficient), &[])),
+            _ if let Some(square) = self.wave_squared(sum) => square,
             _ => {
                 let factored = common_factors(sum);
                 if factored.squared {
@@ -50,7 +51,8 @@ impl<'a> Builder<'a> {
                     return (factored.number.signum() < 0, term);
                 }
                 let whole = factored.rest.scaled(&factored.number);
-                let number = taken_out(&whole);
+                let is_divided = factored.product.factors().iter().any(|(_, exponent)| *exponent < 0);
+                let number = if is_divided { over_one_bar(&whole) } else { taken_out(&whole) };
                 let mut inner = whole.scaled(&number.recip().unwrap_or(Rational::ONE));
                 let all_negative = inner.terms().iter().all(|(_, c)| c.signum() < 0);
                 if all_negative {
@@ -77,7 +79,7 @@ impl<'a> Builder<'a> {
                 let parts = rest.terms().iter();
                 terms.extend(parts.map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))));
             } else {
-                let (negative, coefficient) = self.coefficient(&rest);
+                let (negative, coefficient) = self.signed(&rest);
                 terms.push((negative, self.with_coefficient(coefficient, &moving)));
             }
         }
@@ -119,26 +121,85 @@ impl<'a> Builder<'a> {
         (found, left)
     }
 
-    /// A coefficient in front of a factor, with its sign; one is omitted.
-    fn coefficient(&self, sum: &Sum) -> (bool, Formula) {
-        self.signed(sum)
-    }
-
     fn with_coefficient(&self, coefficient: Formula, moving: &Product) -> Formula {
         Formula::product(vec![coefficient, self.term(moving, &Rational::ONE, &[])])
     }
 
-    /// Terms collected by their moving factors, in the order of `rank`, each with its sign.
+    /// c (1 + cos(2 a)) as 2 c cos(a)^2, and c (1 - cos(2 a)) as 2 c sin(a)^2.
+    fn wave_squared(&self, sum: &Sum) -> Option<(bool, Formula)> {
+        let [(plain, first), (waved, second)] = sum.terms() else { return None };
+        let (wave, others) = waved.split(|factor| matches!(factor, Factor::Cosine(_)));
+        let [(Factor::Cosine(angle), 1)] = wave.factors() else { return None };
+        let is_even = |c: &Rational| c.is_integer() && (c * &Rational::new(1, 2)).is_integer();
+        if others != *plain || absolute(first) != absolute(second) || !angle.terms().iter().all(|(_, c)| is_even(c)) {
+            return None;
+        }
+        let is_sine = first.signum() != second.signum();
+        let function = if is_sine { "sin" } else { "cos" };
+        let wave = Formula::Call(function, vec![self.inner().sum(&angle.halved())]);
+        let square = Formula::Power(Box::new(wave), 2);
+        let coefficient = &absolute(first) + &absolute(first);
+        Some((first.signum() < 0, Formula::product(vec![self.term(plain, &coefficient, &[]), square])))
+    }
+
+    /// Terms collected by what moves in them; each with its sign.
     pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
-        let parts = sum.collected(|factor| factor.mentions(&is_dynamic));
-        let terms = parts.into_iter().map(|(moving, rest)| {
-            let (negative, coefficient) = self.coefficient(&rest);
-            if moving.is_one() {
-                return (negative, coefficient);
+        let is_wave =
+            |factor: &Factor| matches!(factor, Factor::Cosine(_) | Factor::Sine(_)) && factor.mentions(&is_dynamic);
+        let mut terms = Vec::new();
+        for (wave, rest) in sum.collected(is_wave) {
+            let parts = rest.collected(|factor| factor.mentions(&is_dynamic));
+            if wave.is_one() {
+                terms.extend(self.from_rest(parts));
+                continue;
             }
-            (negative, self.with_coefficient(coefficient, &moving))
-        });
-        terms.collect()
+            if parts.len() > 1 {
+                // m g (r + s) cos(theta), not m g r cos(theta) + m g s cos(theta).
+                let (negative, front) = self.signed(&rest);
+                terms.push((negative, self.with_coefficient(front, &wave)));
+                continue;
+            }
+            for (moving, rest) in parts {
+                let (negative, coefficient) = self.signed(&rest);
+                terms.push((negative, self.with_coefficient(coefficient, &moving.times(&wave))));
+            }
+        }
+        terms
+    }
+
+    /// Terms without waves: where a coordinate and its value at rest have one coefficient they stand together, k (x_0 + x).
+    fn from_rest(&self, parts: Vec<(Product, Sum)>) -> Vec<(bool, Formula)> {
+        let (constant, moving): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(moving, _)| moving.is_one());
+        let mut constant = constant.into_iter().map(|(_, rest)| rest).next().unwrap_or_default();
+        let mut terms = Vec::new();
+        for (moving, rest) in moving {
+            let (negative, coefficient) = self.signed(&rest);
+            if let Some(at_rest) = at_rest(&moving) {
+                let share = &rest * &Sum::name(at_rest);
+                let left = &constant - &share;
+                if left.terms().len() + share.terms().len() == constant.terms().len() {
+                    constant = left;
+                    let both = [Sum::name(at_rest), Sum::term(moving, Rational::ONE)];
+                    let both = both.map(|sum| (negative, self.sum(&sum)));
+                    if matches!(&coefficient, Formula::Number(number) if number.is_one()) {
+                        terms.extend(both);
+                        continue;
+                    }
+                    let both = both.map(|(_, formula)| (false, formula)).to_vec();
+                    terms.push((negative, Formula::product(vec![coefficient, Formula::Sum(both)])));
+                    continue;
+                }
+            }
+            terms.push((negative, self.with_coefficient(coefficient, &moving)));
+        }
+        if !constant.is_zero() {
+            let own = match self.signed(&constant) {
+                (false, Formula::Sum(own)) => own,
+                one => vec![one],
+            };
+            terms.splice(0..0, own);
+        }
+        terms
     }
 
     /// Terms collected by the rates in them: squares and products in the order of the coordinates.
@@ -150,7 +211,7 @@ impl<'a> Builder<'a> {
         let mut parts = sum.collected(is_rate);
         parts.sort_by_key(|(moving, _)| rates(moving));
         let term = |(moving, rest): (Product, Sum)| {
-            let (negative, coefficient) = self.coefficient(&rest);
+            let (negative, coefficient) = self.signed(&rest);
             (negative, self.with_coefficient(coefficient, &moving))
         };
         parts.into_iter().map(term).collect()
@@ -164,7 +225,8 @@ impl<'a> Builder<'a> {
             Shown::Whole(text) if text == "1" => {}
             Shown::Whole(text) => over.push((0, number(&text, coefficient))),
             Shown::Fraction(numerator, denominator) => {
-                if self.fractions == Fractions::InFront {
+                let is_divided = product.factors().iter().any(|(_, exponent)| *exponent < 0);
+                if self.fractions == Fractions::InFront && !is_divided {
                     let fraction = Formula::quotient(plain(&numerator), plain(&denominator));
                     front = Some(fraction);
                 } else {
@@ -231,8 +293,18 @@ impl<'a> Builder<'a> {
     }
 }
 
+/// The value at rest of the coordinate that a product is.
+fn at_rest(product: &Product) -> Option<Symbol> {
+    match product.factors() {
+        [(Factor::Name(symbol), 1)] if symbol.class() == class::COORDINATE => {
+            Some(Symbol::new(class::REST, symbol.place()))
+        }
+        _ => None,
+    }
+}
+
 /// The rates in a product, each as often as it is a factor: squares and products in the order of the coordinates.
-fn rates(product: &Product) -> Vec<crate::symbols::Symbol> {
+fn rates(product: &Product) -> Vec<Symbol> {
     let of = |(factor, exponent): &(Factor, i32)| match factor {
         Factor::Name(symbol) if [class::VELOCITY, class::PRESCRIBED_VELOCITY].contains(&symbol.class()) => {
             vec![*symbol; exponent.unsigned_abs() as usize]
@@ -258,7 +330,7 @@ fn rank(factor: &Factor) -> u8 {
 }
 
 /// Whether a name is a motion, a force or a multiplier.
-pub fn is_dynamic(symbol: crate::symbols::Symbol) -> bool {
+pub fn is_dynamic(symbol: Symbol) -> bool {
     is_motion(symbol) || [class::FORCE, class::MULTIPLIER, class::LENGTH_RATE].contains(&symbol.class())
 }
 
@@ -274,7 +346,18 @@ fn number(text: &str, value: &Rational) -> Formula {
     if value.is_integer() { Formula::Number(value.clone()) } else { Formula::Decimal(text.to_string()) }
 }
 
-/// The largest common denominator that is easy to read.
+/// What is taken out of a sum that stands over a fraction bar: nobody writes quotients on it.
+fn over_one_bar(sum: &Sum) -> Rational {
+    let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
+    let Some(fractions) = fractions else { return Rational::ONE };
+    let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);
+    let common = fractions
+        .iter()
+        .try_fold(1i64, |all, (_, denominator)| all.checked_mul(denominator / num_integer::gcd(all, *denominator)));
+    common.map_or(Rational::ONE, |common| Rational::new(shared, common))
+}
+
+/// Common denominators that are still read at a glance.
 const MOST_COMMON: i64 = 60;
 
 /// The number that is factored out: the common divisor of all numerators, over a denominator that all terms have.

@@ -2,6 +2,7 @@
 
 use super::build::Builder;
 use super::formula::Formula;
+use super::text;
 use crate::equations::Equations;
 use crate::equations::coordinate::Coordinate;
 use crate::equations::names::Label;
@@ -54,6 +55,16 @@ pub fn document(equations: &Equations) -> Document {
     let title =
         format!("{} · equations of motion, {n} {}", equations.model, if n == 1 { "freedom" } else { "freedoms" });
     Document { title, sections: sections.into_iter().filter(|section| !section.items.is_empty()).collect() }
+}
+
+/// The equations of the coordinates of some bodies, one a line: before anything is linearised, and about rest.
+pub fn of_bodies(equations: &Equations, bodies: &[String]) -> (Vec<String>, Vec<String>) {
+    let writer = Writer { equations, build: Builder::new(&equations.names) };
+    let is_own = |index: usize| bodies.contains(&equations.bodies[index]);
+    let moving = equations.nonlinear.iter().filter(|equation| is_own(equation.coordinate));
+    let moving = moving.map(|equation| text::formula(&writer.equation(equation))).collect();
+    let linear = equations.linear.coordinates.iter().enumerate().filter(|(_, index)| is_own(**index));
+    (moving, linear.map(|(place, _)| text::formula(&writer.linear_equation(place))).collect())
 }
 
 pub struct Writer<'a> {

@@ -10,7 +10,8 @@ pub fn mathml(document: &Document) -> String {
     let title = escaped(&document.title);
     let head = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>body {{ max-width: 60rem; \
-         margin: 2rem auto; padding: 0 1rem; font-family: serif; }} math[display=block] {{ margin: 0.6rem 0; overflow-x: auto; \
+         margin: 2rem auto; padding: 0 1rem; font-family: serif; }} h1 {{ font-size: 1.5rem; overflow-wrap: anywhere; }} \
+         math[display=block] {{ margin: 0.6rem 0; overflow-x: auto; \
          overflow-y: hidden; }}</style>\n</head>\n<body>\n"
     );
     format!("{head}{}</body>\n</html>\n", write::document(&MathMl, document))

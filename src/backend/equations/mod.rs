@@ -4,6 +4,7 @@
 mod assumptions;
 mod build;
 mod document;
+mod fold;
 mod formula;
 mod json;
 mod latex;
@@ -15,7 +16,7 @@ mod text;
 mod typst;
 mod write;
 
-pub use document::{Document, Section, document};
+pub use document::{Document, Section, document, of_bodies};
 pub use json::json;
 pub use latex::latex;
 pub use mathml::{mathml, section as mathml_section};

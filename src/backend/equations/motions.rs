@@ -1,10 +1,13 @@
 //! Sections 2 and 3: energies, dissipation and forces, and the equations of motion before anything is linearised.
 
 use super::build::is_dynamic;
-use super::document::{Inline, Item, Section, Writer, display, words};
-use super::formula::Formula;
+use super::document::{Inline, Item, Section, Writer, display, paragraph, words};
+use super::fold;
+use super::formula::{Formula, Running};
+use crate::elements::Order;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
+use crate::equations::loops::Ratio;
 use crate::equations::names::{Label, class, still};
 use crate::symbols::{Factor, Lengths, Sum, Symbol};
 
@@ -12,21 +15,27 @@ impl Writer<'_> {
     pub fn energies(&self) -> Section {
         let energies = &self.equations.energies;
         let build = self.build.in_front();
-        let mut items = vec![display(self.letter("T", None).equal(Formula::sum(build.by_rates(&energies.kinetic))))];
+        let mut kinetic = build.by_rates(&energies.kinetic);
+        for inerter in merged(&energies.elements, Order::Acceleration) {
+            kinetic.extend(self.rate_energy(&inerter));
+        }
+        let letter = fold::index_letter(&self.equations.names);
+        let folded = |terms| Formula::sum(fold::terms(terms, letter));
+        let mut items = vec![display(self.letter("T", None).equal(folded(kinetic)))];
         let mut potential = build.collected(&energies.weights);
-        for spring in energies.elements.iter().filter(|element| element.is_spring) {
-            potential.extend(self.spring_energy(spring));
+        for spring in merged(&energies.elements, Order::Displacement) {
+            potential.extend(self.spring_energy(&spring));
         }
         if !potential.is_empty() {
             potential.sort_by_key(|(negative, _)| *negative);
-            items.push(display(self.letter("V", None).equal(Formula::sum(potential))));
+            items.push(display(self.letter("V", None).equal(folded(potential))));
         }
         let mut dissipation = Vec::new();
-        for damper in energies.elements.iter().filter(|element| !element.is_spring) {
-            dissipation.extend(self.damper_power(damper));
+        for damper in merged(&energies.elements, Order::Velocity) {
+            dissipation.extend(self.rate_energy(&damper));
         }
         if !dissipation.is_empty() {
-            items.push(display(self.letter("D", None).equal(Formula::sum(dissipation))));
+            items.push(display(self.letter("D", None).equal(folded(dissipation))));
         }
         for equation in &self.equations.nonlinear {
             if !equation.forces.is_zero() {
@@ -60,17 +69,18 @@ impl Writer<'_> {
         terms
     }
 
-    fn damper_power(&self, damper: &Element) -> Vec<(bool, Formula)> {
-        match &damper.stretch {
+    /// `1/2 c l'^2`: half the power of a damper, the energy of an inerter.
+    fn rate_energy(&self, element: &Element) -> Vec<(bool, Formula)> {
+        match &element.stretch {
             Stretch::Plain(stretch) => {
                 let rate = self.equations.motion.rate(stretch, &Lengths::default());
-                self.half_square(&damper.coefficient, &rate).into_iter().collect()
+                self.half_square(&element.coefficient, &rate).into_iter().collect()
             }
             Stretch::Line { length, .. } => {
                 let label = self.equations.names.label(*length);
                 let rate = Formula::Power(Box::new(Formula::Name(Label { dots: 1, ..label })), 2);
                 let half = Sum::one().halved();
-                let (negative, coefficient) = self.build.in_front().signed(&(&damper.coefficient * &half));
+                let (negative, coefficient) = self.build.in_front().signed(&(&element.coefficient * &half));
                 vec![(negative, Formula::product(vec![coefficient, rate]))]
             }
         }
@@ -87,6 +97,7 @@ impl Writer<'_> {
             return Some(build.signed(&whole));
         }
         let (negative, front) = build.signed(&coefficient.halved());
+        let of = if of.terms().iter().all(|(_, c)| c.signum() < 0) { &-of } else { of };
         let square = Formula::Power(Box::new(build.plain_sum(of)), 2);
         Some((negative, Formula::product(vec![front, square])))
     }
@@ -99,25 +110,77 @@ impl Writer<'_> {
             let formula = Formula::sum(self.build.collected(&constraint.equation)).equal(Formula::zero());
             items.push(Item::Formula { formula, note });
         }
-        for equation in &self.equations.nonlinear {
-            items.push(display(self.equation(equation)));
-        }
-        let dampers = self.equations.energies.elements.iter().filter(|element| !element.is_spring);
-        for damper in dampers {
-            if let Stretch::Line { length, square, .. } = &damper.stretch {
-                let rate = self.equations.motion.rate(square, &Lengths::default()).halved();
-                let label = self.equations.names.label(*length);
-                let left = Formula::Name(Label { dots: 1, ..label });
-                let right = Formula::quotient(self.build.sum(&rate), self.name(*length));
-                items.push(display(left.equal(right)));
-            }
-        }
+        items.extend(self.rows(self.equations.nonlinear.iter().map(|equation| self.equation(equation)).collect()));
+        items.extend(self.length_rates());
+        items.extend(self.reduced());
         Section { heading: "3 Equations of motion", items }
     }
 
-    /// Accelerations first, then terms with squares of rates, rates and positions; prescribed terms go to the
-    /// right-hand side.
-    fn equation(&self, equation: &Equation) -> Formula {
+    /// Equations, those of a `repeat` once.
+    pub fn rows(&self, rows: Vec<Formula>) -> Vec<Item> {
+        let item = |(formula, running): (Formula, Option<Running>)| {
+            let range = running.map(|Running { index, first, last }| {
+                let numbers =
+                    if last > first + 1 { format!("{first}, ..., {last}") } else { format!("{first}, {last}") };
+                words(format!("{index} = {numbers}"))
+            });
+            Item::Formula { formula, note: range.into_iter().collect() }
+        };
+        fold::rows(rows, fold::index_letter(&self.equations.names)).into_iter().map(item).collect()
+    }
+
+    /// What the rates of those lengths are that dampers and inerters answer.
+    fn length_rates(&self) -> Vec<Item> {
+        let none = Lengths::default();
+        let motion = &self.equations.motion;
+        let elements = || self.equations.energies.elements.iter();
+        let mut items = Vec::new();
+        for (length, square) in &self.equations.energies.lengths.0 {
+            let orders = elements().filter(|element| element.stretch.sum() == Sum::name(*length)).map(|it| it.order);
+            let most = orders.max_by_key(|order| *order as usize);
+            let label = self.equations.names.label(*length);
+            let dotted = |dots| Formula::Name(Label { dots, ..label.clone() });
+            let rate = motion.rate(square, &none).halved();
+            if most.is_some_and(|most| most != Order::Displacement) {
+                items.push(display(dotted(1).equal(Formula::quotient(self.build.sum(&rate), dotted(0)))));
+            }
+            if most == Some(Order::Acceleration) {
+                let mut over = self.ordered(&motion.rate(&rate, &none));
+                over.push((true, Formula::Power(Box::new(dotted(1)), 2)));
+                items.push(display(dotted(2).equal(Formula::quotient(Formula::sum(over), dotted(0)))));
+            }
+        }
+        items
+    }
+
+    /// The equations without multipliers, and how the dependent coordinates follow.
+    fn reduced(&self) -> Vec<Item> {
+        let Some(reduced) = &self.equations.reduced else {
+            let text = "Too many constraints share a loop to be eliminated in symbols: the equations stay with their multipliers.";
+            return if self.equations.constraints.is_empty() { Vec::new() } else { vec![paragraph(text)] };
+        };
+        let mut items = vec![paragraph(
+            "The constraints give the dependent coordinates or their velocities; put in, the multipliers drop out:",
+        )];
+        let names = &self.equations.motion.coordinates;
+        for follow in &reduced.follows {
+            let order = usize::from(!follow.is_constant());
+            let term = |ratio: &Ratio| &ratio.short() * &Sum::name(names[ratio.by].symbols[order]);
+            let sum = follow.ratios.iter().fold(Sum::ZERO, |sum, ratio| &sum + &term(ratio));
+            let left = self.name(names[follow.coordinate].symbols[order]);
+            items.push(display(left.equal(Formula::sum(self.build.collected(&sum)))));
+        }
+        for ratio in reduced.follows.iter().flat_map(|follow| &follow.ratios) {
+            if let Some(name) = ratio.name {
+                items.push(display(self.name(name).equal(self.build.sum(&ratio.form))));
+            }
+        }
+        items.extend(self.rows(reduced.equations.iter().map(|equation| self.equation(equation)).collect()));
+        items
+    }
+
+    /// Accelerations first, then what squares of rates, rates and positions do; what is prescribed stands on the right.
+    pub fn equation(&self, equation: &Equation) -> Formula {
         let plain = self.without_balance(equation);
         let (mut left, mut right) = (Vec::new(), Vec::new());
         for (moving, part) in plain.collected(is_driving) {
@@ -133,8 +196,8 @@ impl Writer<'_> {
         let left = left.iter().fold(Sum::ZERO, |sum, part| &sum + part);
         let right = right.iter().fold(equation.forces.clone(), |sum, part| &sum + part);
         let mut terms = self.ordered(&left);
-        for line in &equation.lines {
-            terms.push(self.line(line));
+        for (element, slope) in self.merged_lines(&equation.lines) {
+            terms.push(self.line(&element, &slope));
         }
         for (multiplier, slope) in &equation.reactions {
             let (negative, slope) = self.build.signed(slope);
@@ -186,14 +249,27 @@ impl Writer<'_> {
         Formula::Sum(vec![(negative, Formula::product(vec![stiffness, stretched])), (opposite, tension)])
     }
 
+    /// Elements that answer one stretch with one lever, as one.
+    fn merged_lines(&self, lines: &[Line]) -> Vec<(Element, Sum)> {
+        let mut list: Vec<(Element, Sum)> = Vec::new();
+        for line in lines {
+            let element = &self.equations.energies.elements[line.element];
+            let known = list.iter_mut().find(|(known, slope)| is_alike(known, element) && *slope == line.slope);
+            match known {
+                Some((known, _)) => add(known, element),
+                None => list.push((element.clone(), line.slope.clone())),
+            }
+        }
+        list
+    }
+
     /// `k (1 - l_0/l) slope`.
-    fn line(&self, line: &Line) -> (bool, Formula) {
-        let element = &self.equations.energies.elements[line.element];
-        let (mut negative, slope) = self.build.signed(&line.slope);
+    fn line(&self, element: &Element, slope: &Sum) -> (bool, Formula) {
+        let (mut negative, slope) = self.build.signed(slope);
         let name = match &element.stretch {
             Stretch::Line { length, .. } => self.name(*length),
             Stretch::Plain(stretch) => {
-                let pull = if element.is_spring {
+                let pull = if element.is_spring() {
                     if element.tension.is_zero() {
                         let (opposite, front) = self.build.signed(&element.coefficient);
                         let (other, stretched) = self.build.signed(&(stretch - &element.free));
@@ -212,9 +288,10 @@ impl Writer<'_> {
                 return (negative, Formula::product(vec![pull, slope]));
             }
         };
-        if !element.is_spring {
+        if !element.is_spring() {
             let Formula::Name(label) = &name else { return (false, Formula::zero()) };
-            let rate = Formula::Name(Label { dots: 1, ..label.clone() });
+            let dots = element.order as u8;
+            let rate = Formula::Name(Label { dots, ..label.clone() });
             let (opposite, coefficient) = self.build.signed(&element.coefficient);
             let pull = Formula::quotient(Formula::product(vec![coefficient, rate]), name);
             return (negative != opposite, Formula::product(vec![pull, slope]));
@@ -237,7 +314,28 @@ impl Writer<'_> {
     }
 }
 
-/// Whether a factor is an acceleration, a rate or a force, which coefficients precede.
+/// Elements of one order, those that answer one stretch together.
+fn merged(elements: &[Element], order: Order) -> Vec<Element> {
+    let mut list: Vec<Element> = Vec::new();
+    for element in elements.iter().filter(|element| element.order == order) {
+        match list.iter_mut().find(|known| is_alike(known, element)) {
+            Some(known) => add(known, element),
+            None => list.push(element.clone()),
+        }
+    }
+    list
+}
+
+fn is_alike(a: &Element, b: &Element) -> bool {
+    a.order == b.order && a.stretch.sum() == b.stretch.sum() && a.free == b.free
+}
+
+fn add(to: &mut Element, other: &Element) {
+    to.coefficient = &to.coefficient + &other.coefficient;
+    to.tension = &to.tension + &other.tension;
+}
+
+/// Accelerations, rates and forces: what coefficients stand before.
 fn is_quick(factor: &Factor) -> bool {
     let forces = [class::ACCELERATION, class::PRESCRIBED_ACCELERATION, class::FORCE];
     is_rate(factor) || matches!(factor, Factor::Name(symbol) if forces.contains(&symbol.class()))

@@ -2,7 +2,11 @@
 
 use super::{Fractions, agree, defect};
 use crate::base::{Ball, Number, Rational};
+use crate::elements::Order;
+use crate::equations::constraint::Constraint;
 use crate::equations::energy::{Energies, Stretch};
+use crate::equations::lagrange::{Equation, pull};
+use crate::equations::loops::Reduced;
 use crate::equations::{Equations, EquationsError};
 use crate::symbols::{Factor, Sum, Symbol};
 use std::collections::BTreeMap;
@@ -123,44 +127,124 @@ const MOST_EQUATIONS: usize = 24;
 
 pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
     for seed in 0..STATES {
-        let mut fractions = Fractions::new(seed);
-        // Small motions: lengths stay away from zero.
-        let size = Rational::new(1, 4);
-        let mut state: Vec<[Ball; 3]> = Vec::new();
-        for coordinate in &equations.motion.coordinates {
-            let _ = coordinate;
-            state.push([0, 1, 2].map(|_| (&fractions.next() * &size).to_ball()));
-        }
-        let forces: Vec<(Symbol, Ball)> =
-            equations.energies.works.iter().map(|work| (work.force, fractions.next().to_ball())).collect();
-        let multipliers: Vec<(Symbol, Ball)> =
-            equations.constraints.iter().map(|c| (c.multiplier, fractions.next().to_ball())).collect();
+        let state = State::random(equations, seed);
         let free = equations.motion.free;
         let step = free.div_ceil(MOST_EQUATIONS).max(1);
         for index in (0..free).step_by(step) {
-            let given: Vec<(Symbol, Ball)> = forces.iter().chain(&multipliers).copied().collect();
-            let Some((written, derived)) = both(equations, &state, &given, index) else { continue };
+            let Some((written, derived)) = state.both(index) else { continue };
             if !agree(&written, &derived) {
-                let coordinate = &equations.motion.coordinates[index];
-                let label = equations.names.label(coordinate.symbols[0]).plain();
-                let what = format!("the equation of {label} at a random state");
-                return Err(defect(coordinate.span, what, &written, &derived));
+                return Err(state.defect(index, "the equation", &written, &derived));
             }
+        }
+        if let Some(reduced) = &equations.reduced {
+            state.reduced(reduced)?;
         }
     }
     Ok(())
 }
 
-/// The equation as written, and by derivatives of the energies; `None` where a length or a root is not above zero there.
-fn both(
-    equations: &Equations,
-    state: &[[Ball; 3]],
-    given: &[(Symbol, Ball)],
-    index: usize,
-) -> Option<(Number, Number)> {
-    let point = |a: Perturbed, b: Perturbed| -> Option<Point> {
+/// Displacements, velocities and accelerations, forces and multipliers.
+struct State<'a> {
+    equations: &'a Equations,
+    motions: Vec<[Ball; 3]>,
+    given: Vec<(Symbol, Ball)>,
+}
+
+impl<'a> State<'a> {
+    /// Coordinates that follow others in proportion do so.
+    fn random(equations: &'a Equations, seed: u64) -> State<'a> {
+        let mut fractions = Fractions::new(seed);
+        // Small motions: lengths stay away from zero.
+        let size = Rational::new(1, 4);
+        let count = equations.motion.coordinates.len();
+        let motions = (0..count).map(|_| [0, 1, 2].map(|_| (&fractions.next() * &size).to_ball())).collect();
+        let works = equations.energies.works.iter().map(|work| work.force);
+        let multipliers = equations.constraints.iter().map(|constraint| constraint.multiplier);
+        let given = works.chain(multipliers).map(|symbol| (symbol, fractions.next().to_ball())).collect();
+        let mut state = State { equations, motions, given };
+        for follow in equations.reduced.iter().flat_map(|reduced| &reduced.follows) {
+            for order in 0..3 {
+                let value = follow.in_proportion(&equations.motion, order).and_then(|sum| state.value(&sum));
+                state.motions[follow.coordinate][order] = value.unwrap_or(state.motions[follow.coordinate][order]);
+            }
+        }
+        let ratios = equations.reduced.iter().flat_map(|reduced| &reduced.follows).flat_map(|follow| &follow.ratios);
+        let named: Vec<(Symbol, Ball)> =
+            ratios.filter_map(|ratio| Some((ratio.name?, state.value(&ratio.form)?))).collect();
+        state.given.extend(named);
+        state
+    }
+
+    fn value(&self, sum: &Sum) -> Option<Ball> {
+        Some(self.point(Perturbed::Nothing, Perturbed::Nothing)?.sum(sum)?.value)
+    }
+
+    /// Velocity ratios hold the constraints, and the equations without multipliers are those sums of the others that they say.
+    fn reduced(mut self, reduced: &Reduced) -> Result<(), EquationsError> {
+        // Constraints that say nothing new do so where the others are fulfilled, not at any state.
+        for (index, constraint) in self.equations.constraints.iter().enumerate() {
+            if !reduced.held.contains(&index) {
+                self.given.retain(|(symbol, _)| *symbol != constraint.multiplier);
+                self.given.push((constraint.multiplier, Ball::from(0.0)));
+            }
+        }
+        let step = reduced.equations.len().div_ceil(MOST_EQUATIONS).max(1);
+        for equation in reduced.equations.iter().step_by(step) {
+            let index = equation.coordinate;
+            if let Some((constraint, left)) = self.drift(reduced, index) {
+                let what = format!("the rate of the constraint of {}", constraint.name);
+                return Err(defect(constraint.span, what, &left, &Number::ZERO));
+            }
+            let Some((written, derived)) = self.projected(reduced, equation) else { continue };
+            if !agree(&written, &derived) {
+                return Err(self.defect(index, "the equation without multipliers", &written, &derived));
+            }
+        }
+        Ok(())
+    }
+
+    /// A constraint that does not stay fulfilled while one independent coordinate moves and the others follow.
+    fn drift(&self, reduced: &Reduced, index: usize) -> Option<(&'a Constraint, Number)> {
+        let slope = |constraint: &Constraint, by: usize| {
+            Some(self.point(Perturbed::Displacement(by), Perturbed::Nothing)?.sum(&constraint.equation)?.a)
+        };
+        reduced.held.iter().map(|held| &self.equations.constraints[*held]).find_map(|constraint| {
+            let mut rate = slope(constraint, index)?;
+            for follow in &reduced.follows {
+                if let Some(ratio) = follow.ratios.iter().find(|ratio| ratio.by == index) {
+                    rate = rate + self.value(&ratio.short())? * slope(constraint, follow.coordinate)?;
+                }
+            }
+            let rate = Number::Ball(rate);
+            (!rate.may_be_zero()).then_some((constraint, rate))
+        })
+    }
+
+    /// An equation without multipliers, and the sum of those with them.
+    fn projected(&self, reduced: &Reduced, equation: &Equation) -> Option<(Number, Number)> {
+        let point = self.point(Perturbed::Nothing, Perturbed::Nothing)?;
+        let written = Number::Ball(point.written(equation)?);
+        let (_, mut derived) = self.both(equation.coordinate)?;
+        for follow in &reduced.follows {
+            if let Some(ratio) = follow.ratios.iter().find(|ratio| ratio.by == equation.coordinate) {
+                let (_, other) = self.both(follow.coordinate)?;
+                derived = &derived + &(&Number::Ball(self.value(&ratio.short())?) * &other);
+            }
+        }
+        Some((written, derived))
+    }
+
+    fn defect(&self, index: usize, what: &str, written: &Number, derived: &Number) -> EquationsError {
+        let coordinate = &self.equations.motion.coordinates[index];
+        let label = self.equations.names.label(coordinate.symbols[0]).plain();
+        defect(coordinate.span, format!("{what} of {label} at a random state"), written, derived)
+    }
+
+    /// The state with what moves by nilpotent parts; `None` where a length is not above zero.
+    fn point(&self, a: Perturbed, b: Perturbed) -> Option<Point<'a>> {
+        let equations = self.equations;
         let mut motions = BTreeMap::new();
-        for (number, (coordinate, values)) in equations.motion.coordinates.iter().zip(state).enumerate() {
+        for (number, (coordinate, values)) in equations.motion.coordinates.iter().zip(&self.motions).enumerate() {
             for order in 0..3 {
                 let mut jet = Jet::constant(values[order]);
                 let one = |on: bool| if on { Ball::from(1.0) } else { Ball::from(0.0) };
@@ -172,70 +256,62 @@ fn both(
                 motions.insert(coordinate.symbols[order], jet);
             }
         }
-        motions.extend(given.iter().map(|(symbol, value)| (*symbol, Jet::constant(*value))));
+        motions.extend(self.given.iter().map(|(symbol, value)| (*symbol, Jet::constant(*value))));
         let mut point = Point { motions, equations };
         point.lengths(&equations.energies)?;
         Some(point)
-    };
-    let energies = &equations.energies;
-    let momentum = point(Perturbed::Velocity(index), Perturbed::AlongMotion)?;
-    let mut derived = momentum.sum(&energies.kinetic)?.ab;
-    let shifted = point(Perturbed::Displacement(index), Perturbed::AlongMotion)?;
-    derived = derived - shifted.sum(&energies.kinetic)?.a + shifted.sum(&energies.weights)?.a;
-    for element in &energies.elements {
-        let stretch = shifted.sum(&element.stretch.sum())?;
-        if stretch.a.is_zero() {
-            continue;
+    }
+
+    /// An equation as written, and by derivatives of the energies; `None` where a length or a root is not above zero there.
+    fn both(&self, index: usize) -> Option<(Number, Number)> {
+        let (equations, energies) = (self.equations, &self.equations.energies);
+        let momentum = self.point(Perturbed::Velocity(index), Perturbed::AlongMotion)?;
+        let inerters = energies.elements.iter().filter(|element| element.order == Order::Acceleration);
+        let kinetic =
+            inerters.fold(energies.kinetic.clone(), |sum, inerter| &sum + &inerter.rate_energy(&equations.motion));
+        let mut derived = momentum.sum(&kinetic)?.ab;
+        let shifted = self.point(Perturbed::Displacement(index), Perturbed::AlongMotion)?;
+        derived = derived - shifted.sum(&kinetic)?.a + shifted.sum(&energies.weights)?.a;
+        for element in energies.elements.iter().filter(|element| element.order != Order::Acceleration) {
+            let stretch = shifted.sum(&element.stretch.sum())?;
+            if stretch.a.is_zero() {
+                continue;
+            }
+            let coefficient = shifted.sum(&element.coefficient)?.value;
+            if element.is_spring() {
+                let free = shifted.sum(&element.free)?.value;
+                let tension = shifted.sum(&element.tension)?.value;
+                derived = derived + (coefficient * (stretch.value - free) + tension) * stretch.a;
+            } else {
+                // The rate of the stretch is its part along the motion; its slope by the velocity that by the displacement.
+                derived = derived + coefficient * stretch.b * stretch.a;
+            }
         }
-        let coefficient = shifted.sum(&element.coefficient)?.value;
-        if element.is_spring {
-            let free = shifted.sum(&element.free)?.value;
-            let tension = shifted.sum(&element.tension)?.value;
-            derived = derived + (coefficient * (stretch.value - free) + tension) * stretch.a;
-        } else {
-            // The rate of the stretch is its part along the motion; its slope by the velocity that by the displacement.
-            derived = derived + coefficient * stretch.b * stretch.a;
+        for constraint in &equations.constraints {
+            let multiplier = shifted.motions.get(&constraint.multiplier)?.value;
+            derived = derived + multiplier * shifted.sum(&constraint.equation)?.a;
         }
+        for work in &energies.works {
+            let force = shifted.motions.get(&work.force)?.value;
+            derived = derived - force * shifted.sum(&work.displacement)?.a;
+        }
+        let written = shifted.written(&equations.nonlinear[index])?;
+        (derived.is_finite() && written.is_finite()).then_some((Number::Ball(written), Number::Ball(derived)))
     }
-    for constraint in &equations.constraints {
-        let multiplier = shifted.motions.get(&constraint.multiplier)?.value;
-        derived = derived + multiplier * shifted.sum(&constraint.equation)?.a;
-    }
-    for work in &energies.works {
-        let force = shifted.motions.get(&work.force)?.value;
-        derived = derived - force * shifted.sum(&work.displacement)?.a;
-    }
-    let written = shifted.written(&equations.nonlinear[index])?;
-    (derived.is_finite() && written.is_finite()).then_some((Number::Ball(written), Number::Ball(derived)))
 }
 
 impl Point<'_> {
     /// The left side less the right, in the form that is printed.
-    fn written(&self, equation: &crate::equations::lagrange::Equation) -> Option<Ball> {
+    fn written(&self, equation: &Equation) -> Option<Ball> {
         let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
         for line in &equation.lines {
             let element = &self.equations.energies.elements[line.element];
-            let (length, square) = match &element.stretch {
-                Stretch::Line { length, square, .. } => (length, square),
-                Stretch::Plain(stretch) => {
-                    let pull = if element.is_spring {
-                        self.sum(&element.pull())?.value
-                    } else {
-                        let rate = self.equations.motion.rate(stretch, &crate::symbols::Lengths::default());
-                        self.sum(&element.coefficient)?.value * self.sum(&rate)?.value
-                    };
-                    whole = whole + pull * self.sum(&line.slope)?.value;
-                    continue;
-                }
+            let pull = self.sum(&pull(element, &self.equations.motion))?.value;
+            let force = pull * self.sum(&line.slope)?.value;
+            whole = match &element.stretch {
+                Stretch::Line { length, .. } => whole + force / self.motions.get(length)?.value,
+                Stretch::Plain(_) => whole + force,
             };
-            let long = self.motions.get(length)?.value;
-            let pull = if element.is_spring {
-                self.sum(&element.pull())?.value
-            } else {
-                let rate = self.equations.motion.rate(square, &crate::symbols::Lengths::default()).halved();
-                self.sum(&element.coefficient)?.value * self.sum(&rate)?.value / long
-            };
-            whole = whole + pull * self.sum(&line.slope)?.value / long;
         }
         for (multiplier, slope) in &equation.reactions {
             whole = whole + self.motions.get(multiplier)?.value * self.sum(slope)?.value;
@@ -251,6 +327,7 @@ enum Perturbed {
     Velocity(usize),
     /// Every coordinate as the motion goes on.
     AlongMotion,
+    Nothing,
 }
 
 impl Perturbed {
@@ -258,7 +335,7 @@ impl Perturbed {
         match self {
             Perturbed::Displacement(index) => number == index && order == 0,
             Perturbed::Velocity(index) => number == index && order == 1,
-            Perturbed::AlongMotion => false,
+            Perturbed::AlongMotion | Perturbed::Nothing => false,
         }
     }
 }

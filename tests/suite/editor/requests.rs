@@ -51,6 +51,25 @@ fn the_server_says_what_it_can() {
 }
 
 #[test]
+fn a_body_shows_its_equations_of_motion() {
+    let mut client = Client::open(&example("cart"));
+    let rod = hover(&mut client, "rod   {", 0);
+    for line in [
+        "m2 L/2 cos(theta) x'' + m2 L^2/3 theta'' + m2 g L/2 sin(theta) = 0\n",
+        "m2 L/2 x'' + m2 L^2/3 theta'' + m2 g L/2 theta = 0\n",
+    ] {
+        assert!(rod.contains(line), "{rod}");
+    }
+    assert!(!rod.contains("b x'"), "the equation of the block is not that of the rod: {rod}");
+    // Nobody waits for a hundred of them.
+    let mut client = Client::open(&example("long_chain"));
+    assert!(!hover(&mut client, "mass[1] {", 0).contains("equations of motion"));
+    // What has errors has no equations.
+    let mut client = Client::open(&example("cart").replace("moves x", "moves z"));
+    assert!(!hover(&mut client, "rod   {", 0).contains("equations of motion"));
+}
+
+#[test]
 fn columns_count_what_was_agreed_on() {
     // 𝛼 is two units of UTF-16, four bytes, and in a comment.
     let text = "param a = 1 /* \n/// 𝛼ω\nparam ω = 1 kgg // 𝛼\nbody b { mass = ω, moves x }\n";

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, emitted, equations, extrema, extremes, large, measures, modal, modes, motions, planar, poles, sensitivities, solving, transfer
+from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, planar, poles, sensitivities, solving, transfer
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ ALL = {
     "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
     "coupled": Class(coupled.scene, coupled.check, 5000, 60),
     "emitted": Class(emitted.scene, emitted.check, 2000, 15),
-    "equations": Class(equations.scene, equations.check, 2000, 20),
+    "equations": Class(equations.scene, equations.check, 2000, 12),
+    "examples": Class(equations_examples.scene, equations_examples.check, 17, 17),
     "planar": Class(planar.scene, planar.check, 10000, 100),
 }

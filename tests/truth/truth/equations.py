@@ -1,17 +1,21 @@
 """Equations of motion in symbols, against SymPy: `LagrangesMethod` on energies that this module writes down itself.
 
-What the program prints is read back as text, and the difference of each equation to SymPy's is evaluated at random fractions
-for every name with fifty digits; entries of M, C and K are subtracted from second derivatives of the energies in symbols.
+What the program prints is read back as text. The difference of each equation to SymPy's is evaluated at random fractions for every name with
+fifty digits; so are constraints, conditions of rest, velocity ratios and the equations without multipliers. Entries of M, C, K and of the
+input columns are computed from second derivatives of the energies at a rest that is solved for here with forty digits, and compared with
+the text of each entry at these values and with the number that is printed for it, within its bound.
 """
 
 import re
 
+import mpmath
 import sympy
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 DIGITS = 50
-# Differences below this are rounding errors.
-SMALL = sympy.Float("1e-35", DIGITS)
+mpmath.mp.dps = DIGITS
+# Differences are rounding alone below this.
+SMALL = mpmath.mpf(10) ** -35
 TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
 FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2}
 
@@ -98,12 +102,17 @@ def read(text, names):
 class Scene:
     """A model and its energies. `coordinates` are (body, motion), `bases` the same for prescribed motions."""
 
+    # Rounding of the oracle beside a bound.
+    digits = -32
+
     def __init__(self):
         self.rows, self.parameters = [], {}
         self.coordinates, self.symbols = [], []
         self.T = self.V = self.D = sympy.Integer(0)
         self.Q = {}
         self.bases = []
+        # What is held at zero, in the order of the joints and couplings.
+        self.constraints = []
 
     def parameter(self, name, word, unit):
         self.rows.append(f"param {name} = {word} {unit}")
@@ -115,6 +124,10 @@ class Scene:
         self.coordinates.append((body, motion))
         self.symbols.append(q)
         return q
+
+    def moved_by(self):
+        """Motions of bases that are functions of time here, each with its printed name."""
+        return [base for base in self.bases if isinstance(base, tuple)]
 
     def text(self):
         return "model generated\n" + "\n".join(self.rows) + "\n"
@@ -190,7 +203,12 @@ def line(rng, scene, i, top, drawn):
     away = scene.parameter(f"a{i}", word(rng), "m")
     length = sympy.sqrt((top[0] - away) ** 2 + (top[1] - drawn) ** 2)
     ends = f"ground@(a{i}, 0 m" + "".join(f" - L{j}" for j in range(1, i + 1)) + f") -- r{i}@P{i}"
-    if rng.random() < 0.7:
+    kind = rng.random()
+    if kind < 0.2:
+        b = scene.parameter(f"bs{i}", word(rng), "kg")
+        scene.rows.append(f"inerter v{i}: {ends} {{ b = bs{i} }}")
+        scene.T += b * length.diff(TIME) ** 2 / 2
+    elif kind < 0.7:
         k = scene.parameter(f"ks{i}", word(rng), "N/m")
         scene.rows.append(f"spring v{i}: {ends} {{ k = ks{i} }}")
         scene.V += k * (length - away) ** 2 / 2
@@ -237,22 +255,144 @@ def net(rng, scene):
         scene.Q[q] = scene.Q.get(q, 0) + sympy.Symbol("F", real=True)
 
 
+def turn(arm, angle):
+    return (arm[0] * sympy.cos(angle) - arm[1] * sympy.sin(angle), arm[0] * sympy.sin(angle) + arm[1] * sympy.cos(angle))
+
+
+def plus(a, b):
+    return (a[0] + b[0], a[1] + b[1])
+
+
+def minus(a, b):
+    return (a[0] - b[0], a[1] - b[1])
+
+
+def rod(scene, mass, ends, q, at):
+    """Energies of a rod between two drawn points that turns by q; `at` tells where its first end is now."""
+    a, b = ends
+    arm = minus(b, a)
+    centre = plus(at, turn((arm[0] / 2, arm[1] / 2), q))
+    inertia = mass * (arm[0] ** 2 + arm[1] ** 2) / 12
+    scene.T += mass * (centre[0].diff(TIME) ** 2 + centre[1].diff(TIME) ** 2) / 2 + inertia * q.diff(TIME) ** 2 / 2
+    return centre, plus(at, turn(arm, q))
+
+
+def four_bar(rng, scene):
+    """A linkage of three bars, drawn at fractions; with gravity it rests away from the drawing."""
+    def fraction(low, high):
+        return sympy.Rational(rng.randint(low, high), 8)
+
+    a, d = (sympy.Integer(0), sympy.Integer(0)), (fraction(20, 28), fraction(-3, 3))
+    b, c = (fraction(3, 8), fraction(-16, -9)), (fraction(14, 20), fraction(-16, -9))
+    drawn = {name: f"({float(point[0])} m, {float(point[1])} m)" for name, point in (("A", a), ("B", b), ("C", c), ("D", d))}
+    scene.rows += [f"point {name} = {text}" for name, text in drawn.items()]
+    masses = [scene.parameter(f"m{i}", word(rng), "kg") for i in (1, 2, 3)]
+    for body, i, ends in (("left", 1, "A, B"), ("bar", 2, "B, C"), ("right", 3, "C, D")):
+        scene.rows.append(f"body {body} {{ mass = m{i}, shape = rod({ends}) }}")
+    scene.rows += ["pivot a: ground@A -- left", "pivot b: left@B -- bar", "pivot c: bar@C -- right", "pivot d: right@D -- ground"]
+    q = [scene.coordinate(body, "angle") for body in ("left", "bar", "right")]
+    left, at_b = rod(scene, masses[0], (a, b), q[0], a)
+    bar, at_c = rod(scene, masses[1], (b, c), q[1], at_b)
+    right, other_c = rod(scene, masses[2], (d, c), q[2], d)
+    scene.constraints += list(minus(other_c, at_c))
+    k = scene.parameter("kt", str(rng.randint(300, 800) / 8), "N*m/rad")
+    scene.rows.append("spring t: ground -- left { k = kt }")
+    scene.V += k * q[0] ** 2 / 2
+    if rng.random() < 0.6:
+        g = scene.parameter("g", "9.81", "m/s^2")
+        scene.rows.append("gravity g")
+        scene.V += g * sum(m * centre[1] for m, centre in zip(masses, (left, bar, right)))
+    if rng.random() < 0.5:
+        ct = scene.parameter("ct", word(rng), "N*m*s/rad")
+        scene.rows.append("damper u: ground -- right { c = ct }")
+        scene.D += ct * q[2].diff(TIME) ** 2 / 2
+    if rng.random() < 0.5:
+        scene.rows.append("force F: bar along x")
+        for coordinate in q:
+            scene.Q[coordinate] = sympy.Symbol("F", real=True) * bar[0].diff(coordinate)
+
+
+def bead(rng, scene):
+    """A bead that slides on an arm, held by a spring: it rests lower than it is drawn."""
+    g = scene.parameter("g", "9.81", "m/s^2")
+    r, m, J, k = (scene.parameter(*row) for row in (("r", word(rng), "m"), ("m", word(rng), "kg"), ("J", word(rng), "kg*m^2"), ("k", word(rng, 160, 400), "N/m")))
+    scene.rows += ["gravity g", "body arm { mass = 3 kg, inertia = J, at = (0, 0) }", "body bead { mass = m, inertia = 0 kg*m^2, at = (0, -r) }",
+                   "pivot p: ground@(0, 0) -- arm", "slide s: arm -- bead along (0, -1)", "spring h: arm@(0, 0) -- bead { k = k, free_length = r }"]
+    q, s = scene.coordinate("arm", "angle"), scene.coordinate("bead", "slide")
+    place = turn((sympy.Integer(0), -(r + s)), q)
+    scene.T += J * q.diff(TIME) ** 2 / 2 + m * (place[0].diff(TIME) ** 2 + place[1].diff(TIME) ** 2) / 2
+    scene.V += k * s ** 2 / 2 + m * g * place[1]
+    if rng.random() < 0.5:
+        c = scene.parameter("c", word(rng), "N*s/m")
+        scene.rows.append("damper d: arm@(0, 0) -- bead { c = c }")
+        scene.D += c * s.diff(TIME) ** 2 / 2
+    if rng.random() < 0.5:
+        scene.rows.append("torque Q3: arm")
+        scene.Q[q] = sympy.Symbol("Q3", real=True)
+
+
+def leaning(rng, scene):
+    """A rod or two that lean, held by springs on their angles: they rest away from the drawing, where a number tells."""
+    g = scene.parameter("g", "9.81", "m/s^2")
+    scene.rows.append("gravity g")
+    at, start, carrier, before = (sympy.Integer(0), sympy.Integer(0)), (sympy.Integer(0), sympy.Integer(0)), "ground", sympy.Integer(0)
+    place = "(0, 0)"
+    for i in range(1, rng.randint(1, 2) + 1):
+        m, L = scene.parameter(f"m{i}", word(rng), "kg"), scene.parameter(f"L{i}", word(rng, 4, 12), "m")
+        across, up = rng.choice(((3, 4), (4, 3), (5, 12), (12, 5)))
+        size = {3: 5, 4: 5, 5: 13, 12: 13}[across]
+        end = plus(start, (L * across / size, L * up / size))
+        scene.rows.append(f"point P{i} = " + ("" if i == 1 else f"P{i - 1} + ") + f"(L{i} * {across} / {size}, L{i} * {up} / {size})")
+        scene.rows.append(f"body r{i} {{ mass = m{i}, shape = rod({place}, P{i}) }}")
+        scene.rows.append(f"pivot j{i}: {carrier}@{place} -- r{i}")
+        q = scene.coordinate(f"r{i}", "angle")
+        centre, at = rod(scene, m, (start, end), q, at)
+        scene.V += m * g * centre[1]
+        k = scene.parameter(f"kt{i}", str(rng.randint(400, 900)), "N*m/rad")
+        scene.rows.append(f"spring t{i}: {carrier} -- r{i} {{ k = kt{i} }}")
+        scene.V += k * (q - before) ** 2 / 2
+        start, carrier, before, place = end, f"r{i}", q, f"P{i}"
+
+
+def rolling(rng, scene):
+    """Wheels that roll, and masses that follow them by a ratio; a weight hangs on one of them."""
+    r, m = scene.parameter("r", word(rng), "m"), scene.parameter("m", word(rng), "kg")
+    scene.rows += ["body wheel { mass = m, shape = disk(r), moves x, turns, at = (0, r) }", "couple roll: wheel.angle = -wheel.x / r"]
+    x, q = scene.coordinate("wheel", "x"), scene.coordinate("wheel", "angle")
+    scene.T += m * x.diff(TIME) ** 2 / 2 + m * r ** 2 * q.diff(TIME) ** 2 / 4
+    scene.constraints.append(q + x / r)
+    k = scene.parameter("k", word(rng, 80, 400), "N/m")
+    scene.rows.append("spring s: ground@(-1 m, r) -- wheel { k = k, along = x }")
+    scene.V += k * x ** 2 / 2
+    if rng.random() < 0.6:
+        n, M2 = scene.parameter("n", word(rng), ""), scene.parameter("m2", word(rng), "kg")
+        scene.rows += ["body load { mass = m2, moves y, at = (3 m, 0) }", "couple rope: load.y = n * wheel.x"]
+        y = scene.coordinate("load", "y")
+        scene.T += M2 * y.diff(TIME) ** 2 / 2
+        scene.constraints.append(y - n * x)
+        if rng.random() < 0.6:
+            g = scene.parameter("g", "9.81", "m/s^2")
+            scene.rows.append("gravity g")
+            scene.V += M2 * g * y
+    if rng.random() < 0.5:
+        c = scene.parameter("c", word(rng), "N*m*s/rad")
+        scene.rows.append("damper d: ground -- wheel { c = c }")
+        # Two ends without places act on the angle.
+        scene.D += c * q.diff(TIME) ** 2 / 2
+    if rng.random() < 0.5:
+        scene.rows.append("force F: wheel along x")
+        scene.Q[x] = sympy.Symbol("F", real=True)
+
+
+KINDS = ((links, 0.3), (net, 0.2), (four_bar, 0.15), (bead, 0.1), (leaning, 0.13), (rolling, 0.12))
+
+
 def scene(rng):
-    """A chain of links or a row of masses."""
+    """A scene of one of the kinds above."""
     made = Scene()
-    (links if rng.random() < 0.65 else net)(rng, made)
+    kind = rng.choices([kind for kind, _ in KINDS], [share for _, share in KINDS])[0]
+    kind(rng, made)
     return made
-
-
-def names_of(told):
-    """The printed name of each coordinate, from the sentences of the first section."""
-    found = {}
-    for item in told["sections"][0]["items"]:
-        if item["kind"] == "sentence":
-            match = re.match(r"(\S+): (angle|displacement) of (\S+?)(?:,| |$)", item["text"])
-            if match:
-                found[match.group(3), match.group(2)] = match.group(1)
-    return found
 
 
 def section(told, number):
@@ -260,50 +400,309 @@ def section(told, number):
     return next((s["items"] for s in told["sections"] if s["heading"].startswith(f"{number} ")), [])
 
 
+def formulas(items):
+    return [item for item in items if item["kind"] == "formula"]
+
+
 def check(scene, program, tally, rng):
-    """Compares the equations of motion at random fractions, and the matrices in symbols."""
+    """Everything that is printed for a scene."""
     tally.command = "vibc equations MODEL --format json"
     answer = program.run("equations", scene.text(), "--format", "json")
     told = answer.json()
     if told is None:
         tally.refuse(answer.reason())
         return
-    printed = names_of(told)
-    kind = {"x": "displacement", "y": "displacement", "angle": "angle"}
-    labels = [printed[body, kind[motion]] for body, motion in scene.coordinates]
-    names = {}
-    moving = {}
-    for q, label in zip(scene.symbols, labels):
-        for order, primes in enumerate(("", "'", "''")):
-            moving[q.diff(TIME, order) if order else q] = names.setdefault(label + primes, sympy.Symbol(label + primes, real=True))
-    lengths = definitions(told, names)
-    method = LagrangesMethod(scene.T - scene.V, scene.symbols)
-    own = method.form_lagranges_equations()
-    equations = [item["text"] for item in section(told, 3) if item["kind"] == "formula"]
-    equations = [text for text in equations if not re.match(r"l_\S+' = ", text)]
-    tally.verdict("number of equations", len(equations), len(scene.symbols))
-    for q, mine, text in zip(scene.symbols, own, equations):
-        mine = mine + scene.D.diff(q.diff(TIME)) - scene.Q.get(q, 0)
-        mine = still_times(mine, moving)
-        left, right = text.split(" = ")
-        theirs = read(left, names) - read(right, names)
+    Comparison(scene, told, tally, rng).run()
+
+
+class Comparison:
+    """One scene beside what is printed of it."""
+
+    def __init__(self, scene, told, tally, rng):
+        self.scene, self.told, self.tally, self.rng = scene, told, tally, rng
+        self.names, self.moving = {}, {}
+        printed = {(row["body"], row["motion"]): row["name"] for row in told["coordinates"]}
+        self.labels = [printed[key] for key in scene.coordinates]
+        for q, label in zip(scene.symbols, self.labels):
+            for order, primes in enumerate(("", "'", "''")):
+                self.moving[q.diff(TIME, order) if order else q] = self.symbol(label + primes)
+        for u, label in scene.moved_by():
+            for order, primes in enumerate(("", "'", "''")):
+                self.moving[u.diff(TIME, order) if order else u] = self.symbol(label + primes)
+
+    def symbol(self, name):
+        return self.names.setdefault(name, sympy.Symbol(name, real=True))
+
+    def read(self, text):
+        return read(text, self.names)
+
+    def run(self):
+        self.rests()
+        self.lengths = self.definitions()
+        self.multipliers = [self.symbol(f"lambda_{i + 1}") for i in range(len(self.scene.constraints))]
+        self.motions()
+        self.values()
+
+    # ---- Where the scene rests ----
+
+    def rests(self):
+        """q stands for q_0 + q: a name, or the closed form of an angle."""
+        self.at_rest = {}
+        for item in formulas(section(self.told, 4)):
+            if "from the drawing" not in item["note"]:
+                continue
+            name, form = item["text"].split(" = ")
+            place = next(i for i, label in enumerate(self.labels) if name == label_at_rest(label))
+            is_closed = item["note"].startswith("=")
+            is_angle = self.scene.coordinates[place][1] == "angle"
+            self.at_rest[self.scene.symbols[place]] = self.read(form) if is_closed and is_angle else self.symbol(name)
+
+    def moved(self, expression):
+        """An expression of the drawing's coordinates in those that are measured from rest, as names."""
+        shift = {self.moving[q]: self.moving[q] + value for q, value in self.at_rest.items()}
+        return still_times(expression, self.moving).xreplace(shift)
+
+    def definitions(self):
+        """Lengths, their rates and velocity ratios; those that stand on others come first. Of ratios at rest the values are checked elsewhere."""
+        found = []
+        for number in (2, 3, 5):
+            for item in formulas(section(self.told, number)):
+                if re.match(r"(l|h)_\S+ = ", item["text"]) and (number < 5 or item["text"].startswith("l")):
+                    left, right = item["text"].split(" = ")
+                    found.append((left.count("'"), self.symbol(left), self.read(right)))
+        found.sort(key=lambda row: (row[1].name.startswith("h"), row[0]), reverse=True)
+        return [(name, value) for _, name, value in found]
+
+    # ---- Equations of motion ----
+
+    def agree(self, kind, mine, theirs, told):
+        """Equal at random fractions; what an equation holds at rest is zero there, and may be left out where nothing else is constant."""
+        moving = {name: sympy.Integer(0) for name in self.moving.values()}
+        forces = {name: sympy.Integer(0) for q in self.scene.Q.values() for name in q.free_symbols if name not in self.scene.parameters.values()}
+        at_rest = mine.xreplace({**moving, **forces})
         for _ in range(2):
-            difference, size = at_fractions(mine, theirs, lengths, rng)
-            tally.comparisons += 1
-            if not abs(difference) <= SMALL * size:
-                tally.violate("equation of motion", text, f"{mine} differs by {difference}")
-    matrices(scene, told, names, tally)
+            values = fractions([mine, theirs, at_rest], self.lengths, self.rng)
+            own, other, constant = (worth(part, values) for part in (mine, theirs, at_rest))
+            self.tally.comparisons += 1
+            size = 1 + abs(own)
+            if not (abs(own - other) <= SMALL * size or abs(own - other - constant) <= SMALL * size):
+                self.tally.violate(kind, told, f"{mine} differs by {own - other}")
+                return
+
+    def motions(self):
+        items = section(self.told, 3)
+        parted = next((i for i, item in enumerate(items) if item["kind"] == "sentence"), len(items))
+        rows = formulas(items[:parted])
+        held = [item["text"] for item in rows if item["note"].startswith("held by")]
+        equations = [text for item in rows if not item["note"].startswith("held by") for text in unfolded(item)]
+        equations = [text for text in equations if not re.match(r"l_\S+' = ", text)]
+        self.tally.verdict("number of constraints", len(held), len(self.scene.constraints))
+        self.tally.verdict("number of equations", len(equations), len(self.scene.symbols))
+        for mine, text in zip(self.scene.constraints, held):
+            self.agree("constraint", self.moved(mine), self.read(text.split(" = ")[0]), text)
+        scene = self.scene
+        own = LagrangesMethod(scene.T - scene.V, scene.symbols).form_lagranges_equations()
+        self.free = [
+            self.moved(mine + scene.D.diff(q.diff(TIME)) - scene.Q.get(q, 0)) for q, mine in zip(scene.symbols, own)
+        ]
+        self.slopes = [[self.moved(g.diff(q)) for q in scene.symbols] for g in scene.constraints]
+        for place, (mine, text) in enumerate(ordered(equations, self.labels, self.free)):
+            pull = sum((factor * row[place] for factor, row in zip(self.multipliers, self.slopes)), sympy.Integer(0))
+            left, right = text.split(" = ")
+            self.agree("equation of motion", mine + pull, self.read(left) - self.read(right), text)
+        self.reduced(formulas(items[parted:]))
+
+    def reduced(self, rows):
+        """Ratios hold the rates of the constraints, and the equations are those sums of the others that they tell."""
+        if not rows:
+            return
+        ratios, equations, put_in = {}, [], {}
+        for item in rows:
+            for text in unfolded(item):
+                left, right = text.split(" = ")
+                label = left.rstrip("'")
+                if label in self.labels and left.count("'") < 2:
+                    ratios[self.labels.index(label)] = (left.endswith("'"), self.read(right))
+                elif not left.startswith("h_"):
+                    equations.append(text)
+        independent = [i for i in range(len(self.labels)) if i not in ratios]
+        self.tally.verdict("number of equations without multipliers", len(equations), len(independent))
+        factor = {}
+        for place, (is_rate, right) in ratios.items():
+            for i in independent:
+                factor[place, i] = right.diff(self.symbol(self.labels[i] + ("'" if is_rate else "")))
+            if not is_rate:
+                for primes in ("", "'", "''"):
+                    along = {self.symbol(self.labels[i]): self.symbol(self.labels[i] + primes) for i in independent}
+                    put_in[self.symbol(self.labels[place] + primes)] = right.xreplace(along)
+        for text, i in zip(equations, independent):
+            for row in self.slopes:
+                rate = row[i] + sum((factor[place, i] * row[place] for place in ratios), sympy.Integer(0))
+                self.agree("velocity ratio", rate, sympy.Integer(0), text)
+            mine = self.free[i] + sum((factor[place, i] * self.free[place] for place in ratios), sympy.Integer(0))
+            left, right = text.split(" = ")
+            mine = mine.xreplace(put_in)
+            self.agree("equation without multipliers", mine, self.read(left) - self.read(right), text)
+
+    # ---- Values at rest ----
+
+    def values(self):
+        """M, C, K and the columns of forces at a rest that is solved for here."""
+        scene, told = self.scene, self.told
+        given = {scene.parameters[name]: value for name, value in parameters(scene).items()}
+        unknown = [sympy.Symbol(f"rest{i}") for i in range(len(scene.symbols))]
+        drawn = dict(zip(scene.symbols, unknown))
+        drawn.update({u: sympy.Integer(0) for u, _ in scene.moved_by()})
+        drawn.update({sympy.Symbol(word, real=True): sympy.Integer(0) for word in ("u", "u'")})
+        V = scene.V.xreplace(drawn).xreplace(given)
+        G = [g.xreplace(drawn).xreplace(given) for g in scene.constraints]
+        factors = [sympy.Symbol(f"pull{i}") for i in range(len(G))]
+        whole = V + sum((f * g for f, g in zip(factors, G)), sympy.Integer(0))
+        variables = unknown + factors
+        gradient = [whole.diff(v) for v in variables]
+        function = sympy.lambdify(variables, gradient, "mpmath")
+        rest = {(row["body"], row["motion"]): row["rest"] for row in told["coordinates"]}
+        start = [mpmath.mpf(rest[key]) for key in scene.coordinates]
+        start += self.pulls(whole, unknown, factors, start)
+        point = [mpmath.mpf(x) for x in start]
+        jacobian = sympy.lambdify(variables, sympy.Matrix(gradient).jacobian(variables), "mpmath")
+        for _ in range(8):
+            if max(abs(x) for x in function(*point)) < mpmath.mpf(10) ** -45:
+                break
+            step = mpmath.lu_solve(mpmath.matrix(jacobian(*point)), -mpmath.matrix(function(*point)))
+            point = [x + d for x, d in zip(point, step)]
+        for key, value in zip(scene.coordinates, point):
+            row = next(row for row in told["coordinates"] if (row["body"], row["motion"]) == key)
+            if row["rest_bound"] is not None:
+                self.number("rest", row["rest"], row["rest_bound"], value)
+        at = dict(zip(unknown, point[:len(unknown)]))
+        rates = [sympy.Symbol(f"rate{i}") for i in range(len(unknown))]
+        quick = {q.diff(TIME): v for q, v in zip(scene.symbols, rates)}
+        still = {v: sympy.Integer(0) for v in rates}
+        for u, _ in scene.moved_by():
+            quick[u.diff(TIME)] = sympy.Integer(0)
+
+        def second(energy, by):
+            own = energy.doit().xreplace(quick).xreplace(drawn).xreplace(given)
+            return mpmath.matrix([[worth(own.diff(a).diff(b).xreplace(still), at) for b in by] for a in by])
+
+        matrices = {"mass": second(scene.T, rates), "damping": second(scene.D, rates)}
+        matrices["stiffness"] = mpmath.matrix(jacobian(*point))[:len(unknown), :len(unknown)]
+        keys = [(row["body"], row["motion"]) for row in told["coordinates"] if row["role"] == "independent"]
+        independent = [scene.coordinates.index(key) for key in keys]
+        follows = self.following(G, unknown, at, independent)
+        known = self.known_values(given, point)
+        for name, matrix in matrices.items():
+            true = follows.T * matrix * follows
+            for i, row in enumerate(told[name]):
+                for j, entry in enumerate(row):
+                    self.entry(f"entry of {name}", entry, true[i, j], known)
+        for column in told["inputs"]:
+            own = [scene.Q.get(q, sympy.Integer(0)) for q in scene.symbols]
+            force = sympy.Symbol(column["name"], real=True)
+            if not any(force in entry.free_symbols for entry in own):
+                continue
+            slope = [worth(entry.diff(force).xreplace(drawn).xreplace(given), at) for entry in own]
+            true = follows.T * mpmath.matrix(slope)
+            for i, entry in enumerate(column["columns"][0]):
+                self.entry("column of an input", entry, true[i], known)
+
+    def pulls(self, whole, unknown, factors, start):
+        """Multipliers at rest to begin with: the least squares of what is left over."""
+        if not factors:
+            return []
+        at = dict(zip(unknown, start))
+        none = {f: sympy.Integer(0) for f in factors}
+        rows = [[worth(whole.diff(v).diff(f), at) for f in factors] for v in unknown]
+        right = [-worth(whole.diff(v).xreplace(none), at) for v in unknown]
+        return list(mpmath.lu_solve(mpmath.matrix(rows), mpmath.matrix(right)))
+
+    def following(self, G, unknown, at, independent):
+        """N: what each coordinate moves by the independent ones."""
+        dependent = [i for i in range(len(unknown)) if i not in independent]
+        N = mpmath.zeros(len(unknown), len(independent))
+        for column, i in enumerate(independent):
+            N[i, column] = 1
+        if dependent:
+            slope = [[worth(g.diff(v), at) for v in unknown] for g in G]
+            own = mpmath.matrix([[row[d] for d in dependent] for row in slope])
+            for column, i in enumerate(independent):
+                solved = mpmath.lu_solve(own, -mpmath.matrix([row[i] for row in slope]))
+                for d, value in zip(dependent, solved):
+                    N[d, column] = value
+        return N
+
+    def known_values(self, given, point):
+        """True values of every name that an entry may have."""
+        known = {symbol.name: value for symbol, value in given.items()}
+        for q, label, value in zip(self.scene.symbols, self.labels, point):
+            known[label_at_rest(label)] = value
+        for i, value in enumerate(point[len(self.scene.symbols):]):
+            known[f"lambda_{i + 1}"] = value
+        for item in formulas(section(self.told, 1)) + formulas(section(self.told, 5)):
+            left, right = item["text"].split(" = ", 1)
+            if re.match(r"[A-Za-z]\w*(,\w+)*$", left) and left not in known and not left.endswith("'") and " = " not in right:
+                if left in self.labels or left in [row["name"] for row in self.told["coordinates"]]:
+                    continue
+                known[left] = self.worth(right, known)
+        return known
+
+    def worth(self, text, known):
+        expression = self.read(text)
+        return worth(expression, {symbol: known[symbol.name] for symbol in expression.free_symbols})
+
+    def entry(self, kind, entry, true, known):
+        """The text of an entry at the true values, and its number within its bound."""
+        self.tally.comparisons += 1
+        value = self.worth(entry["text"], known)
+        if abs(value - true) > mpmath.mpf(10) ** -30 * (1 + abs(true)):
+            self.tally.violate(kind, f"{entry['text']} = {value}", str(true))
+        self.number(f"number of {kind}", entry["value"], entry["bound"], true)
+
+    def number(self, kind, told, bound, true):
+        self.tally.comparisons += 1
+        rounding = mpmath.mpf(10) ** self.scene.digits * (1 + abs(true))
+        if not abs(mpmath.mpf(told) - true) <= mpmath.mpf(bound) + rounding:
+            self.tally.violate(kind, str(told), str(true), bound)
 
 
-def definitions(told, names):
-    """Lengths and their rates, in the order in which they may be put in."""
-    found = []
-    for number in (3, 2):
-        for item in section(told, number):
-            if item["kind"] == "formula" and re.match(r"l_\S+ = ", item["text"]):
-                left, right = item["text"].split(" = ")
-                found.append((names.setdefault(left, sympy.Symbol(left, real=True)), read(right, names)))
+def label_at_rest(label):
+    """`theta_0`, `theta_left,0`."""
+    return f"{label},0" if "_" in label else f"{label}_0"
+
+
+def parameters(scene):
+    """Exact values of the parameters, as the rows of the model have them."""
+    found = {symbol.name: value for symbol, value in getattr(scene, "given", {}).items()}
+    for row in scene.rows:
+        match = re.match(r"param (\w+) = (-?[0-9.]+)", row)
+        if match:
+            found[match.group(1)] = sympy.Rational(match.group(2))
     return found
+
+
+def unfolded(item):
+    """The rows that a running index stands for."""
+    match = re.match(r"([ijn]) = (\d+),(?: \.\.\.,)? (\d+)$", item["note"])
+    if not match:
+        return [item["text"]]
+    letter, first, last = match.group(1), int(match.group(2)), int(match.group(3))
+    return [at_index(item["text"], letter, number) for number in range(first, last + 1)]
+
+
+def at_index(text, letter, number):
+    text = re.sub(rf"_\({letter}([+-]\d+)\)", lambda m: f"_{number + int(m.group(1))}", text)
+    return re.sub(rf"_{letter}\b", f"_{number}", text)
+
+
+def ordered(texts, labels, own):
+    """Equations in the order of the coordinates: folded rows stand before the others."""
+    if len(texts) != len(own):
+        return
+    leading = [re.search(r"\b" + re.escape(label) + r"''", text) for label, text in zip(labels, texts)]
+    if not all(leading):
+        texts = [next((t for t in texts if re.search(r"\b" + re.escape(label) + r"''", t)), None) for label in labels]
+    yield from zip(own, texts)
 
 
 def still_times(expression, moving):
@@ -319,31 +718,18 @@ def order_of(symbol):
     return symbol.derivative_count if isinstance(symbol, sympy.Derivative) else 0
 
 
-def at_fractions(mine, theirs, lengths, rng):
-    """The difference at random fractions, and the size of what it is the difference of."""
-    for name, value in lengths:
-        theirs = theirs.subs(name, value)
-    names = sorted(mine.free_symbols | theirs.free_symbols, key=str)
-    values = {name: sympy.Rational(rng.randint(1, 60), 64) for name in names}
-    mine, theirs = (part.subs(values).evalf(DIGITS) for part in (mine, theirs))
-    return mine - theirs, 1 + abs(mine)
+def fractions(expressions, definitions, rng):
+    """A fraction for every name, and what those are then that are defined by others."""
+    defined = [name for name, _ in definitions]
+    free = set().union(*(part.free_symbols for part in (*expressions, *(value for _, value in definitions)))) - set(defined)
+    values = {name: mpmath.mpf(rng.randint(1, 60)) / 64 for name in sorted(free, key=str)}
+    for name, value in reversed(definitions):
+        values[name] = worth(value, values)
+    return values
 
 
-def matrices(scene, told, names, tally):
-    """M, C and K as second derivatives at rest."""
-    printed = {item["name"]: item["text"] for item in section(told, 5) if item["kind"] == "matrix"}
-    rates = [q.diff(TIME) for q in scene.symbols]
-    plain = [sympy.Symbol(f"plain{i}") for i in range(len(rates))]
-    quick = dict(zip(rates, plain))
-    T, D = scene.T.doit().xreplace(quick), scene.D.doit().xreplace(quick)
-    rest = {**{q: 0 for q in scene.symbols}, **{v: 0 for v in plain}}
-    for name, energy, by in (("M", T, plain), ("C", D, plain), ("K", scene.V, scene.symbols)):
-        rows = printed.get(name)
-        for i, a in enumerate(by):
-            for j, b in enumerate(by):
-                mine = energy.diff(a).diff(b).subs(rest)
-                theirs = read(rows[i][j], names) if rows else sympy.Integer(0)
-                positive = {s: sympy.Symbol(s.name, positive=True) for s in (mine - theirs).free_symbols}
-                tally.comparisons += 1
-                if sympy.simplify((mine - theirs).xreplace(positive)) != 0:
-                    tally.violate(f"entry of {name}", str(theirs), str(mine))
+def worth(expression, values):
+    """The value of an expression with those of its names, with all digits."""
+    names = sorted(expression.free_symbols, key=str)
+    numbers = (value.evalf(DIGITS) if isinstance(value, sympy.Basic) else value for value in (values[name] for name in names))
+    return mpmath.mpf(sympy.lambdify(names, expression, "mpmath")(*map(mpmath.mpf, numbers)))

@@ -1,0 +1,178 @@
+//! Outputs, natural frequencies and transfer functions against the linear system: rows entry by entry; frequencies by the determinant that they
+//! have to bring to zero; transfer functions, as they are printed, by their values at more places than their polynomials have coefficients.
+
+use super::{agree, defect};
+use crate::base::{Number, Rational, Span};
+use crate::equations::closed::Part;
+use crate::equations::polynomial::{self, Polynomial};
+use crate::equations::transfer::{Output, Transfer};
+use crate::equations::{Equations, EquationsError};
+use crate::model::scene::{Damping, Scene};
+use crate::symbols::Sum;
+use crate::system::{CoordinateId, Form, LinearSystem};
+
+pub fn verify(equations: &Equations, scene: &Scene, system: &LinearSystem) -> Result<(), EquationsError> {
+    for output in &equations.outputs {
+        rows(equations, output, system)?;
+    }
+    let whole = Matrices::new(scene, system);
+    for part in &equations.parts {
+        frequencies(equations, part, &whole)?;
+    }
+    for transfer in &equations.transfers {
+        transfer_function(equations, transfer, &whole, system)?;
+    }
+    Ok(())
+}
+
+/// Entries of the linear system, with the damping that is declared for all of it.
+struct Matrices {
+    m: Vec<Vec<Number>>,
+    c: Vec<Vec<Number>>,
+    k: Vec<Vec<Number>>,
+}
+
+impl Matrices {
+    fn new(scene: &Scene, system: &LinearSystem) -> Matrices {
+        let dense = |form: &Form| form.entries(system.n() + system.chain.len());
+        let (m, mut c, k) = (dense(&system.m), dense(&system.c), dense(&system.k));
+        if let Some(Damping::Rayleigh { alpha, beta, .. }) = &scene.damping {
+            for (i, row) in c.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate() {
+                    *entry = &(&*entry + &(alpha * &m[i][j])) + &(beta * &k[i][j]);
+                }
+            }
+        }
+        Matrices { m, c, k }
+    }
+
+    /// det(M s^2 + C s + K) of a part, by powers of s.
+    fn characteristic(&self, places: &[usize], replaced: Option<(usize, &[Polynomial])>) -> Option<Polynomial> {
+        let cell = |i: usize, j: usize| vec![self.k[i][j].clone(), self.c[i][j].clone(), self.m[i][j].clone()];
+        let mut matrix: Vec<Vec<Polynomial>> =
+            places.iter().map(|i| places.iter().map(|j| cell(*i, *j)).collect()).collect();
+        if let Some((column, driven)) = replaced {
+            for (row, driven) in matrix.iter_mut().zip(driven) {
+                row[column] = driven.clone();
+            }
+        }
+        polynomial::determinant(&matrix)
+    }
+}
+
+/// Every entry of an output.
+fn rows(equations: &Equations, output: &Output, system: &LinearSystem) -> Result<(), EquationsError> {
+    let Some(theirs) = system.outputs.get(output.number) else { return Ok(()) };
+    let compare = |own: &Sum, other: &Number, of: String| {
+        let value = equations.names.worth(own).unwrap_or(Number::ZERO);
+        let what = || format!("{}[{of}]", output.name);
+        if agree(&value, other) { Ok(()) } else { Err(defect(output.span, what(), &value, other)) }
+    };
+    for (order, row) in output.rows.iter().enumerate() {
+        for (place, own) in row.iter().enumerate() {
+            let primes = "'".repeat(order);
+            compare(own, &entry(&theirs.p[order], place), format!("{}{primes}", equations.label(place).plain()))?;
+        }
+        for (input, name) in equations.inputs.iter().enumerate() {
+            let own = output.direct[order].iter().filter(|(of, _)| *of == input);
+            let own = own.fold(Sum::ZERO, |sum, (_, entry)| &sum + entry);
+            let other = theirs.d[order].iter().filter(|(of, _)| *of as usize == input);
+            compare(
+                &own,
+                &other.fold(Number::ZERO, |sum, (_, value)| &sum + value),
+                format!("{name}{}", "'".repeat(order)),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn entry(row: &[(CoordinateId, Number)], place: usize) -> Number {
+    let found = row.iter().filter(|(id, _)| id.index() == place);
+    found.fold(Number::ZERO, |sum, (_, value)| &sum + value)
+}
+
+fn place_of(equations: &Equations, part: &Part) -> Span {
+    equations.motion.coordinates[equations.linear.coordinates[part.places[0]]].span
+}
+
+/// The square of each frequency brings det(K - omega^2 M) to zero; a damping ratio is c/(2 sqrt(k m)).
+fn frequencies(equations: &Equations, part: &Part, whole: &Matrices) -> Result<(), EquationsError> {
+    let span = place_of(equations, part);
+    let label = equations.label(part.places[0]).plain();
+    for square in part.squares.iter().filter_map(|square| square.value.as_ref()) {
+        let cell = |i: usize, j: usize| vec![&whole.k[i][j] - &(square * &whole.m[i][j])];
+        let matrix: Vec<Vec<Polynomial>> =
+            part.places.iter().map(|i| part.places.iter().map(|j| cell(*i, *j)).collect()).collect();
+        let left = polynomial::determinant(&matrix).and_then(|value| value.into_iter().next());
+        if let Some(left) = left.filter(|left| !left.may_be_zero()) {
+            return Err(defect(span, format!("det(K - omega^2 M) of {label}"), &left, &Number::ZERO));
+        }
+    }
+    if let (Some((_, value)), &[one]) = (&part.damping_ratio, &part.places[..]) {
+        let critical = (&whole.k[one][one] * &whole.m[one][one]).sqrt();
+        let other = critical.and_then(|root| whole.c[one][one].checked_div(&(&root + &root)));
+        if let Some(other) = other.filter(|other| !agree(value, other)) {
+            return Err(defect(span, format!("the damping ratio of {label}"), value, &other));
+        }
+    }
+    Ok(())
+}
+
+/// Places at which polynomials are compared: more than any of them has coefficients.
+const PLACES: std::ops::RangeInclusive<i64> = 1..=20;
+
+/// N(s) and D(s) as printed fulfil N(s) D'(s) = N'(s) D(s) with those of the linear system.
+fn transfer_function(
+    equations: &Equations,
+    transfer: &Transfer,
+    whole: &Matrices,
+    system: &LinearSystem,
+) -> Result<(), EquationsError> {
+    let (part, output) = (&equations.parts[transfer.part], &equations.outputs[transfer.output]);
+    let worth = |sums: &[Sum]| sums.iter().map(|sum| equations.names.worth(sum)).collect::<Option<Polynomial>>();
+    let (over, under) = match transfer.numerator.is_empty() {
+        true => (Some(transfer.numbers.clone()), Some(part.numbers.clone())),
+        false => (worth(&transfer.reduced.0), worth(&transfer.reduced.1)),
+    };
+    let (Some(over), Some(under)) = (over, under) else { return Ok(()) };
+    let Some((numerator, denominator)) = lowered(equations, transfer, whole, system) else { return Ok(()) };
+    for place in PLACES {
+        let s = Number::from(Rational::new(place, 4));
+        let at = |of: &Polynomial| polynomial::value(of, &s);
+        let (own, other) = (&at(&over) * &at(&denominator), &at(&numerator) * &at(&under));
+        if !agree(&own, &other) {
+            let name = format!("{}/{} at s = {}", output.name, equations.inputs[transfer.input], place as f64 / 4.0);
+            return Err(defect(output.span, name, &own, &other));
+        }
+    }
+    Ok(())
+}
+
+/// Numerator and denominator from the linear system.
+fn lowered(
+    equations: &Equations,
+    transfer: &Transfer,
+    whole: &Matrices,
+    system: &LinearSystem,
+) -> Option<(Polynomial, Polynomial)> {
+    let places = &equations.parts[transfer.part].places;
+    let output = system.outputs.get(equations.outputs[transfer.output].number)?;
+    let input = system.inputs.get(transfer.input)?;
+    let column = |place: &usize| input.b.iter().map(|row| entry(row, *place)).collect::<Polynomial>();
+    let driven: Vec<Polynomial> = places.iter().map(column).collect();
+    let denominator = whole.characteristic(places, None)?;
+    let mut numerator = Vec::new();
+    for (index, place) in places.iter().enumerate() {
+        let row: Polynomial = output.p.iter().map(|row| entry(row, *place)).collect();
+        let cofactors = whole.characteristic(places, Some((index, &driven)))?;
+        numerator = polynomial::sum(&numerator, &polynomial::product(&row, &cofactors));
+    }
+    let direct = output.d.iter().map(|row| {
+        let own = row.iter().filter(|(of, _)| *of as usize == transfer.input);
+        own.fold(Number::ZERO, |sum, (_, value)| &sum + value)
+    });
+    let direct: Polynomial = direct.collect();
+    numerator = polynomial::sum(&numerator, &polynomial::product(&direct, &denominator));
+    Some((numerator, denominator))
+}

@@ -1,0 +1,268 @@
+"""The energies of the project's examples, written down by hand, for the comparison of their equations with SymPy's."""
+
+import os
+
+import sympy
+from sympy.physics.mechanics import dynamicsymbols
+
+from .equations import TIME, Comparison, Scene, minus, rod, turn
+
+# The value that `solve` finds is the model's from then on: bounds count from it, and it has an error of its own.
+SOLVED = -26
+FOLDER = os.path.join(os.path.dirname(__file__), "../../../examples")
+
+
+class Example(Scene):
+    """An example by its name, with the values of its names in SI units."""
+
+    def __init__(self, name, values, change=("", "")):
+        super().__init__()
+        with open(os.path.join(FOLDER, f"{name}.vib"), encoding="utf-8") as file:
+            self.model = file.read().replace(*change)
+        self.given = {}
+        for word, value in values.items():
+            value = sympy.sympify(value, locals=dict(self.parameters), rational=True)
+            self.parameters[word] = sympy.Symbol(word, real=True)
+            self.given[self.parameters[word]] = value.xreplace(self.given)
+
+    def text(self):
+        return self.model
+
+    def __getattr__(self, name):
+        if name in self.__dict__.get("parameters", {}):
+            return self.parameters[name]
+        raise AttributeError(name)
+
+    def base(self, label):
+        u = dynamicsymbols(f"u{len(self.bases)}")
+        self.bases.append((u, label))
+        return u
+
+    def spring(self, k, stretch):
+        self.V += k * stretch ** 2 / 2
+
+    def damper(self, c, stretch):
+        self.D += c * stretch.diff(TIME) ** 2 / 2
+
+    def mass(self, m, *place):
+        self.T += sum(m * part.diff(TIME) ** 2 / 2 for part in place)
+
+    def force(self, name, q, lever=1):
+        self.Q[q] = self.Q.get(q, 0) + sympy.Symbol(name, real=True) * lever
+
+
+def cart():
+    s = Example("cart", {"m1": "1", "m2": "1/2", "L": "2", "k": "10", "b": "5", "g": "981/100"})
+    x, q = s.coordinate("block", "x"), s.coordinate("rod", "angle")
+    s.mass(s.m1, x)
+    s.mass(s.m2, x + s.L / 2 * sympy.sin(q), -s.L / 2 * sympy.cos(q))
+    s.T += s.m2 * s.L ** 2 / 24 * q.diff(TIME) ** 2
+    s.V -= s.m2 * s.g * s.L / 2 * sympy.cos(q)
+    s.spring(s.k, x)
+    s.damper(s.b, x)
+    s.force("F", x)
+    return s
+
+
+def double_pendulum():
+    s = Example("double_pendulum", {"m": "1", "l": "1", "g": "981/100"})
+    a, b = s.coordinate("upper", "angle"), s.coordinate("lower", "angle")
+    # The drawing leans by 60 and 30 degrees.
+    first = (s.l * sympy.sin(a + sympy.pi / 3), -s.l * sympy.cos(a + sympy.pi / 3))
+    second = (first[0] + s.l * sympy.sin(b + sympy.pi / 6), first[1] - s.l * sympy.cos(b + sympy.pi / 6))
+    for place in (first, second):
+        s.mass(s.m, *place)
+        s.V += s.m * s.g * place[1]
+    s.force("push", a, second[0].diff(a))
+    s.force("push", b, second[0].diff(b))
+    return s
+
+
+def drive_line():
+    s = Example("drive_line", {"ratio": "1/2"})
+    inertia = {"vehicle": 3100, "gear": 3100, "pinion1": 100, "pinion2": 110, "motor1": 300, "motor2": 172}
+    q = {name: s.coordinate(name, "angle") for name in inertia}
+    for name, J in inertia.items():
+        s.mass(J, q[name])
+    s.spring(23470, q["vehicle"] - q["gear"])
+    s.spring(515384, q["pinion1"] - q["motor1"])
+    s.spring(799520, q["pinion2"] - q["motor2"])
+    s.constraints += [q["pinion1"] + s.ratio * q["gear"], q["pinion2"] + s.ratio * q["gear"]]
+    s.force("T1", q["motor1"])
+    s.force("T2", q["motor2"])
+    return s
+
+
+def four_bar():
+    s = Example("four_bar", {"m": "6", "l": "3", "g": "981/100"})
+    a, b, c, d = ((sympy.Integer(x), sympy.Integer(y)) for x, y in ((0, 0), (1, -2), (3, -2), (4, 0)))
+    q = [s.coordinate(name, "angle") for name in ("left", "bar", "right")]
+    left, at_b = rod(s, s.l, (a, b), q[0], a)
+    bar, at_c = rod(s, s.m, (b, c), q[1], at_b)
+    right, other = rod(s, s.l, (d, c), q[2], d)
+    s.constraints += list(minus(other, at_c))
+    s.V += s.g * (s.l * left[1] + s.m * bar[1] + s.l * right[1])
+    for coordinate in q:
+        s.force("F", coordinate, bar[0].diff(coordinate))
+    return s
+
+
+def chain(name, count, body, motion, values, first, change=("", "")):
+    """Equal masses in a row; the first spring goes to `first`, or is not there."""
+    s = Example(name, values, change)
+    q = [s.coordinate(f"{body}[{i}]", motion) for i in range(1, count + 1)]
+    for own in q:
+        s.mass(s.m, own)
+    for a, b in zip(q, q[1:]):
+        s.spring(s.k, b - a)
+    if first is not None:
+        s.spring(s.k, q[0] - (s.base(first) if first else 0))
+    return s, q
+
+
+def free_free_chain():
+    s, q = chain("free_free_chain", 5, "wagon", "x", {"m": "1", "k": "1"}, None)
+    s.force("pull", q[0])
+    return s
+
+
+def long_chain():
+    # A dozen of the hundred: SymPy takes its time.
+    s, q = chain("long_chain", 12, "mass", "y", {"m": "1", "k": "100"}, "", ("param N = 100", "param N = 12"))
+    s.force("blow", q[-1])
+    return s
+
+
+def shear_building():
+    return chain("shear_building", 4, "floor", "x", {"m": "4000", "k": "5000"}, "u")[0]
+
+
+def half_car():
+    s = Example("half_car", {"a": "1189/1000", "b": "1696/1000", "m_chassis": "1697500/981"})
+    y, q = s.coordinate("chassis", "y"), s.coordinate("chassis", "angle")
+    s.mass(s.m_chassis, y)
+    s.mass(3267, q)
+    front, rear = y + s.a * sympy.sin(q) - s.base("v_front_road"), y - s.b * sympy.sin(q) - s.base("v_rear_road")
+    s.spring(35000, front)
+    s.spring(38000, rear)
+    s.damper(1000, front)
+    s.damper(1200, rear)
+    return s
+
+
+def single(name, values, body, motion, m, k, c=0, force=None):
+    s = Example(name, values)
+    q = s.coordinate(body, motion)
+    of = lambda word: s.parameters.get(word, word) if isinstance(word, str) else word(s)
+    s.mass(of(m), q)
+    s.spring(of(k), q)
+    if c:
+        s.damper(of(c), q)
+    if force:
+        s.force(force, q)
+    return s
+
+
+def hinged_body():
+    # `solve` sets both parameters: 10 N * 0.4 m / 0.005 rad, and 5 Hz.
+    s = single("hinged_body", {"kt": "800", "J": "kt/(10*pi)**2"}, "beam", "angle", "J", "kt", force="T")
+    s.digits = SOLVED
+    return s
+
+
+def inerter_table():
+    s = Example("inerter_table", {"m": "200", "fn": "10", "fs": "30", "k": "m*(2*pi*fn)**2"})
+    y = s.coordinate("table", "y")
+    stretch = y - s.base("v")
+    s.mass(s.m, y)
+    s.mass(s.k / (2 * sympy.pi * s.fs) ** 2, stretch)
+    s.spring(s.k, stretch)
+    return s
+
+
+def inverted_pendulum():
+    s = Example("inverted_pendulum", {"m": "1", "L": "1", "k": "5", "g": "981/100"})
+    q = s.coordinate("rod", "angle")
+    s.mass(s.m * s.L ** 2 / 3, q)
+    s.V += s.m * s.g * s.L / 2 * sympy.cos(q)
+    tip = turn((sympy.Integer(0), s.L), q)
+    for side in (-1, 1):
+        s.spring(s.k, sympy.sqrt((tip[0] - side) ** 2 + (tip[1] - s.L) ** 2) - 1)
+    s.force("gust", q)
+    return s
+
+
+def isolation_table():
+    # `solve` asks for -12 dB at 30 Hz.
+    s = Example("isolation_table", {"m": "200", "fn": "30*sqrt(10**(-3/5)/(1+10**(-3/5)))", "zeta": "1/10", "wn": "2*pi*fn"})
+    table, damped, floor = s.coordinate("table", "y"), s.coordinate("damped", "y"), s.base("v")
+    for y in (table, damped):
+        s.mass(s.m, y)
+        s.spring(s.m * s.wn ** 2, y - floor)
+    s.damper(2 * s.zeta * s.m * s.wn, damped - floor)
+    s.digits = SOLVED
+    return s
+
+
+def light_station():
+    return single("light_station", {"m": "273000", "fn": "1", "zeta": "1/100", "wn": "2*pi*fn"}, "station", "x", "m",
+                  lambda s: s.m * s.wn ** 2, lambda s: 2 * s.zeta * s.m * s.wn, "machine")
+
+
+def mortar():
+    return single("mortar", {"m": "10000", "k": "15791", "c": "25133/100"}, "car", "y", "m", "k", "c")
+
+
+def quarter_car():
+    s = Example("quarter_car", {})
+    chassis, wheel, road = s.coordinate("chassis", "y"), s.coordinate("wheel", "y"), s.base("v")
+    s.mass(500, chassis)
+    s.mass(50, wheel)
+    for k, c, stretch in ((18000, 1500, chassis - wheel), (180000, 500, wheel - road)):
+        s.spring(k, stretch)
+        s.damper(c, stretch)
+    return s
+
+
+def stacked_blocks():
+    return single("stacked_blocks", {"small": "1", "large": "10", "m": "small+large", "k": "250", "zeta": "1/20"}, "blocks", "x", "m", "k",
+                  lambda s: 2 * s.zeta * sympy.sqrt(s.m * s.k), "F")
+
+
+def tuned_mass_damper():
+    s = Example("tuned_mass_damper", {"M": "100", "f": "5", "mu": "1/20", "m": "mu*M", "w": "2*pi*f", "wa": "w/(1+mu)",
+                                      "zeta": "sqrt(3*mu/(8*(1+mu)))"})
+    machine, absorber = s.coordinate("machine", "x"), s.coordinate("absorber", "x")
+    s.mass(s.M, machine)
+    s.mass(s.m, absorber)
+    s.spring(s.M * s.w ** 2, machine)
+    s.spring(s.m * s.wa ** 2, absorber - machine)
+    s.damper(2 * s.zeta * s.m * s.wa, absorber - machine)
+    s.force("F", machine)
+    return s
+
+
+ALL = [cart, double_pendulum, drive_line, four_bar, free_free_chain, half_car, hinged_body, inerter_table, inverted_pendulum,
+       isolation_table, light_station, long_chain, mortar, quarter_car, shear_building, stacked_blocks, tuned_mass_damper]
+
+made = iter(())
+
+
+def scene(rng):
+    """One example after the other."""
+    global made
+    try:
+        return next(made)()
+    except StopIteration:
+        made = iter(ALL)
+        return next(made)()
+
+
+def check(scene, program, tally, rng):
+    """The example as it is, parameters that `solve` would set included."""
+    tally.command = "vibc equations MODEL --format json"
+    told = program.run("equations", scene.text(), "--format", "json").json()
+    if told is None:
+        tally.refuse("no equations")
+        return
+    Comparison(scene, told, tally, rng).run()
