@@ -1,8 +1,9 @@
 """Equations of motion in symbols beside SymPy's `LagrangesMethod`, in one run: hanging chains of point masses, the cart, and how time grows.
 
-`python benches/equations.py --program target/release/vibc` prints a table; the program's time is that of a whole process, which reads the model,
-checks it, lowers it, derives and compares everything and writes the text. SymPy's is that of `form_lagranges_equations` alone: no import,
-no linearising. Processor time of the fastest of several runs each. Needs sympy.
+`python benches/equations.py --program target/release/vibc` prints a table. The program's time is that of a whole process, which reads the model,
+checks it, lowers it, derives and compares everything and writes the text; beside it what is left of that without a process that only checks.
+SymPy's is that of the energies and `form_lagranges_equations` alone: no import, no linearising. Processor time of the fastest of several runs.
+Needs sympy.
 """
 
 import argparse
@@ -66,11 +67,12 @@ def main():
                 file.write(chain(links))
             return place
 
-        print("| links | SymPy [s] | vibc [ms] | ratio |\n| --- | --- | --- | --- |")
+        print("| links | SymPy [s] | vibc, whole process [ms] | ratio | less `vibc check` [ms] | ratio |\n| --- | --- | --- | --- | --- | --- |")
         for links in range(1, options.links + 1):
             theirs = min(by_sympy(links) for _ in range(2 if links < 6 else 1))
-            own = by_program(options.program, "equations", model(links), 9)
-            print(f"| {links} | {theirs:.3f} | {1e3 * own:.2f} | {theirs / own:.0f} |", flush=True)
+            check, own = (by_program(options.program, command, model(links), 60) for command in ("check", "equations"))
+            derived = own - check
+            print(f"| {links} | {theirs:.3f} | {1e3 * own:.2f} | {theirs / own:.0f} | {1e3 * derived:.2f} | {theirs / derived:.0f} |", flush=True)
         cart = os.path.join(here, "examples", "cart.vib")
         check, equations = (by_program(options.program, command, cart, 200) for command in ("check", "equations"))
         print(f"\ncart: check {1e3 * check:.2f} ms, equations {1e3 * equations:.2f} ms: {(equations - check) / check:+.0%} of check")
