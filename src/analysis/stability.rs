@@ -252,6 +252,25 @@ mod tests {
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }
 
+    /// A damper of -0.1 on one of two masses that a stiff spring joins, and one of 1 on the other: C is indefinite, and that
+    /// all poles decay is proved by all of them and Routh's count.
+    #[test]
+    fn all_poles_are_a_proof_where_energy_is_none() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, None);
+        }
+        push(&mut system.k, "10", 1, Some(0));
+        push(&mut system.c, "1", 0, None);
+        let (source, nature) = (system.c.terms()[0].source, system.c.terms()[0].nature);
+        system.c.push(source, nature, -&Number::from("0.1"), [(CoordinateId(1), Number::ONE)]);
+        let modes = modes(&system).expect("modes");
+        let verdict = stability(&system, &modes, &poles(&system, &modes).expect("poles"));
+        assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Poles));
+        assert!(verdict != Stability::Neutral && verdict != Stability::Undetermined);
+    }
+
     /// Routh's count against lists of poles of other systems: each of its three checks alone detects the contradiction.
     #[test]
     fn a_count_contradicts_what_it_does_not_know() {

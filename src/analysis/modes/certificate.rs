@@ -273,7 +273,7 @@ mod tests {
     use super::*;
     use crate::analysis::modes::terms::Terms;
     use crate::analysis::test_systems::{blank, push};
-    use crate::base::Number;
+    use crate::base::{Number, Rational};
     use crate::system::{CoordinateId, Nature};
 
     /// Three masses in a row between walls: eigenvalues 2 - sqrt 2, 2, 2 + sqrt 2.
@@ -349,6 +349,55 @@ mod tests {
         for end in [3.0f64, 5.0] {
             assert!((found.to_f64() - end.sqrt()).abs() <= found.rad, "{found:?} {end}");
         }
+    }
+
+    /// Far from one the low words of squares underflow, so the root is taken near one: its square holds the number, in exact
+    /// arithmetic.
+    #[test]
+    fn roots_hold_at_both_ends_of_the_range() {
+        let exact = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+        for x in [3e-305, 2e-290, 3e-200, 0.7, 7e200, 5e290, 1.1e308] {
+            let found = root(Triple::from(x), 0.0);
+            let end = |side: f64| &(&exact(found.mid.hi) + &exact(found.mid.lo)) + &exact(side * found.rad);
+            let beyond = |side: f64| &end(side).square() - &exact(x);
+            assert!(!beyond(1.0).is_negative() && !beyond(-1.0).is_positive(), "{x:e}: {found:?}");
+            assert!(found.rad <= 1e-30 * found.mid.hi, "{x:e}: {found:?}");
+        }
+    }
+
+    /// A row (1, e) with |e| <= 1e-3 in K and another in M join modes of 1 and 3: with +e in one and -e in the other the first
+    /// eigenvalue is (4 + 8e^2 - 2 sqrt(...))/..., less than 1 by 2e^2, from (K - M)_12 = 2e across a gap of 2.
+    #[test]
+    fn what_is_not_known_of_both_forms_adds_up_between_modes() {
+        let (mut system, e) = (blank(2), Number::Ball(Ball::new(Dd::ZERO, 1e-3)));
+        push(&mut system.k, "3", 1, None);
+        push(&mut system.m, "1", 1, None);
+        for form in [&mut system.k, &mut system.m] {
+            let source = form.terms()[0].source;
+            let row = [(CoordinateId(0), Number::ONE), (CoordinateId(1), e.clone())];
+            form.push(source, Nature::Property, Number::ONE, row);
+        }
+        let x = Matrix::from_fn(2, 2, |i, j| if i == j { Triple::from(1.0) } else { Triple::from(0.0) });
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let found = enclose(&Gram::of(&k, &x), &Gram::of(&m, &x));
+        assert!(found[0].radius >= 2e-6 * 0.999 && found[0].radius < 1e-3, "{:e}", found[0].radius);
+    }
+
+    /// A spring of 0 within 1e-3 between two equal oscillators moves one of their squares by up to 2e-3.
+    #[test]
+    fn what_is_not_known_between_equal_modes_is_in_their_radius() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, None);
+        }
+        let source = system.k.terms()[0].source;
+        let row = [(CoordinateId(0), Number::ONE), (CoordinateId(1), -&Number::ONE)];
+        system.k.push(source, Nature::Property, Number::Ball(Ball::new(Dd::ZERO, 1e-3)), row);
+        let x = Matrix::from_fn(2, 2, |i, j| if i == j { Triple::from(1.0) } else { Triple::from(0.0) });
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let found = enclose(&Gram::of(&k, &x), &Gram::of(&m, &x));
+        assert!(found.iter().all(|found| found.radius >= 2e-3 && found.radius < 1e-2), "{found:?}");
     }
 
     /// The squares whose weighted sum is a form: (w, coordinate, other end).

@@ -374,6 +374,17 @@ mod tests {
         Polynomial::new(coefficients.iter().map(|&a| a.into()).collect())
     }
 
+    /// s^2 + 4 s + 3 at 2, and at i: 2 + 4 i.
+    #[test]
+    fn a_polynomial_has_its_values() {
+        let f = polynomial(&[3, 4, 1]);
+        for (s, truth) in [((2.0, 0.0), (15.0, 0.0)), ((0.0, 1.0), (2.0, 4.0))] {
+            let found = super::value(&f, &value(s.0, s.1), None);
+            let same = |a: &Float, b: f64| (a - &Float::from(b)).sign() == Ordering::Equal;
+            assert!(same(&found.re, truth.0) && same(&found.im, truth.1), "{s:?}");
+        }
+    }
+
     #[test]
     fn the_hull_tells_the_sizes_of_roots() {
         // (s + 1)(s + 2^20)

@@ -254,6 +254,40 @@ mod tests {
         assert!(too_small > 5, "the case is not met: {too_small}");
     }
 
+    /// Rows and columns in other units: D H D with powers of two from 2^-60 to 2^60, where the solution is D^-1 times ones.
+    #[test]
+    fn the_bound_holds_in_graded_units_too() {
+        let n = 4;
+        let unit = |i: usize| 2f64.powi(40 * i as i32 - 60);
+        let entries = symmetric(n, |i, j| unit(i) * unit(j) / (i + j + 1) as f64);
+        let inverse = Inverse::<Complex<f64>>::of(n, &entries).expect("a condition of 15,000");
+        for off in 0..n {
+            let y = |j: usize| if j == off { 1.0 + 1e-7 } else { 1.0 } / unit(j);
+            let mut residual = vec![Complex::<Ball>::ZERO; n];
+            for entry in &entries {
+                let difference = Ball::from(1.0 / unit(entry.j as usize)) - Ball::from(y(entry.j as usize));
+                let i = entry.i as usize;
+                residual[i] = residual[i] + entry.value * Complex::new(difference, Ball::ZERO);
+            }
+            let bound = inverse.error(&residual);
+            assert!(bound[off] >= 0.99e-7 / unit(off), "{off}: {bound:?}");
+            assert!(bound.iter().enumerate().all(|(i, bound)| bound * unit(i) < 1e-2), "{bound:?}");
+        }
+    }
+
+    /// (1 1/2; 1/2 1) with every entry uncertain by 0.3 may be singular, whatever its unit.
+    #[test]
+    fn what_may_be_singular_has_no_proven_inverse_in_any_unit() {
+        for unit in [1e-20, 1.0, 1e20] {
+            let uncertain = |by: f64| {
+                let mut entries = symmetric(2, |i, j| if i == j { unit } else { 0.5 * unit });
+                entries.iter_mut().for_each(|entry| entry.value.re = entry.value.re.widen(by * unit));
+                Inverse::<Complex<f64>>::of(2, &entries).is_some()
+            };
+            assert!(!uncertain(0.3) && uncertain(1e-3), "{unit:e}");
+        }
+    }
+
     #[test]
     fn a_singular_matrix_has_no_proven_inverse() {
         let entries = symmetric(2, |_, _| 3.0);

@@ -248,6 +248,19 @@ mod tests {
         assert!(third.relative_error() < 1e-29);
     }
 
+    /// Bounds of the size of a number are on their side of it, low word included.
+    #[test]
+    fn sizes_are_bounded_from_both_sides() {
+        for hi in [1.0, -1.0, 3e-308, 1e300] {
+            for lo in [0.0, 1e-17 * hi, -1e-17 * hi] {
+                let ball = Ball::exact(Dd { hi, lo });
+                let size = hi.abs();
+                assert!(ball.magnitude() >= size && ball.mignitude() <= size, "{ball:?}");
+                assert!(lo == 0.0 || (ball.magnitude() > size && ball.mignitude() < size), "{ball:?}");
+            }
+        }
+    }
+
     /// Words of numbers near both ends of binary64 and between, with and without a low word.
     fn numbers_everywhere() -> Vec<Dd> {
         let sizes = [1e-323, 3.7e-308, 1.1e-306, 1e-300, 7e-293, 1e-276, 3e-200, 0.3, 1e77, 1e290, 3e300, 1.7e308];

@@ -89,6 +89,14 @@ mod tests {
         assert!(error * 3.0 <= told.relative_bound() && told.relative_bound() <= 3.1 * error);
     }
 
+    /// 1/3 with a radius of 1e-10, and the bound of the number that is printed for it.
+    #[test]
+    fn a_relative_bound_is_of_the_printed_number() {
+        let third = Ball::new(Dd::ONE / Dd::from(3.0), 1e-10);
+        assert!(Rounded::relative_bound_of(third) >= 3e-10 && Rounded::bound_of(third) >= 1e-10);
+        assert_eq!(Rounded::relative_bound_of(Ball::new(Dd::ONE, f64::NAN)), f64::INFINITY);
+    }
+
     #[test]
     fn a_radius_and_a_rounding_add_up() {
         let told = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 1e-17 }, 2e-17)).expect("finite");
