@@ -57,7 +57,7 @@ impl Shortfall {
         } else {
             "to no digit".to_string()
         };
-        let message = format!("{} is certain {reached}, not to {:e}", self.what, self.tolerance);
+        let message = format!("{} is certain {reached}, but not to {:e}", self.what, self.tolerance);
         let help = "terms that nearly cancel, or roots and angles (enclosed in double-double), leave no more digits; write what \
                     cancels without them, or say with `--tolerance` what is good enough";
         let diagnostic = match self.asked {
@@ -65,7 +65,7 @@ impl Shortfall {
             false => Diagnostic::warning(CODE, self.at, message),
         };
         match self.moving {
-            Some(_) => diagnostic.label("this moves most in it").help(help),
+            Some(_) => diagnostic.label("this has the largest displacement in it").help(help),
             None => diagnostic.help(help),
         }
     }

@@ -146,8 +146,8 @@ impl AnalysisError {
     fn text(&self) -> (String, &'static str) {
         match self {
             AnalysisError::TooManyCoordinates { count, limit, .. } => (
-                format!("the modes of {count} coordinates at once are too many: they are computed up to {limit}"),
-                "ask for some of them: `--modes 20` for the lowest, `--band 10Hz..50Hz` for a band; damping by modes needs all",
+                format!("all modes of {count} coordinates are too many: the limit is {limit} coordinates"),
+                "ask for some of them: `--modes 20` for the lowest, `--band 10Hz..50Hz` for a band; `damping modal` needs all",
             ),
             AnalysisError::NotSparse { count, limit, .. } => (
                 format!(
@@ -162,26 +162,26 @@ impl AnalysisError {
                     "{} can move without inertia and without force, so the motion is not determined",
                     coordinates.join(", ")
                 ),
-                "give what moves a mass (an inertia where it turns), or hold it by springs to what has one or to the ground",
+                "give it a mass (an inertia if it turns), or connect it by springs to a body with mass or to the ground",
             ),
             AnalysisError::MasslessPoles { coordinates, count, limit, .. } => (
                 massless_poles(coordinates, *count, *limit),
-                "give what moves there a mass (an inertia where it turns), or leave it out and join what it connects",
+                "give what moves there a mass (an inertia if it turns), or remove it and connect its neighbours directly",
             ),
             AnalysisError::MasslessNet { coordinate, limit, .. } => (
                 format!("{coordinate} moves without inertia, and its elimination would leave more than {limit} terms"),
-                "give it a mass (an inertia where it turns), or connect it to fewer others",
+                "give it a mass (an inertia if it turns), or connect it to fewer others",
             ),
             AnalysisError::IndefiniteMass { coordinate, .. } => (
-                format!("some motion of {coordinate} has no kinetic energy that is certainly positive"),
-                "give what moves there a mass, or leave its freedom out; links without mass in slanting loops are the usual cause",
+                format!("the mass matrix is not certainly positive definite at {coordinate}"),
+                "give what moves there a mass, or remove its degree of freedom; links without mass in slanted loops are the usual cause",
             ),
             AnalysisError::TooManyStates { count, limit, .. } => (
-                format!("the motion in time has {count} states; it is computed up to {limit}"),
-                "make the model smaller, or let fewer inputs carry signals",
+                format!("the motion in time has {count} states; the limit is {limit}"),
+                "make the model smaller, or give signals to fewer inputs",
             ),
             AnalysisError::SignalTooLong { input, .. } => (
-                format!("the chirp of `{input}` has more cycles than can be followed"),
+                format!("the chirp of `{input}` has too many cycles to compute"),
                 "shorten its duration or lower its frequencies",
             ),
             AnalysisError::BlowOnBase { input, .. } => (
@@ -189,25 +189,24 @@ impl AnalysisError {
                 "prescribe a `step` or a `pulse`, or apply the impulse as a force",
             ),
             AnalysisError::CodeOutOfRange { precision, .. } => (
-                format!("the numbers of the code leave the range of {precision} precision"),
-                "check the units and the step; `--precision f64` holds more than f32",
+                format!("the code would have numbers outside the range of {precision} precision"),
+                "check the units and the step; `--precision f64` has a larger range than f32",
             ),
             AnalysisError::StepTooLong { .. } => (
                 "in one step a motion or a signal turns by more than 1e9 rad".to_string(),
-                "take a shorter `--step`: so far on, too few digits say where in its turn it is",
+                "use a shorter `--step`: after so many radians too few digits of the phase are left",
             ),
             AnalysisError::MotionOutOfRange { .. } => (
                 "the motion leaves the range of binary64".to_string(),
                 "choose a shorter time: a divergence grows by a factor e in each of its growth times",
             ),
             AnalysisError::UncertainModes { .. } => (
-                "the modes here are not known well enough to give each its damping ratio".to_string(),
-                "choose stiffnesses and masses closer to each other, or write dampers instead of `damping modal`",
+                "the modes are not accurate enough to give each its damping ratio".to_string(),
+                "choose stiffnesses and masses of more similar magnitude, or write dampers instead of `damping modal`",
             ),
             AnalysisError::OutOfRange { .. } => (
-                "the stiffnesses and masses lie too far apart: a number beyond the range of binary64 came up"
-                    .to_string(),
-                "choose values nearer to each other",
+                "stiffnesses and masses differ too much in magnitude: a number left the range of binary64".to_string(),
+                "choose values of more similar magnitude",
             ),
         }
     }

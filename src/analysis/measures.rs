@@ -68,7 +68,7 @@ pub fn critical(poles: &Poles, i: usize) -> Measurement {
         Some([a, b]) if a.im.is_zero() && b.im.is_zero() => {
             Measurement::Value(((a.re - b.re) * Ball::from(0.5)).square())
         }
-        Some(_) => Measurement::None("the poles of this motion belong to different motions"),
+        Some(_) => Measurement::None("these two poles belong to different motions"),
         None => NONE,
     }
 }
@@ -100,7 +100,7 @@ fn is_certain_in_order(poles: &Poles, of: &Pole) -> bool {
 /// The last pole of the i-th damped motion, or why there is none.
 pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
     if poles.is_uncounted() || poles.followed {
-        return Err("it is not proved that no other damped motion comes before");
+        return Err("it is not proved that no other damped motion precedes it");
     }
     let mut halves = 0;
     for pole in &poles.list {

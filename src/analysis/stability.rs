@@ -172,11 +172,11 @@ impl Reason {
     pub fn not_proved(self) -> &'static str {
         match self {
             Reason::Growth | Reason::Energy | Reason::Poles => "",
-            Reason::Sign => "the bound of a mode or pole leaves open whether it grows",
-            Reason::NotComputed => "some damper feeds energy in, and the poles that would tell are not computed",
-            Reason::NotCounted => "some damper feeds energy in, and it is not proved that these are all poles",
+            Reason::Sign => "the bounds of a mode or pole do not decide whether it grows",
+            Reason::NotComputed => "some damper adds energy, and the poles that would decide are not computed",
+            Reason::NotCounted => "some damper adds energy, and it is not proved that the list of poles is complete",
             Reason::Contradiction => {
-                "the poles and Routh's count of them contradict each other: please report this model"
+                "the poles contradict Routh's count of them: report this model as a defect of vibc"
             }
             Reason::Rest => "it is not proven that the scene rests here",
         }

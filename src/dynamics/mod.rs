@@ -88,11 +88,11 @@ fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
     let span = system.coordinates.last()?.span;
     (products > MOST_PRODUCTS).then(|| {
         let message = format!(
-            "this scene hangs so deep that its transfer function would be summed from {products} products; the most are \
+            "the links of this scene hang so deep that its transfer function would sum {products} products; the limit is \
              {MOST_PRODUCTS}"
         );
         Diagnostic::error(lower::error::TOO_DEEP, span, message)
-            .help("use fewer links, or let bodies stand on the ground with a freedom clause")
+            .help("use fewer links, or let bodies move on the ground with a freedom clause")
     })
 }
 

@@ -70,12 +70,12 @@ impl Explanation<'_> {
     fn freedoms(&mut self) {
         let (n, all) = (self.system.n(), self.kinematics.n());
         self.keep(
-            counted(n, "freedom", "freedoms"),
-            "as the bodies' own clauses and the joints give them, and no others",
+            counted(n, "degree of freedom", "degrees of freedom"),
+            "only those given by the bodies' freedom clauses and the joints",
         );
         if n < all {
             let dependent = counted(all - n, "motion", "motions");
-            self.leave_out(dependent, "joints that close loops, or couplings, make them follow the others");
+            self.leave_out(dependent, "they follow the others through joints that close loops, or couplings");
         }
     }
 
@@ -113,7 +113,7 @@ impl Explanation<'_> {
         if !(has(&body.mass) || turns && has(&body.inertia)) {
             self.keep(
                 name,
-                "without inertia: it follows the others by its springs, or lags behind them by its dampers",
+                "no inertia: its springs make it follow the others, or its dampers make it lag behind them",
             );
         }
     }
@@ -127,9 +127,9 @@ impl Explanation<'_> {
         if way.is_empty() {
             self.leave_out("gravity", "no weight can do work in any motion of the scene");
         } else if stiffens {
-            self.keep("gravity", "weights load the rest, and add stiffness where bodies turn");
+            self.keep("gravity", "weights load the rest and add stiffness to bodies that turn");
         } else {
-            self.keep("gravity", "weights load the rest; no motion changes what they do, so they add no stiffness");
+            self.keep("gravity", "weights load the rest; no motion changes this load, so it adds no stiffness");
         }
     }
 
@@ -154,7 +154,7 @@ impl Explanation<'_> {
         };
         let counts: Vec<String> = KINDS.iter().filter_map(|kind| of(kind)).collect();
         if !counts.is_empty() {
-            self.keep(listed(&counts, "and"), "their ends move against each other");
+            self.keep(listed(&counts, "and"), "their ends move relative to each other");
         }
     }
 
@@ -164,8 +164,10 @@ impl Explanation<'_> {
         match () {
             () if element.law.coefficient.is_zero() => "its value is zero",
             () if a == b => "both ends are on one rigid piece",
-            () if between.path.is_empty() && between.angles == [None; 2] => "its ends cannot move against each other",
-            () => "no motion stretches it, and it carries no tension",
+            () if between.path.is_empty() && between.angles == [None; 2] => {
+                "its ends cannot move relative to each other"
+            }
+            () => "no motion stretches it, and it has no tension",
         }
     }
 

@@ -128,12 +128,12 @@ impl LowerError {
         match self {
             LowerError::Loose { names, spans } => loose(names, spans),
             LowerError::NoFreedom { span } => Diagnostic::error(NO_FREEDOM, *span, "nothing in this scene can move")
-                .label("no body here has a freedom")
+                .label("no body here has a degree of freedom")
                 .help("give a body a freedom clause, such as `moves x`, or hang it on a pivot")
                 .mend_by_field(*span, &["moves x", "moves y", "free"]),
             LowerError::NoInertia { coordinate, body, span, turns } => no_inertia(coordinate, body, *span, *turns),
             LowerError::UnknownPlace { body, span, used } => {
-                Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, and about which point is not known"))
+                Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, but about which point is not known"))
                     .label("the motion of this point depends on it")
                     .related(*span, "declared here, without a place")
                     .help(format!("give `{body}` a place: `at = (0, 0)`"))
@@ -145,24 +145,24 @@ impl LowerError {
             LowerError::TooDeep { entries, span } => Diagnostic::error(
                 TOO_DEEP,
                 *span,
-                format!("this scene hangs so deep that its matrices would hold {entries} numbers"),
+                format!("the links of this scene hang so deep that its matrices would have {entries} entries"),
             )
             .label("bodies hang one under another down to here")
-            .help("use fewer links, or let bodies stand on the ground with a freedom clause"),
+            .help("use fewer links, or let bodies move on the ground with a freedom clause"),
             LowerError::TangledLoops { limit, span } => Diagnostic::error(
                 LARGE_LOOP,
                 *span,
-                format!("the closed loops and couplings up to here depend on each other in more than {limit} numbers"),
+                format!("the equations of the closed loops and couplings up to here have more than {limit} entries"),
             )
-            .label("this joins what others join already")
+            .label("this connects parts that are already connected")
             .help("use fewer of them, or leave out those that follow from the others"),
             LowerError::LargeLoop { coordinates, span } => Diagnostic::error(
                 LARGE_LOOP,
                 *span,
-                format!("the rest of {coordinates} coordinates that closed loops tie together is not searched for"),
+                format!("closed loops couple {coordinates} coordinates: too many to search for their rest"),
             )
             .label("the first of the joints that close a loop there")
-            .help("use fewer links, draw the scene at its rest, or take the load away"),
+            .help("use fewer links, draw the scene at its rest, or remove the load"),
             LowerError::NoRest { span, left, reason } => no_rest(*span, left, *reason),
             LowerError::Unheld { declared, left, given } => unheld(*declared, left, *given),
             LowerError::Initial { span, message, help } => {
@@ -174,15 +174,15 @@ impl LowerError {
 
 fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
     let message = match names {
-        [one] => format!("nothing holds `{one}`: it has no freedom clause, and no joint ties it to the ground"),
-        many => format!("nothing holds {}: no joint ties them to the ground", listed(many)),
+        [one] => format!("nothing holds `{one}`: it has no freedom clause, and no joint connects it to the ground"),
+        many => format!("nothing holds {}: no joint connects them to the ground", listed(many)),
     };
     let mut diagnostic = Diagnostic::error(LOOSE, spans[0], message).label("held by nothing");
     for span in &spans[1..] {
         diagnostic = diagnostic.related(*span, "and this one with it");
     }
     diagnostic.help(format!(
-        "say what it may do on the ground: `free`, `moves x`, `turns`, or tie it to the ground: `pivot p: ground@(0, 0) -- {}`",
+        "say how it moves on the ground: `free`, `moves x`, `turns`, or connect it to the ground: `pivot p: ground@(0, 0) -- {}`",
         names[0]
     ))
     .mend_by_field(spans[0], &["free", "moves x", "moves y", "turns"])
@@ -194,9 +194,9 @@ fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnost
     Diagnostic::error(
         NO_INERTIA,
         span,
-        format!("`{coordinate}` moves no {what}, and no spring or damper acts on it: it could be anywhere"),
+        format!("`{coordinate}` moves no {what}, and no spring or damper acts on it: its position is undetermined"),
     )
-    .label(format!("a freedom needs {what}, stiffness or damping"))
+    .label(format!("a degree of freedom needs {what}, stiffness or damping"))
     .help(format!(
         "give `{body}`, or a body that it carries, `{field}`; or hold it: `spring s: ground -- {body} {{ k = {stiffness} }}`"
     ))
@@ -212,29 +212,33 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     let alone = names.len() == 1;
     let names = listed(&names);
     let message = match why {
-        Why::Locked if alone => format!("{names} lets nothing move"),
+        Why::Locked if alone => format!("{names} prevents all motion"),
         Why::InLine => {
-            format!("all links of the loop of {names} are in line: in this position its freedoms are not determined")
+            format!(
+                "all links of the loop of {names} are in line: its degrees of freedom are not determined in this position"
+            )
         }
         Why::Branching => {
-            format!("the loop of {names} can move in several ways from this position: its freedoms are not determined")
+            format!(
+                "the loop of {names} can move in several ways from this position: its degrees of freedom are not determined"
+            )
         }
         Why::Unclear => {
-            format!("whether {names} depend on each other is not to be told from the digits that are known")
+            format!("the known digits do not decide whether {names} depend on each other")
         }
-        Why::Locked => format!("{names} hold each other: nothing that they tie can move"),
-        Why::Opposed => format!("{names} contradict each other: only no motion at all fulfils them"),
+        Why::Locked => format!("{names} lock each other: the parts they connect cannot move"),
+        Why::Opposed => format!("{names} contradict each other: only zero motion satisfies them"),
         Why::Open => format!("{names} cannot all be closed where the bases are held"),
         Why::Driven => format!("{names} hold a base whose motion is prescribed"),
     };
     let help = match why {
-        Why::InLine | Why::Branching => "draw it in a position beside this one",
+        Why::InLine | Why::Branching => "draw it in a slightly different position",
         Why::Unclear => "draw it in another position, or leave one of them out",
-        Why::Locked if alone => "leave it out, or let it hold less",
-        Why::Locked => "leave one of them out, or draw the links so that they fit each other while they move",
+        Why::Locked if alone => "remove it, or use a joint that allows more motion",
+        Why::Locked => "leave one of them out, or draw the links so that they fit each other as they move",
         Why::Opposed => "leave one of them out, or correct its ratio",
         Why::Open => "hold the bases nearer to where they are drawn",
-        Why::Driven => "leave the joint out, or give the parts between the base and the ground one freedom more",
+        Why::Driven => "remove the joint, or give the parts between the base and the ground one more degree of freedom",
     };
     let mut diagnostic = Diagnostic::error(code, joints[0].1, message).label("closes the loop");
     for (_, span) in joints[1..].iter().take(SHOWN) {
@@ -248,8 +252,8 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
     let others: Vec<String> = joints[1..].iter().map(|(name, _)| name.clone()).collect();
     let (name, span) = &joints[0];
     let message = match others.as_slice() {
-        [] => format!("`{name}` ties what is tied already"),
-        others => format!("`{name}` asks in part what follows from {} already", listed(others)),
+        [] => format!("`{name}` connects parts that are already connected"),
+        others => format!("`{name}` repeats in part what already follows from {}", listed(others)),
     };
     let mut diagnostic = Diagnostic::note(REDUNDANT, *span, message).label("redundant");
     for (_, span) in joints[1..].iter().take(SHOWN) {
@@ -263,18 +267,18 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
 pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
     let (message, label) = match moved {
         Some(name) => {
-            let message = "a rest was found, and it is not proven: there may be none here, or several";
+            let message = "a rest was found but not proven: there may be none here, or several";
             (message, format!("`{name}` moved farthest to it"))
         }
         None => {
             let message =
-                "the drawing is in balance as far as its numbers are known, and it is not proven that it rests there";
-            (message, "among what should rest there".to_string())
+                "the drawing is in balance as far as its numbers are known, but it is not proven that it rests there";
+            (message, "part of the scene that should be at rest there".to_string())
         }
     };
     Diagnostic::warning(UNPROVEN, span, message).label(label).help(
-        "results are about the scene linearised at this place, and have no bounds; draw the scene nearer to its rest, or hold \
-         what hardly any spring holds there",
+        "results are for the scene linearised here, and have no bounds; draw the scene nearer to its rest, or add a spring \
+         to a motion that is hardly restrained",
     )
 }
 
@@ -282,7 +286,7 @@ fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic 
     let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::told).collect();
     let message = match reason {
         NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
-        NoRestReason::NotSettled => format!("no rest found: {} did not settle", listed(&names(left))),
+        NoRestReason::NotSettled => format!("no rest found: {} did not converge", listed(&names(left))),
     };
     let mut diagnostic = Diagnostic::error(NO_REST, left.first().map_or(span, |u| u.span), message)
         .label(format!("force left: {}", forces.join(", ")));
@@ -290,7 +294,7 @@ fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic 
         diagnostic = diagnostic.related(unbalanced.span, format!("{} left on this one", unbalanced.size()));
     }
     diagnostic.help(match reason {
-        NoRestReason::Falls => "hold it with a spring or a joint, or take away the load on it",
+        NoRestReason::Falls => "hold it with a spring or a joint, or remove its load",
         NoRestReason::NotSettled => "draw the scene nearer to its rest",
     })
 }
@@ -302,9 +306,9 @@ fn unheld(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnosti
         .label(format!("nothing balances {}", forces.join(", ")))
         .related(declared, "the drawing is declared to be the rest here");
     if let Some(given) = given {
-        diagnostic = diagnostic.related(given, "this one's tension is given, so it is not looked for");
+        diagnostic = diagnostic.related(given, "the tension of this spring is given, so it is not solved for");
     }
-    diagnostic.help("draw the scene at its rest, add a spring that can hold it, or leave `rest as drawn` out: the rest is searched for then")
+    diagnostic.help("draw the scene at its rest, add a spring that can hold it, or remove `rest as drawn`: then the rest is searched for")
 }
 
 impl Unbalanced {

@@ -37,20 +37,25 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
     let kind = element.law.kind;
     let [a, b] = [0, 1].map(|end| kinematics.end(&element.ends[end]).piece);
     let on_turning = format!(
-        "name the points that it holds, as in `wheel@(0, 0.1 m)`; on turning acts {} in {}",
+        "name the points at its ends, as in `wheel@(0, 0.1 m)`; {} in {} acts on rotation",
         kind.coefficient().expected(true).noun,
         kind.unit(true)
     );
     let (read, help) = match &element.geometry {
-        _ if a == b => ("between two points of one rigid body".into(), "tie one end to another part"),
+        _ if a == b => ("between two points of one rigid body".into(), "attach one end to another part"),
         Geometry::Along(direction) => (
-            format!("along {}, and no motion moves its ends against each other so", shown(direction)),
+            format!(
+                "along {}, but no motion moves its ends relative to each other in that direction",
+                shown(direction)
+            ),
             "let it act along a motion of its ends: `along = x`",
         ),
-        Geometry::Torsion => ("on turning, and no motion turns its ends against each other".into(), "leave it out"),
-        Geometry::Line => ("along the line of its ends, whose distance no motion changes".into(), on_turning.as_str()),
+        Geometry::Torsion => ("on rotation, but no motion rotates its ends relative to each other".into(), "remove it"),
+        Geometry::Line => {
+            ("along the line between its ends, but no motion changes their distance".into(), on_turning.as_str())
+        }
     };
-    let message = format!("the {} `{}` does nothing: it acts {read}", kind.keyword, scene.words.display(element.name));
+    let message = format!("the {} `{}` has no effect: it acts {read}", kind.keyword, scene.words.display(element.name));
     Diagnostic::warning(ELEMENT, element.span, message).help(help)
 }
 
@@ -58,13 +63,13 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
     let (what, read, help) = match &input.kind {
         InputKind::Force { direction, .. } => (
             "force",
-            format!("it acts along {}, and no motion moves its ends so", shown(direction)),
+            format!("it acts along {}, but no motion moves its ends in that direction", shown(direction)),
             "let it act along a motion of its body: `along x`",
         ),
         InputKind::ForceBetween { .. } => (
             "force",
-            "it acts along the line of its ends, whose distance no motion changes".into(),
-            "name points that move against each other",
+            "it acts along the line between its ends, but no motion changes their distance".into(),
+            "name points that move relative to each other",
         ),
         InputKind::Torque { .. } => ("torque", "no motion turns its body".into(), "let it act on a body that turns"),
         // A motion that nothing is attached to is a support that is not used yet, unless a signal moves it.
@@ -72,10 +77,10 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
         InputKind::Base { .. } => (
             "motion of the base",
             "nothing that moves is attached to it in this direction".into(),
-            "tie a spring or damper to the base that acts along its motion",
+            "attach a spring or damper that acts along the motion of the base",
         ),
     };
-    let message = format!("the {what} `{}` moves nothing: {read}", scene.words.display(input.name));
+    let message = format!("the {what} `{}` has no effect: {read}", scene.words.display(input.name));
     Some(Diagnostic::warning(INPUT, input.span, message).help(help))
 }
 

@@ -104,15 +104,15 @@ fn eliminate(equation: &mut Equation, coordinate: u32, by: &Equation) {
 fn contradiction(span: Span) -> LowerError {
     LowerError::Initial {
         span,
-        message: "this initial motion contradicts the others, or the freedoms of its body".into(),
-        help: "give motions that the scene can have together",
+        message: "this initial motion contradicts the others, or the degrees of freedom of its body".into(),
+        help: "give initial motions that are compatible",
     }
 }
 
 fn undetermined(span: Span) -> LowerError {
     LowerError::Initial {
         span,
-        message: "several motions have this initial value: it does not say which".into(),
-        help: "give the initial motions of the other bodies that take part, such as `angle = 0`",
+        message: "this initial value does not determine the motion: several motions have it".into(),
+        help: "give the initial motions of the other bodies involved, such as `angle = 0`",
     }
 }

@@ -155,10 +155,10 @@ impl AskedError {
             NoRoot { span, measure, target, name, range, reach } => {
                 let (low, high) = range;
                 let message = if reach.proven {
-                    format!("no `{name}` in {low} .. {high} makes `{measure}` {target}")
+                    format!("no value of `{name}` in {low} .. {high} makes `{measure}` {target}")
                 } else {
                     let looks = reach.looks;
-                    format!("none of {looks} values of `{name}` in {low} .. {high} makes `{measure}` {target}")
+                    format!("none of {looks} values tried for `{name}` in {low} .. {high} makes `{measure}` {target}")
                 };
                 let (least, largest) = (&reach.least, &reach.largest);
                 let seen = format!(
@@ -169,51 +169,49 @@ impl AskedError {
                 let gap = reach.gap.as_ref().map_or(String::new(), |why| format!("; for some values {why}"));
                 error(span, message)
                     .label(seen + &jump + &gap)
-                    .help("ask for a value that is reached, or search in another range")
+                    .help("ask for a value that is reached, or search another range")
             }
             SeveralRoots { span, measure, target, name, roots, all } => {
                 let (least, others) = if *all { ("", "") } else { ("at least ", "; others are not excluded") };
                 let message = format!("{least}{} values of `{name}` make `{measure}` {target}", roots.len());
                 error(span, message)
                     .label(format!("{name} = {}{others}", listed(roots)))
-                    .help("narrow the range to the one that is meant")
+                    .help("narrow the range around the one you want")
             }
             Touches { span, measure, target, name, at } => {
-                error(span, format!("it is not settled whether `{measure}` reaches {target}"))
-                    .label(format!("near {name} = {at} it comes as near to it as can be told, without passing it"))
-                    .help("ask for a value that the measure passes, or search in another range")
+                error(span, format!("it is undetermined whether `{measure}` reaches {target}"))
+                    .label(format!("near {name} = {at} it comes as close as can be resolved, without crossing it"))
+                    .help("ask for a value that the measure crosses, or search another range")
             }
             NothingSettled { span, measure, target, name, parts } => {
                 error(span, format!("no `{name}` was found that makes `{measure}` {target}"))
-                    .label(format!("not settled: {name} in {}; elsewhere in the range there is none", ranges(parts)))
-                    .help("ask for a value that the measure passes, or search in another range")
+                    .label(format!("undetermined: {name} in {}; elsewhere in the range there is none", ranges(parts)))
+                    .help("ask for a value that the measure crosses, or search another range")
             }
             Unsettled { span, name, value, parts } => {
                 error(span, format!("{name} = {value} was found, but other values of `{name}` are not excluded"))
                     .label(format!(
-                        "not settled: {name} in {}; elsewhere in the range there is no other",
+                        "undetermined: {name} in {}; elsewhere in the range there is no other",
                         ranges(parts)
                     ))
-                    .help("narrow the range to where the value is looked for")
+                    .help("narrow the range around the value you want")
             }
             Independent { span, measure, at, name } => error(span, format!("`{measure}` does not depend on `{name}`"))
-                .label("the same for every value that was tried")
+                .label("the same for every value tried")
                 .related(*at, "this measure")
                 .help("solve for a parameter that the measure depends on"),
             NoValue { span, measure, name, range, why } => {
                 let message = format!("`{measure}` has no value for any `{name}` in {} .. {}", range.0, range.1);
-                error(span, message).label(why.clone()).help("ask for another measure, or search in another range")
+                error(span, message).label(why.clone()).help("ask for another measure, or search another range")
             }
             Twice { span, name, first } => error(span, format!("`{name}` is solved for twice"))
                 .related(*first, "here first")
-                .help("let each `solve` line look for a parameter of its own"),
+                .help("let each `solve` line find a different parameter"),
             Singular { span, names, others } => {
-                let message = format!("these conditions do not settle {}", quoted(names));
+                let message = format!("these conditions do not determine {}", quoted(names));
                 together(error(span, message), others)
-                    .label(
-                        "to first order the parameters can change together in a way that changes none of the measures",
-                    )
-                    .help("solve for parameters that move the measures in different ways, or ask for other values")
+                    .label("to first order, the parameters can change together without changing any measure")
+                    .help("solve for parameters that change the measures in different ways, or ask for other values")
             }
             Apart { span, names, others, nearest, left } => {
                 let message = format!(
@@ -223,27 +221,27 @@ impl AskedError {
                 let at: Vec<String> = nearest.iter().map(|(name, value)| format!("{name} = {value}")).collect();
                 together(error(span, message), others)
                     .label(format!("nearest: {}, where the measures are {}", at.join(", "), listed(left)))
-                    .help("ask for values that are reached together, or search in other ranges")
+                    .help("ask for values that are reached together, or search other ranges")
             }
             SeveralTogether { span, names, others, roots } => {
                 let message =
                     format!("at least {} sets of values of {} meet these conditions", roots.len(), quoted(names));
                 together(error(span, message), others)
                     .label(roots.join("; or "))
-                    .help("narrow the ranges to the set that is meant")
+                    .help("narrow the ranges around the set you want")
             }
             Fails { span, value, by, mover } => {
                 let finding = error(span, "this requirement does not hold".to_string())
-                    .label(format!("it is {value}, which misses by {by}"));
+                    .label(format!("it is {value}, off by {by}"));
                 match mover {
                     None => finding.help("no parameter was found that makes it hold"),
                     Some(mover) => moved_by(finding, mover),
                 }
             }
             Undetermined { span, value, limit, bound } => error(span, "this requirement cannot be decided".to_string())
-                .label(format!("it is {value} within {bound}, and so is the limit {limit}"))
+                .label(format!("it is {value} within {bound}, which includes the limit {limit}"))
                 .help("move the limit by more than the bound"),
-            NoNumber { span, why } => error(span, "what this requirement compares has no value".to_string())
+            NoNumber { span, why } => error(span, "the measure in this requirement has no value".to_string())
                 .label(why.clone())
                 .help("ask for what the scene has"),
         }
@@ -254,13 +252,13 @@ fn moved_by(finding: Diagnostic, mover: &Mover) -> Diagnostic {
     let Mover { name, declared, percent, most, wanted, value } = mover;
     let moves = percent.as_ref().map(|percent| {
         let most = if *most { " most" } else { "" };
-        format!("`{name}` moves it{most}: {percent} % for each percent of `{name}`")
+        format!("`{name}` changes it{most}: by {percent} % for each percent of `{name}`")
     });
     let help = match (moves, wanted) {
         (Some(moves), Some(wanted)) => format!("{moves}; with {name} = {wanted} it holds"),
         (None, Some(wanted)) => format!("with {name} = {wanted} it holds"),
         (Some(moves), None) => format!("{moves}; no value was found that makes it hold"),
-        (None, None) => format!("`{name}` moves it; no value was found that makes it hold"),
+        (None, None) => format!("`{name}` affects it, but no value was found that makes it hold"),
     };
     finding.related(*declared, format!("{value} now")).help(help)
 }

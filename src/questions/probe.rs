@@ -115,7 +115,7 @@ impl Probe {
 }
 
 /// No simulation time: the motion grows, or nothing moves.
-const NO_TIME: Measurement = Measurement::None("nothing says how long the motion is followed: say it with `--until`");
+const NO_TIME: Measurement = Measurement::None("the simulated time is not known: give it with `--until`");
 
 /// The scene and the results that the probes are applied to.
 pub struct Measured<'a> {
@@ -138,7 +138,7 @@ impl Measured<'_> {
     fn one(&self, system: &LinearSystem, transfer: Option<&Transfer>, probe: &Probe) -> Measurement {
         const NONE: Measurement = Measurement::None("it could not be computed");
         if !self.lowered.rest.is_proven() {
-            return Measurement::None("it is not proven that the scene rests where it would be measured");
+            return Measurement::None("the rest about which it would be measured is not proven");
         }
         let drives = &self.context.drives;
         match probe {
@@ -167,7 +167,7 @@ impl Measured<'_> {
                 Measurement::None("a base moves on for ever: nothing settles")
             }
             Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
-                Measurement::None("no input has a signal that lasts: nothing is moved")
+                Measurement::None("no input has a lasting signal: nothing moves")
             }
             Probe::Static(output) => {
                 let loads = self.loads();

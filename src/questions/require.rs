@@ -63,7 +63,7 @@ fn requirement(
     let value = match measured {
         Measurement::Value(value) if require.comparison.is_none() => {
             let said = if value == Ball::ONE { "stable" } else { "not stable" };
-            Value::Said(if value.is_exact() { said } else { "not certain whether it is stable" }.to_string())
+            Value::Said(if value.is_exact() { said } else { "undetermined" }.to_string())
         }
         Measurement::Value(value) => Value::Number(value),
         Measurement::Infinite => Value::Infinite,

@@ -323,7 +323,7 @@ impl<'a> Unknowns<'a> {
                 if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. }) =>
             {
                 let told = told(&self.in_unit(equation, &Number::Ball(hertz(ball.abs().sqrt()))));
-                if ball.is_negative() { format!("diverging ({told} of growth)") } else { told }
+                if ball.is_negative() { format!("diverging (growth rate {told})") } else { told }
             }
             Difference::Known(ball) => {
                 let value = self.solves[equation].question.value.to_ball() + *ball;

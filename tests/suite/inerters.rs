@@ -192,7 +192,7 @@ fn what_a_model_was_taken_for_names_inerters() {
     );
     let idle = ask("body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\n\
          inerter j: ground@(0, 1 m) -- a@(0, 0) { b = 1 kg, along = y }\n");
-    assert!(idle.remarks[0].message.starts_with("the inerter `j` does nothing"), "{:?}", idle.remarks);
+    assert!(idle.remarks[0].message.starts_with("the inerter `j` has no effect"), "{:?}", idle.remarks);
 }
 
 #[test]

@@ -179,7 +179,7 @@ fn requirements_are_decided_as_far_as_the_bound_goes() {
 fn advice_would_do() {
     let outcome = run("require frequency(1) > 1 Hz");
     let help = outcome.diagnostics[0].help.clone().expect("advice");
-    assert!(help.starts_with("`k` moves it most: 0.5 %"), "{help}");
+    assert!(help.starts_with("`k` changes it most: by 0.5 %"), "{help}");
     let wanted = help.split("with k = ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a value");
     // (2 pi)^2 = 39.478: three digits, rounded to the side that satisfies the requirement.
     let wanted = wanted.parse::<f64>().expect("a number");

@@ -56,11 +56,11 @@ impl fmt::Display for NoEquations {
         match self {
             NoEquations::Massless { coordinate } => write!(
                 f,
-                "`{coordinate}` moves without a mass of its own, so the equations are not of second order in it; `--style steps` emits it"
+                "`{coordinate}` has no mass of its own, so its equation is not of second order: use `--style steps`"
             ),
             NoEquations::TooMany => write!(
                 f,
-                "the masses are coupled so that the equations would have more than {MOST_NUMBERS} numbers for accelerations alone"
+                "so many masses are coupled that the accelerations alone would need more than {MOST_NUMBERS} numbers"
             ),
             NoEquations::OutOfRange { precision } => {
                 write!(f, "a number of the equations leaves the range of {precision} precision; check the units")

@@ -47,7 +47,7 @@ pub fn split(system: &LinearSystem, poles: &Poles) -> Result<Split, AnalysisErro
     let same = Matrix::identity(size);
     let d = own.a.clone();
     let mut split = own.apart(&[one], &same, &same, &d);
-    split.method = "one dense step: poles lie too close together to be taken apart";
+    split.method = "one dense step: poles are too close together to be separated";
     Ok(split)
 }
 

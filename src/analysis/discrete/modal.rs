@@ -31,7 +31,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     let mut found = Split {
         blocks: Vec::with_capacity(n),
         direct: super::direct_of(system),
-        method: "one oscillator a mode: damping does not couple the modes",
+        method: "one oscillator for each mode: damping does not couple the modes",
     };
     for (j, mode) in modes.list.iter().enumerate() {
         let stiffness = match mode.kind {

@@ -43,23 +43,21 @@ pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Re
     let Some(first) = systems.first() else { return Err("there is no system".into()) };
     let n = first.n();
     if n > MOST_COORDINATES {
-        return Err(format!(
-            "the model has {n} coordinates, and a changeable parameter is for {MOST_COORDINATES} at most"
-        ));
+        return Err(format!("the model has {n} coordinates; the limit is {MOST_COORDINATES}"));
     }
     let names = first.coordinate_names();
     let alike = |s: &LinearSystem| {
         s.coordinate_names() == names && s.inputs.len() == first.inputs.len() && s.outputs.len() == first.outputs.len()
     };
     if !systems.iter().all(alike) {
-        return Err(format!("`{name}` changes which coordinates there are"));
+        return Err(format!("`{name}` changes the set of coordinates"));
     }
     let powers = |s: &LinearSystem| {
         s.inputs.iter().all(|i| i.b[1].is_empty() && i.b[2].is_empty())
             && s.outputs.iter().all(|o| o.d[1].is_empty() && o.d[2].is_empty())
     };
     if !systems.iter().all(powers) {
-        return Err("an input acts by its rate (a damper on a moving base), which this form does not carry".into());
+        return Err("an input acts through its rate (a damper on a moving base)".into());
     }
     let values: Vec<Number> = MULTIPLES.iter().map(|&(a, b)| &(value * &Number::from(a)) / &Number::from(b)).collect();
     let fit = |what: &str, of: &dyn Fn(&LinearSystem) -> Vec<Number>| -> Result<Vec<Polynomial>, String> {
@@ -68,7 +66,7 @@ pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Re
             .map(|i| {
                 let entry: Vec<Number> = columns.iter().map(|column| column[i].clone()).collect();
                 polynomial(&values, &entry)
-                    .ok_or_else(|| format!("{what} does not follow `{name}` as a polynomial of degree two at most"))
+                    .ok_or_else(|| format!("{what} is not a polynomial of degree two or less in `{name}`"))
             })
             .collect()
     };
@@ -105,7 +103,7 @@ pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Re
     };
     let start = fit("the initial state", &start)?;
     if start.iter().any(|p| p[1] != 0.0 || p[2] != 0.0) {
-        return Err(format!("the initial state follows `{name}`"));
+        return Err(format!("the initial state depends on `{name}`"));
     }
     let port = |name, unit: &str| Port { name: first.display(name), unit: unit.to_string() };
     Ok(Parameterised {
@@ -118,7 +116,7 @@ pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Re
         m: fit("the mass matrix", &matrix(|s| &s.m))?,
         c: fit("the damping matrix", &matrix(|s| &s.c))?,
         k: fit("the stiffness matrix", &matrix(|s| &s.k))?,
-        b: fit("what an input does", &b)?,
+        b: fit("the effect of an input", &b)?,
         p: [fit("an output", &seen(0))?, fit("an output", &seen(1))?, fit("an output", &seen(2))?],
         d: fit("an output", &d)?,
         start: (0..n).map(|i| (start[i][0], start[n + i][0])).collect(),

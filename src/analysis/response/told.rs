@@ -132,31 +132,32 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
     }
     for (output, &place) in places.iter().enumerate().filter(|&(output, _)| !moved[output]) {
         let message = format!("no signal and no initial state reaches `{}`: it is zero at all times", name(output));
-        let help = "drive the part of the model to which it belongs, or leave it out";
+        let help = "drive the part of the model to which it belongs, or remove it";
         list.push(Diagnostic::warning(STILL, place, message).help(help));
     }
     let told = history.unsettled().into_iter().map(|found| {
         let (name, place) = (name(found.output), places[found.output]);
         let at = found.at.to_f64();
         if found.unknown > 0 {
-            let message = format!("{} samples of `{name}` are not known at all, from {at} s on", found.unknown);
+            let message = format!("nothing is known of {} samples of `{name}`, from {at} s on", found.unknown);
             return Diagnostic::error(UNSETTLED, place, message).help(SHORTER);
         }
         let message = if found.largest > found.bound {
             format!(
-                "not every digit of `{name}` is settled: at {at} s its bound is {:.1e}, and its largest value is {:.1e}",
+                "not every digit of `{name}` is certain: its bound at {at} s is {:.1e}, its largest value {:.1e}",
                 found.bound, found.largest
             )
         } else {
-            format!("no digit of `{name}` is settled: all that is known is a bound of {:.1e}, at {at} s", found.bound)
+            format!("no digit of `{name}` is certain: its bound is {:.1e} at {at} s", found.bound)
         };
-        Diagnostic::warning(UNSETTLED, place, message).help("the CSV has settled digits only; `--bounds` adds the bound of each sample")
+        Diagnostic::warning(UNSETTLED, place, message)
+            .help("the CSV has only certain digits; `--bounds` adds the bound of each sample")
     });
     list.extend(told);
     list
 }
 
-const SHORTER: &str = "choose a shorter time, or stiffnesses and masses nearer to each other";
+const SHORTER: &str = "choose a shorter time, or stiffnesses and masses of more similar magnitude";
 
 #[cfg(test)]
 mod tests {
