@@ -243,7 +243,7 @@ mod tests {
         let reference = Reference::of(&oscillator("1", "0.1", "4")).expect("modes");
         let (_, entries) = motion::motion(&oscillator("1", "0.1", "4"), &[], &reference, &mut clock).expect("a motion");
         let error = |road: &str| {
-            let found = entries.iter().find(|entry| entry.road == format!("{road} steps a period"));
+            let found = entries.iter().find(|entry| entry.road == format!("{road} steps per period"));
             found.and_then(|entry| entry.error).expect("a road")
         };
         for (road, order) in [("Runge-Kutta 4", 256.0), ("Newmark", 16.0), ("generalised alpha", 16.0)] {

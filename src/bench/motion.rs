@@ -69,12 +69,12 @@ pub fn motion(
             ("generalised alpha", &|| stepper.alpha(count, &force)),
         ];
         for (road, call) in roads.into_iter().skip(usize::from(!stepper.free)) {
-            let road = format!("{road}, {:.0} steps a period", PER_PERIOD * refinement as f64);
+            let road = format!("{road}, {:.0} steps per period", PER_PERIOD * refinement as f64);
             let (values, seconds) = timed(clock, call);
             let error = values.map(|values| off(&values));
             let entry = Entry::ordinary(Question::Motion, &road, seconds, error);
             let failed = entry.error.is_none();
-            entries.push(if failed { entry.note("fails, or grows out of range") } else { entry });
+            entries.push(if failed { entry.note("fails or overflows") } else { entry });
         }
     }
     Ok((problem, entries))

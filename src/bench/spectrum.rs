@@ -40,7 +40,7 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
     ours("vibc --digits 28", &Request::default().to_digits(28), false);
     if system.n() >= LARGE {
         let few = Request { which: Which::Lowest(FEW), ..Request::default() };
-        ours("vibc --modes 4, the lowest alone", &few, false);
+        ours("vibc --modes 4, only the lowest", &few, false);
     }
     if system.n() > MOST_DENSE {
         return entries;

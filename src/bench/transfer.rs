@@ -23,13 +23,18 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
     let (truth, seconds) = timed(clock, one_by_one);
     let mut entries = vec![ours("vibc, elimination", &truth, &truth, seconds).chosen()];
     let (gains, seconds) = timed(clock, || transfer.many(&frequencies, &[0], &[0], 1e-17));
-    entries.push(ours("vibc, side by side", &gains, &truth, seconds));
+    entries.push(ours("vibc, several frequencies at once", &gains, &truth, seconds));
     if let Some(sum) = ModalSum::of(system, &reference.modes) {
         let pair = sum.pair(system, 0, 0);
         let (gains, seconds) = timed(clock, || sum.fast_many(&pair, &frequencies));
-        entries.push(ours("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the modes"));
+        entries.push(
+            ours("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the time for the modes"),
+        );
         let (gains, seconds) = timed(clock, || frequencies.iter().map(|f| sum.accurate(&pair, f)).collect::<Vec<_>>());
-        entries.push(ours("vibc, sum over modes in double-double", &gains, &truth, seconds).note("without the modes"));
+        entries.push(
+            ours("vibc, sum over modes in double-double", &gains, &truth, seconds)
+                .note("without the time for the modes"),
+        );
     }
     if system.n() > MOST_DENSE {
         return entries;
@@ -42,8 +47,8 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
         let sum = || Some(omegas.iter().map(|&w| modal_sum(&matrices, &squares, &shapes, w)).collect::<Vec<_>>());
         let (values, seconds) = timed(clock, sum);
         let entry =
-            Entry::ordinary(question, "sum over modes, damping between them dropped", seconds, worst(values, &truth));
-        entries.push(entry.note("without the modes"));
+            Entry::ordinary(question, "sum over modes, damping between them neglected", seconds, worst(values, &truth));
+        entries.push(entry.note("without the time for the modes"));
     }
     entries
 }

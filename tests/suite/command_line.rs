@@ -112,7 +112,7 @@ fn of_several_files_the_largest_status_counts() {
 fn results_go_to_one_stream_and_diagnostics_to_the_other() {
     let folder = folder();
     let unused = run(&["analyze", &file(&folder, "unused.vib", UNUSED)]);
-    assert!(unused.out.starts_with("unused · 1 freedom"), "{}", unused.out);
+    assert!(unused.out.starts_with("unused · 1 degree of freedom"), "{}", unused.out);
     assert!(unused.err.contains("spare") && !unused.out.contains("spare"));
     let wrong = run(&["analyze", &file(&folder, "wrong.vib", WRONG)]);
     assert!(wrong.out.is_empty() && wrong.err.contains("vib::unit::mismatch"));
@@ -369,7 +369,7 @@ fn speed_is_told_against_error() {
         run.out.lines().filter(|line| !line.contains('"')).map(line).collect()
     };
     let csv = run(&["bench", &model, "--format", "csv"]);
-    assert!(csv.out.starts_with("question,road,ordinary,time_s,error,bound,pareto,chosen,note\n"));
+    assert!(csv.out.starts_with("question,method,ordinary,time_s,error,bound,pareto,chosen,note\n"));
     assert_eq!(without_times(&csv), without_times(&run(&["bench", &model, "--format", "csv"])));
     assert_eq!(run(&["bench", &file(&folder, "wrong.vib", WRONG)]).status, 1);
 }

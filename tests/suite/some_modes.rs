@@ -58,7 +58,7 @@ fn a_band_has_its_modes_and_counts_the_others() {
     assert_eq!(some["not_computed"]["modes_below"], 3);
     assert_eq!(some["not_computed"]["modes_above"], 3);
     assert_eq!(some["rest"]["kind"], "neutral");
-    assert!(text.contains("1 rigid motion below those listed"), "{text}");
+    assert!(text.contains("1 rigid-body mode below those listed"), "{text}");
     let gap = Band { from: omega[3] * 1.001, to: omega[4] * 0.999 };
     let (none, text) = asked(&chain(9, false, ""), Which::Within(gap));
     assert_eq!(none["modes"].as_array().map(Vec::len), Some(0));
@@ -98,7 +98,7 @@ fn a_large_scene_gives_its_lowest_modes_unasked_and_says_so() {
     assert_eq!(answer["poles"].as_array().map(Vec::len), Some(40));
     assert_eq!(answer["not_computed"]["modes_above"], 480);
     assert_eq!(answer["rest"]["stable"], true);
-    assert!(text.contains("not computed: 480 modes above (--modes N and --band FROM..TO ask for others)"), "{text}");
+    assert!(text.contains("not computed: 480 modes above (use --modes N or --band FROM..TO for others)"), "{text}");
 }
 
 #[test]

@@ -267,7 +267,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
     Report::new(title(answer), sections.into_iter().chain(account))
 }
 
-/// `cart · 2 freedoms, linearised about a stable rest`
+/// `cart · 2 degrees of freedom, linearised about a stable rest`
 fn title(answer: &ModalAnswer) -> Line {
     let verdict = match answer.stability.kind() {
         Stability::Stable => "a stable rest",
@@ -280,11 +280,11 @@ fn title(answer: &ModalAnswer) -> Line {
     let title = line![
         answer.model.clone(),
         " · ",
-        counted(answer.system.n(), "freedom", "freedoms"),
+        counted(answer.system.n(), "degree of freedom", "degrees of freedom"),
         ", linearised about ",
         verdict
     ];
-    if rigid == 0 { title } else { line![title, " · ", counted(rigid, "rigid motion", "rigid motions")] }
+    if rigid == 0 { title } else { line![title, " · ", counted(rigid, "rigid-body mode", "rigid-body modes")] }
 }
 
 /// `1 mode`, `3 modes`

@@ -40,8 +40,8 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
 fn without_inertia(count: usize) -> Option<Line> {
     match count {
         0 => None,
-        1 => Some("one motion has no inertia: it follows the others, and has no frequency".into()),
-        _ => Some(line![count, " motions have no inertia: they follow the others, and have no frequency"]),
+        1 => Some("one motion has no inertia and no frequency: it follows the others".into()),
+        _ => Some(line![count, " motions have no inertia and no frequency: they follow the others"]),
     }
 }
 
@@ -49,7 +49,7 @@ fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {
     let translates = |coordinate: &Coordinate| coordinate.kind == CoordinateKind::Translation;
     let mixed = system.coordinates.iter().any(translates) && !system.coordinates.iter().all(translates);
     match normalise {
-        Normalise::Translation if mixed => "shapes: largest translation 1, or rotation where nothing translates",
+        Normalise::Translation if mixed => "shapes: largest translation 1, or largest rotation if nothing translates",
         Normalise::Translation | Normalise::Max => "shapes: largest entry 1",
         Normalise::First => "shapes: first entry 1",
         Normalise::Mass => "shapes: mass-normalised",
@@ -147,7 +147,7 @@ fn more(answer: &ModalAnswer) -> Option<Line> {
     let list = &answer.modes.list;
     let highest = list.last().filter(|_| list.len() > MOST)?;
     let highest = Figure::ball(derived::hertz(highest.omega), 4).unit("Hz");
-    Some(line!["... and ", list.len() - MOST, " modes more, up to ", highest, " (--format json has all)"])
+    Some(line!["... and ", list.len() - MOST, " more modes, up to ", highest, " (--format json has all)"])
 }
 
 /// The modes that were not requested, or not computed because there are too many.
@@ -161,7 +161,7 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
         (below, above) => line![modes(below), " below and ", above, " above"],
     };
     let empty = if answer.modes.list.is_empty() { "no undamped mode is in the band; " } else { "" };
-    Some(line![empty, "not computed: ", which, " (--modes N and --band FROM..TO ask for others)"])
+    Some(line![empty, "not computed: ", which, " (use --modes N or --band FROM..TO for others)"])
 }
 
 /// Close frequencies: their difference keeps the digits that cancel in the two numbers.
@@ -198,10 +198,14 @@ fn clusters(answer: &ModalAnswer) -> Vec<Line> {
             [first, .., last] => line![
                 "modes ",
                 range(below + first + 1, below + last + 1),
-                ": one repeated frequency or a tight cluster; their shapes span it together"
+                ": one repeated frequency or a tight cluster; only the span of their shapes is determined"
             ],
             _ => {
-                line!["mode ", below + first + 1, ": one of a repeated frequency or a tight cluster that goes on above"]
+                line![
+                    "mode ",
+                    below + first + 1,
+                    ": part of a repeated frequency or a tight cluster that continues above"
+                ]
             }
         });
     }
@@ -221,9 +225,9 @@ fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
         line![
             "mode ",
             number,
-            " is sensitive: its ω moves up to ",
+            " is sensitive: its ω changes by up to ",
             Figure::bound(factor.0),
-            " times as much as masses, stiffnesses and tensions, relatively"
+            " times the relative change of masses, stiffnesses and tensions"
         ]
     })
 }

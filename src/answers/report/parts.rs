@@ -42,19 +42,19 @@ pub fn section(answer: &ModalAnswer) -> Section {
 }
 
 fn falls_into(parts: usize) -> Line {
-    line!["falls into ", parts, " parts that do not act on each other"]
+    line!["falls into ", parts, " independent parts"]
 }
 
 fn form(net: &Net) -> Line {
     let n = net.coordinates.len();
     match net.form {
         NetForm::Free => "free: nothing acts on it".into(),
-        NetForm::Single => "one freedom".into(),
+        NetForm::Single => "one degree of freedom".into(),
         NetForm::Chain => line!["chain of ", n],
         NetForm::Tree => line!["tree of ", n],
         NetForm::Band { width } => line!["band of ", n, ", ", width, " wide"],
         NetForm::Linkage => line!["linkage of ", n, ", kept as chained rows"],
-        NetForm::General => line![n, " freedoms"],
+        NetForm::General => line![n, " degrees of freedom"],
     }
 }
 
@@ -72,7 +72,7 @@ pub fn explained(account: &Account, system: &LinearSystem) -> Section {
     if account.left_out.is_empty() {
         blocks.push(Block::Line("left out: nothing".into()));
     } else {
-        blocks.extend(remarks("left out, for it changes nothing", &account.left_out));
+        blocks.extend(remarks("left out, because it changes nothing", &account.left_out));
     }
     if let [net] = &nets(system)[..] {
         blocks.push(line!["one part: ", form(net), " (", names(system, net), ")"].into());

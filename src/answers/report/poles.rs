@@ -22,7 +22,7 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     let by_modes = answer.poles.list.iter().any(|pole| pole.route == Route::Decoupled);
     if undamped && !by_modes {
         let growth = if answer.stability == Stability::Unstable { ", or ± its growth" } else { "" };
-        return vec![line!["damped motion: nothing damps; every pole is ±iω of its mode", growth].into()];
+        return vec![line!["damped motion: no damping; every pole is ±iω of its mode", growth].into()];
     }
     let shown: Vec<(usize, &Pole)> = answer.motions().collect();
     let mut blocks = vec![Block::Line("damped motion".into()), table(&shown, options, answer.rest.is_proven()).into()];
@@ -63,7 +63,7 @@ fn clusters(shown: &[(usize, &Pole)]) -> Vec<Line> {
             shown.iter().filter(|(_, other)| other.cluster == Some(cluster)).map(|(number, _)| *number).collect();
         let numbers = listed(members.iter().map(|number| Line::from(*number)));
         lines.push(match (members.len() > 1, pole.defective) {
-            (false, _) => line!["pole ", numbers, ": not told from its conjugate; certified together"],
+            (false, _) => line!["pole ", numbers, ": not separated from its conjugate; certified together"],
             (true, true) => line![
                 "poles ",
                 numbers,
@@ -87,12 +87,12 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
         (true, _) => line![
             "not computed: ",
             poles,
-            "; this damping joins the modes, and poles are followed from the lowest ones alone"
+            "; this damping couples the modes, and poles are only followed from the lowest ones"
         ],
         (false, true) => line![
             "not computed: ",
             poles,
-            "; each of these was followed from its mode, and another one may lie between them"
+            "; each of these was followed from its mode, and there may be others between them"
         ],
         (false, false) => line!["not computed: ", poles, " of other modes"],
     })

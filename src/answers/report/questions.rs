@@ -48,7 +48,7 @@ fn others(solved: &Solved) -> Option<Line> {
         Others::None(_) => None,
         Others::Unsettled(parts) => {
             let parts = listed(parts.iter().map(|(low, high)| line![low.clone(), " .. ", high.clone()]));
-            Some(line![name, ": the one found; not settled is ", parts, ", elsewhere there is no other"])
+            Some(line![name, ": the one found; undetermined in ", parts, ", elsewhere there is no other"])
         }
         Others::Unknown => {
             Some(line![name, ": the one found with ", solved.looked_at, " values tried; others are not excluded"])
@@ -91,7 +91,7 @@ fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
 /// The simulated time for `peak` and `rms`, if one of them is used.
 fn followed(until: Option<&Number>) -> Option<Line> {
     let until = Figure::number(until?.clone(), DIGITS).unit("s");
-    Some(line!["peak and rms are those of the motion up to ", until, " (--until)"])
+    Some(line!["peak and rms are of the motion up to ", until, " (--until)"])
 }
 
 fn table(list: &[Requirement]) -> Table {

@@ -49,7 +49,7 @@ fn displacement(answer: &ModalAnswer) -> Vec<Block> {
     }
     let mut blocks = vec![line!["rest: displaced from the drawing by up to ", farthest(answer), trust(answer)].into()];
     if !answer.rest.is_proven() {
-        let caution = "no number below has a bound: all are about the scene linearised here, and it may rest elsewhere";
+        let caution = "no number below has a bound: all refer to the scene linearised here, and it may rest elsewhere";
         blocks.push(Block::Item(caution.into()));
     }
     blocks.push(table.into());
@@ -128,19 +128,19 @@ fn unstable(answer: &ModalAnswer) -> Vec<Block> {
     let mut items = Vec::new();
     for (number, mode) in of_kind(answer, ModeKind::Divergence) {
         let how_fast = if damped { Line::default() } else { line![": ", growth(mode.omega)] };
-        items.push(line![mode_named(&answer.system, number, mode), " runs away", how_fast]);
+        items.push(line![mode_named(&answer.system, number, mode), " diverges", how_fast]);
     }
     for (number, pole) in answer.motions().filter(|_| damped) {
         let how = match pole.kind {
-            PoleKind::Flutter => " swings ever wider (flutter): ",
-            PoleKind::Divergence => " runs away: ",
+            PoleKind::Flutter => " oscillates with growing amplitude (flutter): ",
+            PoleKind::Divergence => " diverges: ",
             _ => continue,
         };
         items.push(line!["pole ", number, how, growth(pole.re)]);
     }
     if answer.modes.before.divergences > 0 {
         let modes = counted(answer.modes.before.divergences, "mode", "modes");
-        items.push(line![modes, " below those listed run away"]);
+        items.push(line![modes, " below those listed diverge"]);
     }
     with_items("UNSTABLE: the scene does not stay at this rest", items)
 }
@@ -156,7 +156,7 @@ fn undetermined(answer: &ModalAnswer) -> Vec<Block> {
     for (number, mode) in of_kind(answer, ModeKind::Undetermined) {
         let bound = bound(": |ω| or its growth is ", Figure::ball(mode.omega, DIGITS).unit("rad/s"));
         let mode = mode_named(&answer.system, number, mode);
-        items.push(line![mode, " may hold or run away", bound]);
+        items.push(line![mode, " may be stable or diverge", bound]);
     }
     for (number, pole) in answer.motions().filter(|_| !answer.system.c.is_empty()) {
         if pole.kind == PoleKind::Undetermined {
@@ -178,13 +178,13 @@ fn buckling(answer: &ModalAnswer, options: &Options) -> Option<Line> {
     let (factor, margin) = (found.load_factor, found.margin());
     let bound = if options.digits.is_some() { factor.relative_error() } else { Rounded::relative_bound_of(factor) };
     let meaning = match (margin.contains_zero(), margin.mid.hi > 0.0) {
-        (true, _) => "at the buckling load, as far as can be told".into(),
+        (true, _) => "at the buckling load, as far as the bounds decide".into(),
         (false, true) => {
             let margin = Figure::ball(margin, digits);
-            line!["loads may grow by ", margin, " of themselves before the rest loses its stiffness"]
+            line!["loads may grow by ", margin, " times their size before the rest loses its stiffness"]
         }
         (false, false) => {
-            line!["the loads are too large by ", Figure::ball(margin.abs(), digits), " of themselves"]
+            line!["the loads are too large by ", Figure::ball(margin.abs(), digits), " times their size"]
         }
     };
     let (factor, bound) = (Figure::ball(factor, digits), super::error(answer.rest.is_proven(), bound));
@@ -199,8 +199,9 @@ fn growth(rate: Ball) -> Line {
 /// The motions that nothing restrains.
 fn neutral(answer: &ModalAnswer) -> Vec<Block> {
     let below = answer.modes.before.rigid;
-    let below = (below > 0).then(|| line![counted(below, "rigid motion", "rigid motions"), " below those listed"]);
+    let below =
+        (below > 0).then(|| line![counted(below, "rigid-body mode", "rigid-body modes"), " below those listed"]);
     let listed = of_kind(answer, ModeKind::Rigid)
         .map(|(number, mode)| line!["mode ", number, ": ", super::carried_by(&answer.system, mode)]);
-    with_items("NEUTRAL: nothing holds these motions back", below.into_iter().chain(listed).collect())
+    with_items("NEUTRAL: nothing restrains these motions", below.into_iter().chain(listed).collect())
 }

@@ -10,9 +10,9 @@ use crate::bench::{Bench, Entry, Question};
 
 const INDENT: usize = 2;
 
-/// `question,road,ordinary,time_s,error,bound,pareto,chosen,note`; unknown values are empty fields.
+/// `question,method,ordinary,time_s,error,bound,pareto,chosen,note`; unknown values are empty fields.
 pub fn csv(bench: &Bench) -> String {
-    let mut text = String::from("question,road,ordinary,time_s,error,bound,pareto,chosen,note\n");
+    let mut text = String::from("question,method,ordinary,time_s,error,bound,pareto,chosen,note\n");
     let field = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
     for entry in &bench.entries {
         let Entry { question, road, ordinary, seconds, error, bound, pareto, chosen, note } = entry;
@@ -39,27 +39,30 @@ fn quoted(text: &str) -> String {
 
 /// A table for each question, the sharpness of the bounds, the two readings of literals, and growth.
 pub fn text(model: &str, bench: &Bench) -> String {
-    let freedoms = if bench.coordinates == 1 { "1 freedom".into() } else { format!("{} freedoms", bench.coordinates) };
+    let freedoms = if bench.coordinates == 1 {
+        "1 degree of freedom".into()
+    } else {
+        format!("{} degrees of freedom", bench.coordinates)
+    };
     let mut text = format!("{model} · {freedoms}: speed against error\n");
     for question in Question::ALL {
         text += &format!("\n  {}\n", heading(question, bench));
         text += &table(bench.entries.iter().filter(|entry| entry.question == question));
         text += &format!("  {}\n", why(question));
     }
-    text += "\n  → the road that vibc takes by itself   ∙ on the Pareto line: none is both faster and more accurate\n";
-    text += "  error: the worst of the answer as printed in binary64, relative, against double-double\n";
+    text += "\n  → the method that vibc chooses   ∙ on the Pareto front: no other method is both faster and more accurate\n";
+    text += "  error: largest relative error of the answer as printed in binary64, compared with double-double\n";
     if let Some((median, largest)) = bench.bound_quality {
-        text += &format!(
-            "\n  bounds of the frequencies over their true errors: median {median:.1}, largest {largest:.1}\n"
-        );
+        text +=
+            &format!("\n  ratio of bound to true error of the frequencies: median {median:.1}, largest {largest:.1}\n");
     }
     if let Some(change) = bench.reading {
         let change = if change == 0.0 {
             "does not change the frequencies".into()
         } else {
-            format!("changes the frequencies by {change:.1e} at most")
+            format!("changes the frequencies by at most {change:.1e}")
         };
-        text += &format!("  reading the literals as binary64 numbers, as others do, {change}\n");
+        text += &format!("  reading the literals as binary64 numbers, as other programs do, {change}\n");
     }
     text += &growth(bench);
     text
@@ -67,17 +70,17 @@ pub fn text(model: &str, bench: &Bench) -> String {
 
 fn heading(question: Question, bench: &Bench) -> String {
     match question {
-        Question::Frequencies => "natural frequencies without damping, all of them".into(),
-        Question::Poles => "poles, all of them".into(),
+        Question::Frequencies => "all undamped natural frequencies".into(),
+        Question::Poles => "all poles".into(),
         Question::Transfer => "transfer function of the first coordinate, at resonances and between them".into(),
         Question::Motion => {
             let what = if bench.problem.own {
                 "its own signals and initial state"
             } else {
-                "the first coordinate let go at 1"
+                "the first coordinate released at 1"
             };
             let until = Decimal::round(Dd::from(bench.problem.until), 5).text();
-            format!("motion at ten times until {until} s: {what}; steps are of the fastest period")
+            format!("motion at ten times up to {until} s: {what}; steps are per fastest period")
         }
     }
 }
@@ -86,16 +89,16 @@ fn heading(question: Question, bench: &Bench) -> String {
 fn why(question: Question) -> &'static str {
     match question {
         Question::Frequencies => {
-            "vibc works on the terms that M and K are sums of, for assembling loses digits; its certificate says when more precision is due"
+            "vibc works on the terms of M and K, because assembling them loses digits; its certificate decides when more precision is needed"
         }
         Question::Poles => {
-            "vibc corrects binary64 poles with residuals of the terms and proves a disc around each; the time holds the modes it starts from"
+            "vibc corrects binary64 poles with residuals of the terms and proves a disc around each; the time includes the modes from which it starts"
         }
         Question::Transfer => {
-            "vibc takes the first whose bound is good enough of: sum in binary64 (where `--tolerance` allows), side by side (tables), sum in double-double, elimination"
+            "vibc uses the first of these whose bound is good enough: sum in binary64 (if `--tolerance` allows it), several frequencies at once (tables), sum in double-double, elimination"
         }
         Question::Motion => {
-            "vibc's motion has no step to choose: between samples nothing is integrated, so one exponential serves them all"
+            "vibc needs no time step: nothing is integrated between samples, so one matrix exponential serves them all"
         }
     }
 }
@@ -103,7 +106,7 @@ fn why(question: Question) -> &'static str {
 fn table<'a>(entries: impl Iterator<Item = &'a Entry>) -> String {
     let mut table = Table::new()
         .column("", "", Align::Left)
-        .column("road", "", Align::Left)
+        .column("method", "", Align::Left)
         .column("time", "", Align::Right)
         .column("error", "", Align::Right)
         .column("bound", "", Align::Right)

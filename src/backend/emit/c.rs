@@ -255,7 +255,7 @@ fn body(plan: &Plan) -> String {
     }
     if !plan.events.is_empty() {
         let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick}u,\n")).collect();
-        let (note, count) = (comment("samples at which something happens"), ticks.len());
+        let (note, count) = (comment("samples with events"), ticks.len());
         text += &format!("\n{note}\nstatic const uint32_t EVENTS[{count}] = {{\n{}}};\n", ticks.concat());
     }
     for Function { head, body, .. } in functions(plan) {

@@ -20,7 +20,7 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     lines.push(format!("method     the exact discrete system, {}", system.method));
     let hold = match system.hold {
         Hold::Zero => "held from sample to sample",
-        Hold::First => "run along a line from sample to sample",
+        Hold::First => "interpolated linearly between samples",
     };
     lines.push(format!("step       {:?} s, inputs are {hold}", system.step));
     let precision = match system.precision {
@@ -35,13 +35,13 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
             upper(system.left.iter().map(share).sum())
         ));
         lines.push(format!(
-            "           harmonic inputs up to {:?} Hz; just after a step or a blow an output may lack more",
+            "           harmonic inputs up to {:?} Hz; just after a step or an impulse an output may lack more",
             0.5 / system.step
         ));
     }
     for &output in &system.without_slope {
         lines.push(format!(
-            "           output {} follows how fast an input changes; between samples a held input does not",
+            "           output {} depends on the rate of an input; a held input does not change between samples",
             readable(&system.outputs[output].name)
         ));
     }

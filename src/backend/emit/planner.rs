@@ -447,7 +447,7 @@ impl<'a> Planner<'a> {
             arrays.push(Array { name: name.into(), start, note: note.into() });
         };
         if !self.alone.is_empty() {
-            add("w", Start::Numbers(self.alone.clone()), "states that stand alone");
+            add("w", Start::Numbers(self.alone.clone()), "single states");
         }
         if self.system.remembers() && !self.inputs.is_empty() {
             add("last", Start::Numbers(vec![0.0; self.inputs.len()]), "the inputs of the last step");

@@ -138,7 +138,7 @@ pub fn whole(plan: &Plan) -> String {
     if !plan.events.is_empty() {
         let ticks: Vec<String> = plan.events.iter().map(|tick| format!("    {tick},\n")).collect();
         let (count, ticks) = (ticks.len(), ticks.concat());
-        text += &format!("\n/// samples at which something happens\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
+        text += &format!("\n/// samples with events\nstatic EVENTS: [u32; {count}] = [\n{ticks}];\n");
     }
     text += &match &plan.style {
         Style::Steps | Style::Parameter { .. } => steps(plan),

@@ -41,7 +41,7 @@ pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
     }
     flush(&mut beside);
     if !too_wide.is_empty() {
-        text += &format!("{:indent$}{}: too wide for here (--matrices)\n", "", too_wide.join(", "));
+        text += &format!("{:indent$}{}: too wide to show (use --matrices)\n", "", too_wide.join(", "));
     }
     text
 }
@@ -128,7 +128,7 @@ mod tests {
     fn a_wide_matrix_is_drawn_in_pieces_where_it_is_asked_for() {
         let list = vec![("K", matrix(&[&[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]]))];
         let narrow = Matrices { list: list.clone(), wanted: false, digits: 5 };
-        assert_eq!(text(&narrow, 2, 20), "  K: too wide for here (--matrices)\n");
+        assert_eq!(text(&narrow, 2, 20), "  K: too wide to show (use --matrices)\n");
         let wanted = Matrices { list, wanted: true, digits: 5 };
         let expected = "  columns 1 to 4 of 6:
   K = ⎡ 1  2  3  4 ⎤
