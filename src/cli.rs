@@ -33,13 +33,13 @@ pub enum Command {
     Transfer(Transfer),
     /// Compute the time response under the model's signals and from its initial state
     Simulate(Simulate),
-    /// The scene as a figure of a textbook, in SVG: as drawn, at rest, or in a mode
+    /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
     Draw(Draw),
-    /// Simulation code: the exact discrete system in C99 or Rust
+    /// Emit simulation code: the exact discrete system in C99 or Rust
     Emit(Emit),
-    /// The equations of motion in the model's own symbols, by its energies
+    /// Print the equations of motion in the model's own symbols, from its energies
     Equations(Equations),
-    /// Check models: diagnostics, and how the requirements stand
+    /// Check models: diagnostics, and whether the requirements hold
     Check(Check),
     /// Format model files
     Fmt(Fmt),
@@ -66,7 +66,7 @@ pub struct Analyze {
     pub format: Format,
     #[command(flatten)]
     pub page: Page,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
     /// How mode shapes are scaled: what is 1
@@ -90,7 +90,7 @@ pub struct Analyze {
     /// The proved relative error that every frequency and pole must reach, such as 1e-14; exit status 4 if one does not
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// Print the derivatives of frequencies and damping ratios by each parameter
+    /// Print the derivatives of frequencies and damping ratios with respect to each parameter
     #[arg(long)]
     pub sensitivity: bool,
     #[command(flatten)]
@@ -150,7 +150,7 @@ pub struct Transfer {
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub page: Page,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -178,7 +178,7 @@ pub struct Simulate {
     /// Write a plot of the outputs over time to this file too
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -189,7 +189,7 @@ pub struct Draw {
     pub file: PathBuf,
     #[command(flatten)]
     pub overrides: OverrideOptions,
-    /// Draw the scene at rest, not as it is written
+    /// Draw the scene at rest instead of as drawn
     #[arg(long, conflicts_with = "mode")]
     pub rest: bool,
     /// Draw the shape of this mode over the rest, counted from 1
@@ -198,7 +198,7 @@ pub struct Draw {
     /// Write values beside names, such as k = 10 N/m
     #[arg(long)]
     pub values: bool,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -224,7 +224,7 @@ pub struct Emit {
     /// How inputs vary between samples: held, or interpolated linearly
     #[arg(long, value_enum, default_value_t = HoldOption::Zero)]
     pub hold: HoldOption,
-    /// What the code does: exact steps, or the right-hand side of the equations for an integrator of your own
+    /// What the code does: exact steps, or the right-hand side of the equations for your own integrator
     #[arg(long, value_enum, default_value_t = StyleOption::Steps)]
     pub style: StyleOption,
     /// Keep this parameter changeable at run time (small models)
@@ -294,10 +294,10 @@ pub struct Bench {
     /// What to print
     #[arg(long, value_enum, default_value_t = BenchFormat::Text)]
     pub format: BenchFormat,
-    /// Write the picture to this file too
+    /// Write the plot to this file too
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -311,7 +311,7 @@ pub struct Equations {
     /// What to print
     #[arg(long, value_enum, default_value_t = EquationsFormat::Text)]
     pub format: EquationsFormat,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
 }
@@ -445,7 +445,7 @@ pub struct OverrideOptions {
 
 #[derive(Debug, Args)]
 pub struct Page {
-    /// Columns that a text report fills [default: those of the terminal, or 100]
+    /// Width of text reports in columns [default: that of the terminal, or 100]
     #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(20..=10_000))]
     pub width: Option<u32>,
 }
@@ -458,7 +458,7 @@ pub struct Messages {
     /// How to print diagnostics
     #[arg(long, value_enum, global = true, default_value_t = MessageFormat::Human, value_name = "FORM")]
     pub message_format: MessageFormat,
-    /// Leave out warnings and notes
+    /// Do not print warnings and notes
     #[arg(short, long, global = true)]
     pub quiet: bool,
 }
@@ -484,7 +484,7 @@ pub enum TableFormat {
 pub enum BenchFormat {
     Text,
     Csv,
-    /// The work-precision picture
+    /// The work-precision plot
     Svg,
 }
 
@@ -500,7 +500,7 @@ pub enum Colour {
 pub enum MessageFormat {
     /// With the lines of the model around each place
     Human,
-    /// One JSON object a line
+    /// One JSON object per line
     Json,
     /// `file:line:column: severity[code]: message`
     Short,
@@ -571,10 +571,10 @@ fn quantity(text: &str, dimension: Dimension, literals: Literals) -> Result<(Num
     if rest.is_empty() {
         return if value.is_zero() { Ok((value, Angle::Plain)) } else { Err("it needs a unit".into()) };
     }
-    let unit = unit::parse(rest).map_err(|_| format!("`{rest}` is no unit"))?;
+    let unit = unit::parse(rest).map_err(|_| format!("`{rest}` is not a unit"))?;
     match unit.scale {
         Scale::Linear(factor) if unit.dimension == dimension => Ok((&value * &factor, unit.angle)),
-        _ => Err(format!("`{rest}` is no unit of {}", dimension.noun().unwrap_or("this"))),
+        _ => Err(format!("`{rest}` is not a unit of {}", dimension.noun().unwrap_or("this"))),
     }
 }
 

@@ -51,7 +51,7 @@ pub fn spare<'a>(
         let named = input.sources.files().map(|file| Path::new(&file.name));
         let mut inputs = std::iter::once(model).chain(overrides.settings_file.as_deref()).chain(named);
         if target.is_file() && inputs.any(|input| fs::canonicalize(input).is_ok_and(|input| input == target)) {
-            complain(&format!("`{}` would be replaced, and it is read", output.display()));
+            complain(&format!("`{}` is an input file and would be overwritten", output.display()));
             return Err(Status::Usage);
         }
     }
@@ -141,7 +141,7 @@ impl Named {
             return Err(self.outside.into());
         }
         if !fs::metadata(&path).map_err(told)?.is_file() {
-            return Err("it is no plain file".into());
+            return Err("it is not a regular file".into());
         }
         let mut bytes = Vec::new();
         File::open(&path).map_err(told)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
@@ -243,7 +243,8 @@ fn led_to(path: &Path) -> io::Result<PathBuf> {
 /// Creates a new file in the same directory under an unused name; another run may have left one of ours behind.
 fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     const TRIES: u32 = 1000;
-    let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it names no file"))?;
+    let name =
+        target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "it does not name a file"))?;
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]

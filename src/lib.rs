@@ -635,7 +635,7 @@ pub fn draw(
         let modes =
             analysis::modes_as(&system, &request).or_else(|error| refused(&error, diagnostics).ok_or(())).ok()?;
         let Some((_, mode)) = modes.numbered().find(|(number, _)| *number == wanted as usize) else {
-            return Some(Err(format!("the model has no mode {wanted}: it has {}", modes.list.len())));
+            return Some(Err(format!("the model has no mode {wanted}; it has {}", modes.list.len())));
         };
         let shape = analysis::normalise(mode, analysis::Normalise::Translation);
         let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();

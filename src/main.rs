@@ -148,7 +148,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     };
     if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
         complain(&format!(
-            "the poles of {} coordinates are not computed: say which frequencies with `--range`",
+            "the poles of {} coordinates are not computed: give the frequencies with `--range`",
             system.n()
         ));
         return Status::Limit;
@@ -180,7 +180,7 @@ fn chosen(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>,
     let place = |name: &String| {
         let found = names.iter().position(|known| known == name);
         found.ok_or_else(|| {
-            format!("`{}` is not an {what} of the model; there are {}", diagnostics::readable(name), listed(names))
+            format!("`{}` is not an {what} of the model; it has {}", diagnostics::readable(name), listed(names))
         })
     };
     wanted.iter().map(place).collect()
@@ -199,7 +199,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     let (until, step) = (options.until.of_literals(literals), options.step.of_literals(literals));
     let samples = (until / step).to_f64();
     if samples > cli::MOST_SAMPLES {
-        complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_SAMPLES));
+        complain(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
     let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
@@ -255,7 +255,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
     let until = options.until.as_ref().map(|until| until.of_literals(literals));
     let samples = until.map_or(0.0, |until| (until / step).to_f64());
     if samples > cli::MOST_PROGRAM_SAMPLES {
-        complain(&format!("that would be {samples:.0} samples; the most are {}", cli::MOST_PROGRAM_SAMPLES));
+        complain(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_PROGRAM_SAMPLES));
         return Status::Usage;
     }
     let program = until.map(|until| Program { step: step.clone(), samples: analysis::samples(until, step) });
@@ -364,14 +364,14 @@ fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language,
         }
         Ok(system) => system,
         Err(reason) => {
-            complain(&format!("`--parameter {}` cannot be kept changeable: {reason}", diagnostics::readable(name)));
+            complain(&format!("`--parameter {}` cannot stay changeable: {reason}", diagnostics::readable(name)));
             return Status::Usage;
         }
     };
     let step = options.step.of_literals(options.overrides.literals).to_f64();
     let precision = options.precision.into();
     let out_of_range = || {
-        complain("a number of the code leaves the range of its precision: check the units, or take `--precision f64`");
+        complain("a number of the code leaves the range of its precision: check the units, or use `--precision f64`");
         Status::Limit
     };
     match &options.output {
@@ -505,7 +505,7 @@ fn language_server() -> Status {
         (Leave::Announced, Ok(Ok(()))) => Status::Done,
         (Leave::Unannounced, Ok(Ok(()))) => Status::Errors,
         _ => {
-            complain("the editor cannot be written to");
+            complain("cannot write to the editor");
             Status::Io
         }
     }
@@ -621,8 +621,8 @@ fn complain(text: &str) {
 fn report_defect(panic: &std::panic::PanicHookInfo) {
     let version = env!("CARGO_PKG_VERSION");
     let text = format!(
-        "error: a defect of the program, not of the model: {panic}\n\
-         Please report it with the model, the command line and the version ({version}).\n"
+        "error: a defect of vibc, not of the model: {panic}\n\
+         Report it with the model, the command line and the version ({version}).\n"
     );
     write_to(&mut io::stderr().lock(), &text);
 }

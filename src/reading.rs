@@ -164,16 +164,16 @@ impl<'a> Reading<'a> {
     /// The linear system as a function of a parameter.
     pub fn over_parameter(&self, name: &str) -> Result<Parameterised, String> {
         if !self.scene.scene().solves.is_empty() {
-            return Err("the model solves for parameters, which would move with it".into());
+            return Err("the model solves for parameters, which would change with it".into());
         }
         let all = self.text().parameters(&[]);
         let Some(parameter) = all.iter().find(|parameter| parameter.name == name) else {
             let names: Vec<&str> = all.iter().map(|parameter| parameter.name.as_str()).collect();
-            return Err(format!("it is no parameter of the model; there are {}", names.join(", ")));
+            return Err(format!("it is not a parameter of the model; the parameters are {}", names.join(", ")));
         };
         let si = &parameter.value.si;
         if si.may_be_zero() {
-            return Err("its value is zero, so there is no range to look at".into());
+            return Err("its value is zero, so there is no range to vary it in".into());
         }
         let system = |(a, b): &(i64, i64)| {
             let value = &(si * &Number::from(*a)) / &Number::from(*b);
@@ -289,7 +289,7 @@ pub(crate) fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
     // The replacement character for the byte is three bytes long.
     let span = Span::new(file, offset, offset + 3);
     let diagnostic = Diagnostic::error(NOT_UTF8, span, "this file is not UTF-8 text")
-        .label(format!("byte 0x{byte:02x} belongs to no character"))
+        .label(format!("byte 0x{byte:02x} is not part of a UTF-8 character"))
         .help("save the file as UTF-8 (plain ASCII is UTF-8 too); a `.vib` file of another program cannot be read");
     Some(diagnostic)
 }

@@ -117,7 +117,7 @@ fn message(body: &[u8]) -> Received {
         Err(error) => return refused(None, ErrorCode::ParseError, format!("the message is not JSON: {error}")),
     };
     if value.is_array() {
-        let why = "several messages in one are no part of the protocol";
+        let why = "batches of messages are not part of the protocol";
         return refused(None, ErrorCode::InvalidRequest, why);
     }
     let id = value.get("id").and_then(|id| serde_json::from_value(id.clone()).ok());

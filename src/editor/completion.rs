@@ -344,7 +344,7 @@ impl<'a> Place<'a> {
 
     fn ends(&self) -> Vec<Item> {
         let mut items = self.parts(|keyword| matches!(keyword, "body" | "base"));
-        items.push(item("ground", ItemKind::Part, "what never moves"));
+        items.push(item("ground", ItemKind::Part, "the support that never moves"));
         items
     }
 

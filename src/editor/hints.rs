@@ -44,10 +44,10 @@ fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
 /// The most motions that are shown in a line.
 const SHOWN: usize = 4;
 
-/// `2 freedoms: 0.4225 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %`
+/// `2 degrees of freedom: 0.4225 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %`
 fn line_of(motions: &Motions) -> String {
     let n = motions.system.n();
-    let freedoms = if n == 1 { "1 freedom".to_string() } else { format!("{n} freedoms") };
+    let freedoms = if n == 1 { "1 degree of freedom".to_string() } else { format!("{n} degrees of freedom") };
     let mut list: Vec<String> = each(motions).into_iter().take(SHOWN + 1).collect();
     let more = list.len() > SHOWN;
     list.truncate(SHOWN);

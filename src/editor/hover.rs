@@ -146,8 +146,10 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
         None => declared_freedoms(body),
     };
     text += &match freedoms.as_slice() {
-        [] => "freedoms: none of its own\n\n".to_string(),
-        list => format!("freedoms: {}\n\n", list.iter().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(", ")),
+        [] => "degrees of freedom: none of its own\n\n".to_string(),
+        list => {
+            format!("degrees of freedom: {}\n\n", list.iter().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(", "))
+        }
     };
     if let Some(motions) = motions {
         text += &shares(motions, "kinetic energy", |mode| {
@@ -179,7 +181,7 @@ fn equations(document: &Document, known: &Known, bodies: &[String]) -> String {
 
 fn declared_freedoms(body: &Body) -> Vec<String> {
     match &body.freedom {
-        Freedom::FromJoints => vec!["as its joints leave them".into()],
+        Freedom::FromJoints => vec!["determined by its joints".into()],
         Freedom::OnGround { translations, turns } => {
             let motions = translations.iter().map(|translation| translation.motion.to_string());
             motions.chain(turns.then(|| "angle".to_string())).collect()

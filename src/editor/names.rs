@@ -45,7 +45,7 @@ pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<u
         return Err(format!("`{}` is not declared in this file", document.token_text(name)));
     }
     if !is_word(new) {
-        return Err(format!("`{new}` is no name: it starts with a letter and is made of letters, digits and `_`"));
+        return Err(format!("`{new}` is not a name: names start with a letter and consist of letters, digits and `_`"));
     }
     let reserved = match space {
         Space::Values => is_reserved(new),
@@ -54,7 +54,7 @@ pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<u
         Space::Components => false,
     };
     if reserved {
-        return Err(format!("`{new}` has a meaning of its own"));
+        return Err(format!("`{new}` is a word of the language"));
     }
     let taken = |token: usize| {
         let role = document.roles[token];

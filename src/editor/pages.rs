@@ -30,14 +30,14 @@ pub fn motion(word: &str) -> Option<&'static str> {
 /// The meaning of the words within declarations.
 pub fn word(word: &str) -> Option<&'static str> {
     Some(match word {
-        "ground" => "What never moves.",
+        "ground" => "The support that never moves.",
         "pi" => "The circle constant.",
-        "stable" => "A measure: whether every motion stays small.",
+        "stable" => "A measure: whether the rest is stable, so that no small motion grows.",
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
-        "about" => "The point that an inertia is given about.",
-        "in" => "The range, bounds included.",
-        "modal" => "The same damping ratio for every oscillation.",
-        "as" | "drawn" => "The drawing is the rest: the tensions that make it so are found.",
+        "about" => "The reference point of an inertia.",
+        "in" => "The range, including its bounds.",
+        "modal" => "The same damping ratio for every mode.",
+        "as" | "drawn" => "The drawing is the rest: the tensions that balance it are computed.",
         _ => return kinds::field(word).filter(|field| field.stands_alone()).map(|field| field.meaning),
     })
 }

@@ -373,7 +373,7 @@ fn large_scenes_thin_out() {
 fn what_cannot_be_drawn_is_said() {
     let refusal = |text: &str, drawn| Figured::of("m.vib", text, drawn).err().expect("no figure");
     let cart = example("cart.vib");
-    assert_eq!(refusal(&cart, Drawn { mode: Some(3), ..AS_DRAWN }), "the model has no mode 3: it has 2");
+    assert_eq!(refusal(&cart, Drawn { mode: Some(3), ..AS_DRAWN }), "the model has no mode 3; it has 2");
     let far = "body b { mass = 1 kg, at = (1e200 m, 0), moves x }\nspring s: ground@(0, 0) -- b { k = 1 N/m }";
     assert_eq!(refusal(far, AS_DRAWN), "a coordinate of `b` is too large to be drawn");
 }

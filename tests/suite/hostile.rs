@@ -89,7 +89,7 @@ fn a_table_that_is_no_plain_file_is_refused_at_once() {
     let made = Command::new("mkfifo").arg(folder.path().join("fifo")).status().expect("`mkfifo` starts");
     assert!(made.success());
     fs::create_dir(folder.path().join("inner")).expect("a folder");
-    for (table, reason) in [("fifo", "it is no plain file"), ("inner", "it is no plain file")] {
+    for (table, reason) in [("fifo", "it is not a regular file"), ("inner", "it is not a regular file")] {
         let model = write(folder.path(), "m.vib", driven(table));
         let refused = run(&["check", &model]);
         assert_eq!(status(&refused), 3, "{table}");
@@ -100,7 +100,7 @@ fn a_table_that_is_no_plain_file_is_refused_at_once() {
         let model = write(folder.path(), "m.vib", driven(table));
         let refused = run(&["check", &model, "--root", "/"]);
         assert_eq!(status(&refused), 3, "{table}");
-        assert!(told(&refused).contains("it is no plain file"), "{}", told(&refused));
+        assert!(told(&refused).contains("it is not a regular file"), "{}", told(&refused));
     }
 }
 
@@ -293,7 +293,7 @@ fn what_another_run_left_is_not_in_the_way() {
     let done = shell.args(["-c", script, env!("CARGO_BIN_EXE_vibc"), &model]).current_dir(folder.path()).output();
     let done = done.expect("a shell");
     assert_eq!(status(&done), 0, "{}", told(&done));
-    assert!(fs::read_to_string(folder.path().join("r.txt")).unwrap().starts_with("m · 1 freedom"));
+    assert!(fs::read_to_string(folder.path().join("r.txt")).unwrap().starts_with("m · 1 degree of freedom"));
     let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
     assert_eq!(names.filter(|name| name.to_string_lossy().ends_with(".new")).count(), 2);
 }

@@ -335,7 +335,7 @@ impl Server<'_> {
     fn request(&mut self, Request { id, method, params }: Request) {
         let answer = catch_unwind(AssertUnwindSafe(|| match method.as_str() {
             _ if self.is_shut => Err(invalid("the server is shut down")),
-            "initialize" => Err(invalid("the server is initialized already")),
+            "initialize" => Err(invalid("the server is already initialized")),
             "shutdown" => {
                 self.is_shut = true;
                 Ok(Value::Null)

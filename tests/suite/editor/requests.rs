@@ -155,7 +155,7 @@ fn kinetic_energy_is_of_bodies() {
 fn the_pointer_shows_what_a_part_does() {
     let mut client = Client::open(&example("cart"));
     let block = hover(&mut client, "block {", 0);
-    for fact in ["mass 1 kg", "freedoms: `block.x`", "| 1 | 0.3435 Hz | 26 % |", "| 2 | 0.5964 Hz | 63 % |"] {
+    for fact in ["mass 1 kg", "degrees of freedom: `block.x`", "| 1 | 0.3435 Hz | 26 % |", "| 2 | 0.5964 Hz | 63 % |"] {
         assert!(block.contains(fact), "{fact}: {block}");
     }
     let rod = hover(&mut client, "rod   {", 0);
@@ -189,11 +189,11 @@ fn hints(client: &mut Client) -> Vec<(u64, String)> {
 #[test]
 fn hints_show_frequencies_damping_and_values() {
     let mut client = Client::open(&example("cart"));
-    assert_eq!(hints(&mut client), [(6, "2 freedoms: 0.4224 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %".to_string())]);
+    assert_eq!(hints(&mut client), [(6, "2 degrees of freedom: 0.4224 Hz ζ 11.68 %, 0.4849 Hz ζ 62.76 %".to_string())]);
     client.change("let w = 2 * 3 rad/s\nparam n = 2 - 1\nbody b { mass = n * 1 kg, moves x }\nspring s: ground -- b { k = 1 kg * w^2 }\n");
     assert_eq!(
         hints(&mut client),
-        [(0, "= 6 rad/s".to_string()), (0, "1 freedom: 0.9549 Hz".into()), (1, "= 1".into())],
+        [(0, "= 6 rad/s".to_string()), (0, "1 degree of freedom: 0.9549 Hz".into()), (1, "= 1".into())],
         "without a model line they stand behind the first one"
     );
 }
@@ -206,7 +206,7 @@ fn a_rest_that_is_not_proven_has_no_hints_of_numbers() {
         spring b: ground@(1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }\n\
         body n { mass = 1 kg, moves x }\nspring s: ground -- n { k = 1 N/m }\n";
     let mut client = Client::open(text);
-    assert_eq!(hints(&mut client), [(0, "2 freedoms, rest not proven".to_string())]);
+    assert_eq!(hints(&mut client), [(0, "2 degrees of freedom, rest not proven".to_string())]);
     let position = json!({ "line": 1, "character": 7 });
     let hover = client.ask("textDocument/hover", json!({ "textDocument": { "uri": URI }, "position": position }));
     let shown = hover["contents"]["value"].as_str().expect("a page");
@@ -219,7 +219,7 @@ fn hints_show_what_was_solved_and_how_requirements_stand() {
     let hints = hints(&mut client);
     let at = |line: u64| hints.iter().find(|(at, _)| *at == line).map_or("", |(_, text)| text);
     // k = (2 pi 2 Hz)^2 1 kg = 157.914 N/m.
-    assert_eq!(at(0), "1 freedom: 2.000 Hz ζ 5.000 %");
+    assert_eq!(at(0), "1 degree of freedom: 2.000 Hz ζ 5.000 %");
     assert_eq!(at(3), "= 12.5664 1/s");
     assert_eq!(at(8), "k = 0.157914 kN/m");
     assert_eq!(at(9), "✓ 2 Hz, margin 300 %");
@@ -347,10 +347,10 @@ fn a_name_is_changed_wherever_it_stands() {
     assert_eq!(prepared["placeholder"], "k");
     assert!(client.ask_at("textDocument/prepareRename", "moves", 0).is_null());
     for (mark, new, reason) in [
-        ("k = 1 N/m", "2k", "is no name"),
-        ("k = 1 N/m", "sqrt", "a meaning of its own"),
+        ("k = 1 N/m", "2k", "is not a name"),
+        ("k = 1 N/m", "sqrt", "a word of the language"),
         ("m[1]", "k", "is declared already"),
-        ("m[1]", "ground", "a meaning of its own"),
+        ("m[1]", "ground", "a word of the language"),
         ("i in 2", "k", "is declared already"),
         ("mass", "weight", "there is no name here"),
     ] {
@@ -461,7 +461,7 @@ repeat i in 2..1000 {
     let mut client = Client::open_as(chain, json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
     client.hear("workspace/inlayHint/refresh");
     let label = &hints(&mut client)[0].1;
-    assert!(label.starts_with("1000 freedoms, undamped: 0.002499 Hz, ") || label.contains('ζ'), "{label}");
+    assert!(label.starts_with("1000 degrees of freedom, undamped: 0.002499 Hz, ") || label.contains('ζ'), "{label}");
 }
 
 /// Thirty-one damped masses: more than are analysed between two keystrokes.
@@ -478,5 +478,5 @@ repeat i in 2..31 {
     let mut client = Client::open_as(chain, json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
     client.hear("workspace/inlayHint/refresh");
     let label = &hints(&mut client)[0].1;
-    assert!(label.starts_with("31 freedoms: ") && label.contains('ζ'), "{label}");
+    assert!(label.starts_with("31 degrees of freedom: ") && label.contains('ζ'), "{label}");
 }
