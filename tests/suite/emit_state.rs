@@ -143,10 +143,10 @@ fn an_output_follows_the_rate_of_an_input() {
         let text = String::from(FLOOR) + dampers;
         let held = emission(name, &text, &options("0.01"));
         let header = emit::whole(name, &held.system, Language::C);
-        assert!(header.contains("output f follows how fast an input changes"), "{header}");
+        assert!(header.contains("output f depends on the rate of an input"), "{header}");
         let line = emission(name, &text, &Options { hold: Hold::First, ..options("0.01") });
         let header = emit::whole(name, &line.system, Language::C);
-        assert!(!header.contains("follows how fast"), "{header}");
+        assert!(!header.contains("depends on the rate"), "{header}");
         write(&folder, &emit::files(name, &line.system, Language::C, None));
         sources.push(format!("{name}.c"));
         includes += &format!("#include \"{name}.h\"\n");

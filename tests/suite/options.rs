@@ -268,7 +268,7 @@ fn fault(output: &process::Output, status: i32) -> Option<String> {
     if found != Some(status) {
         return Some(format!("status {found:?}, not {status}: {told}"));
     }
-    if told.contains("panicked") || told.contains("a defect of the program") {
+    if told.contains("panicked") || told.contains("a defect of vibc") {
         return Some(format!("a defect: {told}"));
     }
     if told.chars().any(|c| c != '\n' && c.is_control()) {

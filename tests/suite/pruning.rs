@@ -141,7 +141,7 @@ fn a_spring_called_gravity_is_not_gravity() {
         "gravity 9.81 m/s^2\nbody a { mass = 1 kg, moves y }\nspring gravity: ground -- a { k = 100 N/m, along = y }";
     let account = explained(falling);
     let gravity = account.kept.iter().find(|remark| remark.what == "gravity").expect("its weight loads the rest");
-    assert!(gravity.why.contains("they add no stiffness"), "nothing turns: {}", gravity.why);
+    assert!(gravity.why.contains("it adds no stiffness"), "nothing turns: {}", gravity.why);
     // Conversely, gravity's own terms are not those of an idle spring.
     let hanging = "gravity 9.81 m/s^2\nbody rod { mass = 1 kg, inertia = 0.1 kg*m^2, at = (0 m, -0.5 m) }\n\
                    pivot hinge: ground@(0 m, 0 m) -- rod\nbody a { mass = 1 kg, moves x }\nspring gravity: ground -- a { k = 100 N/m, along = y }\n\

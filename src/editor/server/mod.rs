@@ -289,7 +289,7 @@ impl Server<'_> {
             catch_unwind(AssertUnwindSafe(|| made(&self.texts, index, before.as_ref(), self.read, &self.folders)));
         let text = &mut self.texts[index];
         let Ok(document) = made else {
-            return self.log(format!("a defect of the program in `{}`", self.texts[index].uri.0));
+            return self.log(format!("a defect of vibc in `{}`", self.texts[index].uri.0));
         };
         if !document.is_whole {
             let (uri, sources) = (text.uri.clone(), document.sources.clone());
@@ -345,7 +345,7 @@ impl Server<'_> {
         let response = match answer {
             Ok(Ok(value)) => Response::new_ok(id, value),
             Ok(Err(Refusal { code, message })) => Response::new_err(id, code as i32, message),
-            Err(_) => Response::new_err(id, ErrorCode::InternalError as i32, "a defect of the program".into()),
+            Err(_) => Response::new_err(id, ErrorCode::InternalError as i32, "a defect of vibc".into()),
         };
         self.send(response);
     }
