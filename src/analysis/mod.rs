@@ -8,6 +8,7 @@ pub mod damping;
 pub mod derived;
 pub mod discrete;
 pub mod error;
+mod largest;
 pub mod measures;
 pub mod modal;
 pub mod modes;

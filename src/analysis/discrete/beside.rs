@@ -7,20 +7,11 @@
 //! target. An output's error is bounded by the sum of the largest errors of its states, and by the rounding of its own
 //! sum.
 
-use crate::analysis::discrete::cell::{Cell, Form, Operand};
+use crate::analysis::discrete::cell::{Cell, ExactCell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::{DiscreteSystem, Measured};
 use crate::base::Dd;
-use crate::kernel::dense::Matrix;
-
-/// A cell before rounding: w' = F w + the contributions of signals.
-#[derive(Clone, Debug)]
-pub struct ExactCell {
-    pub f: Matrix<Dd>,
-    /// One list for each state.
-    pub input: Vec<Vec<(Operand, Dd)>>,
-}
 
 /// A discrete system before rounding.
 #[derive(Clone, Debug)]

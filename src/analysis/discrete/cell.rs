@@ -1,12 +1,11 @@
 //! Discretisation of one block: the effect of a step on its states, in numbers of the target. See docs/method/emit.md.
 
 use crate::analysis::discrete::Hold;
-use crate::analysis::discrete::beside::ExactCell;
 use crate::analysis::discrete::block::{Block, Direct, NOTHING, clean_product, product, sum};
 use crate::analysis::discrete::hold::{Propagator, exponential, propagator};
 use crate::analysis::discrete::lift::{Lift, lift};
+use crate::analysis::discrete::pieces::Chain;
 use crate::analysis::discrete::precision::{Precision, exp_minus_one};
-use crate::analysis::discrete::signals::Chain;
 use crate::analysis::discrete::turn::{Turn, turn};
 use crate::base::Dd;
 use crate::kernel::dense::Matrix;
@@ -92,6 +91,14 @@ struct Stepped {
 
 /// The effects of operands, one column each.
 type Columns = Vec<(Operand, Vec<Dd>)>;
+
+/// A cell before rounding: w' = F w + the contributions of signals.
+#[derive(Clone, Debug)]
+pub struct ExactCell {
+    pub f: Matrix<Dd>,
+    /// One list for each state.
+    pub input: Vec<Vec<(Operand, Dd)>>,
+}
 
 /// A cell, with the quantities that depend on its coordinates.
 pub struct Made {

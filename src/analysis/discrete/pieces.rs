@@ -10,11 +10,32 @@
 
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::{coupled, moved};
-use crate::analysis::discrete::signals::{Chain, MOST_EVENTS, scales};
 use crate::analysis::response::signal::{self, Piece, Source};
 use crate::base::{Dd, Number};
 use crate::kernel::dense::Matrix;
 use std::cmp::Ordering;
+
+/// More changes would make tables of megabytes.
+pub const MOST_EVENTS: usize = 20_000;
+
+/// The states of one signal.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The input that it drives.
+    pub input: usize,
+    /// s' = R s, R times the step.
+    pub generator: Matrix<Dd>,
+    /// u, u' and u'' as rows over s.
+    pub rows: [Vec<Dd>; 3],
+    pub start: Vec<Dd>,
+    /// Rotation of a harmonic in a step, minus whole turns, rad.
+    pub angle: Option<Dd>,
+    /// The times at which the polynomial changes, ascending; a harmonic has none.
+    pub knots: Vec<Knot>,
+    /// The largest value at t = 0 and the knots.
+    pub largest: f64,
+    pub name: String,
+}
 
 /// A time between samples.
 #[derive(Clone, Copy, Debug)]
@@ -131,6 +152,16 @@ pub struct Spread {
 pub type Seen = [bool; 3];
 
 impl Chain {
+    pub fn size(&self) -> usize {
+        self.start.len()
+    }
+
+    /// The effect of the chain's states on those of a block in `steps` steps.
+    pub fn on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
+        let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
+        coupled(&block.a, &drive, &self.generator, steps, h)
+    }
+
     /// The knots strictly between a sample and the next one.
     fn within(&self, tick: u64) -> &[Knot] {
         let first = self.knots.partition_point(|knot| knot.when.tick <= tick);
@@ -274,4 +305,13 @@ fn shifted(states: &[Dd], by: Dd) -> Vec<Dd> {
         }
     }
     states
+}
+
+/// h^k / k!
+pub fn scales(order: usize, h: Dd) -> Vec<Dd> {
+    let mut scale = vec![Dd::ONE];
+    for k in 1..order {
+        scale.push(scale[k - 1] * h / Dd::from(k as f64));
+    }
+    scale
 }

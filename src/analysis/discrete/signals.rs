@@ -4,32 +4,11 @@
 //!
 //! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, for any h.
 
-use crate::analysis::discrete::block::Block;
-use crate::analysis::discrete::hold::coupled;
-use crate::analysis::discrete::pieces::{self, Knot, When};
+use crate::analysis::discrete::pieces::{self, Chain, Knot, When, scales};
 use crate::analysis::response::signal::Source;
 use crate::base::{Dd, Number, Rational};
 use crate::kernel::dense::Matrix;
 use crate::system::{LinearSystem, Signal};
-
-/// The states of one signal.
-#[derive(Clone, Debug)]
-pub struct Chain {
-    /// The input that it drives.
-    pub input: usize,
-    /// s' = R s, R times the step.
-    pub generator: Matrix<Dd>,
-    /// u, u' and u'' as rows over s.
-    pub rows: [Vec<Dd>; 3],
-    pub start: Vec<Dd>,
-    /// Rotation of a harmonic in a step, minus whole turns, rad.
-    pub angle: Option<Dd>,
-    /// The times at which the polynomial changes, ascending; a harmonic has none.
-    pub knots: Vec<Knot>,
-    /// The largest value at t = 0 and the knots.
-    pub largest: f64,
-    pub name: String,
-}
 
 /// An impulse on an input.
 #[derive(Clone, Debug)]
@@ -52,9 +31,6 @@ pub struct Signals {
 pub struct TooLong {
     pub input: usize,
 }
-
-/// More changes would make tables of megabytes.
-pub const MOST_EVENTS: usize = 20_000;
 
 impl Signals {
     /// The signals of each input until `until` (without it, all of them), for steps of `step`.
@@ -165,25 +141,4 @@ fn angle(turns: &Number) -> Option<Dd> {
     let turns = turns.exact()?;
     let whole = (turns + &Rational::new(1, 2)).floor();
     Some(Dd::PI * (&(turns - &whole) * &Rational::from(2)).to_ball().mid)
-}
-
-/// h^k / k!
-pub fn scales(order: usize, h: Dd) -> Vec<Dd> {
-    let mut scale = vec![Dd::ONE];
-    for k in 1..order {
-        scale.push(scale[k - 1] * h / Dd::from(k as f64));
-    }
-    scale
-}
-
-impl Chain {
-    pub fn size(&self) -> usize {
-        self.start.len()
-    }
-
-    /// The effect of the chain's states on those of a block in `steps` steps.
-    pub fn on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
-        let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
-        coupled(&block.a, &drive, &self.generator, steps, h)
-    }
 }

@@ -12,7 +12,8 @@
 //! Both are eigenproblems like that of the modes, with its bounds. See docs/method/modes.md#buckling.
 
 use crate::analysis::modes::MAX_UNASKED;
-use crate::analysis::modes::eigen::{Eigenvalue, Failure, Pair, eigenpairs};
+use crate::analysis::modes::eigen::{Failure, eigenpairs};
+use crate::analysis::modes::pair::{Eigenvalue, Pair};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::{modes::certificate, modes::shape};
 use crate::base::{Ball, Unproven};
@@ -171,7 +172,7 @@ mod tests {
     #[test]
     fn what_is_not_known_of_an_eigenvalue_is_in_the_factor() {
         use crate::analysis::answer::Route;
-        use crate::analysis::modes::eigen::Displacements;
+        use crate::analysis::modes::pair::Displacements;
         let value = Eigenvalue::Near { value: 2.0.into(), radius: 0.5, positive: false };
         let found =
             positive(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact }).expect("positive");

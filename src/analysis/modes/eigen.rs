@@ -14,6 +14,7 @@ use crate::analysis::modes::correction;
 use crate::analysis::modes::dense;
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::mass;
+use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair, ascending};
 use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
@@ -22,7 +23,6 @@ use crate::base::{Dd, larger};
 use crate::kernel::dense::{Matrix, cholesky};
 use crate::kernel::triple::Triple;
 use crate::system::Form;
-use std::cmp::Ordering;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, as many as the tolerance asks for.
 const ALL_DIGITS: usize = 30;
@@ -34,79 +34,6 @@ const MAX_SLOW: usize = 400;
 /// A change too small to show in triple words.
 const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
 const MAX_STEPS: usize = 8;
-
-/// An eigenvalue and its vector.
-#[derive(Clone, Debug)]
-pub struct Pair {
-    pub value: Eigenvalue,
-    /// M-normalised.
-    pub x: Displacements,
-    pub route: Route,
-}
-
-/// Displacements; in three words if the stretches of stiff springs need them.
-#[derive(Clone, Debug)]
-pub enum Displacements {
-    Precise(Vec<Triple>),
-    Plain(Vec<f64>),
-}
-
-impl Displacements {
-    pub fn to_f64(&self) -> Vec<f64> {
-        match self {
-            Displacements::Precise(x) => x.iter().map(|x| x.hi()).collect(),
-            Displacements::Plain(x) => x.clone(),
-        }
-    }
-
-    pub fn into_f64(self) -> Vec<f64> {
-        match self {
-            Displacements::Precise(x) => x.iter().map(|x| x.hi()).collect(),
-            Displacements::Plain(x) => x,
-        }
-    }
-
-    /// The displacements in double-double, if they are known to more than binary64.
-    pub fn precise(&self) -> Option<Vec<Dd>> {
-        match self {
-            Displacements::Precise(x) => Some(x.iter().map(|x| x.dd()).collect()),
-            Displacements::Plain(_) => None,
-        }
-    }
-
-    pub fn to_triple(&self) -> Vec<Triple> {
-        match self {
-            Displacements::Precise(x) => x.clone(),
-            Displacements::Plain(x) => x.iter().map(|&x| Triple::from(x)).collect(),
-        }
-    }
-
-    /// These displacements as a vector over n coordinates; the other coordinates stay at rest.
-    pub fn spread(self, coordinates: &[u32], n: usize) -> Displacements {
-        match self {
-            Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),
-            Displacements::Plain(x) => Displacements::Plain(spread(x, coordinates, n, 0.0)),
-        }
-    }
-}
-
-fn spread<T: Copy>(x: Vec<T>, coordinates: &[u32], n: usize, zero: T) -> Vec<T> {
-    if coordinates.len() == n {
-        return x;
-    }
-    let mut whole = vec![zero; n];
-    coordinates.iter().zip(&x).for_each(|(&i, &x)| whole[i as usize] = x);
-    whole
-}
-
-#[derive(Clone, Copy, Debug)]
-pub enum Eigenvalue {
-    /// Zero, exactly.
-    Zero,
-    /// Within `radius` of `value`; the radius is infinite if nothing could be certified. `positive` if the sign is
-    /// known independently of the radius.
-    Near { value: Triple, radius: f64, positive: bool },
-}
 
 /// Why there are no eigenpairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -323,20 +250,6 @@ impl Candidate<'_> {
 fn normalised(x: &Matrix<Triple>, m: &Gram, column: usize) -> Displacements {
     let scale = Triple::from(m.mid[(column, column)].sqrt().recip());
     Displacements::Precise(x.column(column).iter().map(|&x| x * scale).collect())
-}
-
-impl Eigenvalue {
-    pub fn midpoint(self) -> Triple {
-        match self {
-            Eigenvalue::Zero => Triple::ZERO,
-            Eigenvalue::Near { value, .. } => value,
-        }
-    }
-}
-
-/// Compares by midpoint.
-pub fn ascending(a: &Eigenvalue, b: &Eigenvalue) -> Ordering {
-    (a.midpoint() - b.midpoint()).hi().partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
 /// The terms of positive weight.

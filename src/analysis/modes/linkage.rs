@@ -353,7 +353,8 @@ mod tests {
     use super::*;
     use crate::analysis::answer::Route;
     use crate::analysis::modal;
-    use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
+    use crate::analysis::modes::eigen::eigenpairs;
+    use crate::analysis::modes::pair::Eigenvalue;
     use crate::analysis::modes::request::Which;
     use crate::analysis::modes::terms::Terms;
     use crate::analysis::modes::tree::{forest::Forest, lowest};

@@ -6,7 +6,7 @@
 //! of the model are scaled before they are rounded; the bound contains the rounding on the way back. See
 //! docs/method/modes.md#certificate.
 
-use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
+use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Number, Rational};

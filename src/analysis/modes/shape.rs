@@ -2,7 +2,7 @@
 //! See docs/method/report.md#normalisation and docs/method/report.md#shares.
 
 use crate::analysis::answer::{Mode, Share};
-use crate::analysis::modes::eigen::Displacements;
+use crate::analysis::modes::pair::Displacements;
 use crate::analysis::modes::terms::Terms;
 use crate::base::Unproven;
 use crate::system::{CoordinateId, CoordinateKind, Form, LinearSystem, Source};

@@ -2,18 +2,12 @@
 //! other sparse part.
 
 use crate::analysis::answer::{Before, Route};
-use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::mesh;
+use crate::analysis::modes::pair::{Displacements, Eigenvalue, Found, Pair};
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::modes::tree::{self, forest::Forest};
 use crate::kernel::triple::Triple;
-
-/// Consecutive modes: those computed, ascending, and how many come before them.
-pub struct Found {
-    pub pairs: Vec<Pair>,
-    pub before: Before,
-}
 
 /// The requested eigenpairs; `None` if no sparse method suits the part.
 pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {

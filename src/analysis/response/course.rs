@@ -9,7 +9,7 @@
 use super::exponential::Exponential;
 use super::{Run, Stop, UNIT, UP, growth, length};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::peak::{Curve, Largest};
+use crate::analysis::largest::{Curve, Largest};
 use crate::base::{Dd, Number};
 use crate::kernel::dense::add_scaled;
 use crate::system::{LinearSystem, Signal};

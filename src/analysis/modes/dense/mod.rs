@@ -14,8 +14,8 @@ mod step;
 mod tests;
 
 use crate::analysis::answer::Route;
-use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair, ascending};
 use crate::analysis::modes::gram::SLACK;
+use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair, ascending};
 use crate::analysis::modes::structure;
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Dd, Rational, larger};

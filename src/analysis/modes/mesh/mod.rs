@@ -23,14 +23,14 @@ pub mod residual;
 
 use crate::analysis::answer::{Before, Route};
 use crate::analysis::modes::certificate::{Enclosure, enclose};
-use crate::analysis::modes::eigen::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::modes::mesh::elimination::{Factors, Pattern, Rounding};
 use crate::analysis::modes::mesh::krylov::{Krylov, Ritz};
 use crate::analysis::modes::mesh::network::{Network, UP};
 use crate::analysis::modes::mesh::residual::{Multiplier, residual};
+use crate::analysis::modes::pair::Found;
+use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Request, Which};
-use crate::analysis::modes::sparse::Found;
 use crate::analysis::modes::terms::Terms;
 use crate::base::Dd;
 use crate::kernel::dense::Matrix;

@@ -10,7 +10,6 @@
 //! See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::terms::{Factor, Terms};
-use crate::analysis::modes::tree::impedance::LEAST_RATIO;
 use crate::base::{Dd, up};
 use crate::kernel::real::Float;
 use crate::kernel::triple::{Precise, Triple};
@@ -37,6 +36,9 @@ pub struct Forest {
 pub const LARGEST: f64 = (1u128 << 100) as f64;
 /// Range of the ratios of gears and levers, which are squared.
 const LARGEST_RATIO: f64 = LARGEST * LARGEST * LARGEST * LARGEST;
+
+/// Below this quotient of pivots, it or its product with a spring may have underflowed.
+pub const LEAST_RATIO: f64 = 1e-250;
 
 /// A body, and the spring to its parent.
 #[derive(Clone, Copy, Debug)]

@@ -22,8 +22,6 @@ pub const LANES: usize = 16;
 /// A part of a number below its last bit.
 const TINY: f64 = Dd::EPSILON * Dd::EPSILON;
 
-/// Below this quotient of pivots, it or its product with a spring may have underflowed.
-pub const LEAST_RATIO: f64 = 1e-250;
 /// The most nodes with several branches whose own part vanishes at a shift; see [`counts`].
 const MOST_VANISHED: u32 = 3;
 

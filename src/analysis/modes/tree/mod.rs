@@ -14,7 +14,7 @@ pub mod brackets;
 pub mod forest;
 pub mod impedance;
 
-use crate::analysis::modes::eigen::Displacements;
+use crate::analysis::modes::pair::Displacements;
 use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclosed};
 use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
@@ -265,7 +265,8 @@ fn is_settled(shift: f64, next: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::modes::eigen::{Eigenvalue, eigenpairs};
+    use crate::analysis::modes::eigen::eigenpairs;
+    use crate::analysis::modes::pair::Eigenvalue;
     use crate::analysis::modes::terms::Terms;
     use crate::analysis::test_systems::{blank, push};
     use crate::system::{Form, LinearSystem};

@@ -1,0 +1,252 @@
+//! The largest |value| of polynomials on [0, 1], each known to within an error. In: one piece after another. Out: a ball that
+//! contains the largest of them all. See docs/method/measures.md#peak-and-rms.
+
+use crate::base::{Ball, Dd, up};
+
+const UP: f64 = up::THOUSANDS;
+/// Twice the relative error of one operation in two words.
+const UNIT: f64 = 2.0 * Dd::EPSILON;
+
+/// An output on [0, 1] of a piece: sum terms[j] x^j, to within `error`.
+pub struct Curve<'a> {
+    /// The terms in binary64, for decisions.
+    rough: Vec<f64>,
+    /// The terms in two words, for reported values.
+    fine: Option<&'a [Dd]>,
+    error: f64,
+    /// Rounding errors of the value, the slope and the second derivative of the rough terms, anywhere on [0, 1].
+    roundings: [f64; 3],
+}
+
+impl<'a> Curve<'a> {
+    pub fn rough(terms: &'a [f64], error: f64) -> Curve<'a> {
+        Curve::of(terms.to_vec(), None, error)
+    }
+
+    pub fn fine(terms: &'a [Dd], error: f64) -> Curve<'a> {
+        Curve::of(terms.iter().map(|x| x.to_f64()).collect(), Some(terms), error)
+    }
+
+    fn of(rough: Vec<f64>, fine: Option<&'a [Dd]>, error: f64) -> Curve<'a> {
+        // Horner's scheme rounds each term twice for each of the terms above it, for each of the three values.
+        let each = 6.0 * (rough.len() as f64 + 2.0) * f64::EPSILON;
+        let roundings = [0, 1, 2].map(|order| derivative_bound(&rough, order) * each);
+        Curve { rough, fine, error, roundings }
+    }
+
+    /// |value| at a point, with an error bound.
+    fn value(&self, x: Dd) -> (Dd, f64) {
+        match self.fine {
+            Some(terms) => {
+                let value = terms.iter().rev().fold(Dd::ZERO, |sum, &term| sum * x + term);
+                (value.abs(), self.error + self.roundings[0] / f64::EPSILON * UNIT)
+            }
+            None => (Dd::from(evaluate(&self.rough, x.hi)[0].abs()), self.error + self.roundings[0]),
+        }
+    }
+
+    /// A bound of |slope| at a point.
+    fn slope(&self, x: Dd) -> f64 {
+        match self.fine {
+            Some(terms) => self.fine_slope(terms, x).hi.abs() * UP + self.roundings[1] / f64::EPSILON * UNIT,
+            None => evaluate(&self.rough, x.hi)[1].abs() + self.roundings[1],
+        }
+    }
+
+    fn fine_slope(&self, terms: &[Dd], x: Dd) -> Dd {
+        let of = |sum: Dd, (j, &term): (usize, &Dd)| sum * x + term * j as f64;
+        terms.iter().enumerate().skip(1).rev().fold(Dd::ZERO, of)
+    }
+
+    /// The zero of the slope between two points at which it has different signs.
+    fn level(&self, from: f64, to: f64, falls: f64) -> Dd {
+        let (mut x, mut low, mut high) = (0.5 * (from + to), from, to);
+        for _ in 0..NEWTON {
+            let [_, slope, bend] = evaluate(&self.rough, x);
+            if slope * falls > 0.0 {
+                low = x
+            } else {
+                high = x
+            }
+            let next = x - slope / bend;
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            if next == x {
+                break;
+            }
+            x = next;
+        }
+        let mut level = Dd::from(x);
+        let bend = evaluate(&self.rough, x)[2];
+        if let Some(terms) = self.fine {
+            for _ in 0..2 {
+                let better = level - self.fine_slope(terms, level) / Dd::from(bend);
+                if better.hi >= from && better.hi <= to {
+                    level = better;
+                }
+            }
+        }
+        level
+    }
+}
+
+/// Bounds of the largest |value| so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Largest {
+    low: Dd,
+    high: Dd,
+}
+
+impl Largest {
+    /// Takes account of the values that the curve certainly reaches; returns an upper bound of the curve if it exceeds
+    /// the largest known value.
+    pub fn look(&mut self, curve: &Curve) -> Option<f64> {
+        let above = (derivative_bound(&curve.rough, 0) + curve.error) * UP;
+        if self.has(above) {
+            return None;
+        }
+        let mut own = Largest { low: self.low, high: Dd::ZERO };
+        own.search(curve);
+        self.low = own.low;
+        let high = (own.high.hi * UP).next_up();
+        (!self.has(high)).then_some(high)
+    }
+
+    /// Takes account of a curve in two words.
+    pub fn look_closer(&mut self, curve: &Curve) {
+        self.search(curve);
+    }
+
+    /// Records that some value may be as large as this.
+    pub fn at_most(&mut self, high: f64) {
+        self.high = larger(self.high, Dd::from(high));
+    }
+
+    /// Whether a value of this magnitude is certainly reached.
+    pub fn has(&self, value: f64) -> bool {
+        value < self.low.hi || value == 0.0
+    }
+
+    pub fn ball(&self) -> Ball {
+        let (low, high) = (self.low, larger(self.low, self.high));
+        if high.is_zero() {
+            return Ball::ZERO;
+        }
+        let half = (high - low).hi.abs() * 0.5;
+        Ball::new((low + high).scale(0.5), (half + high.hi * UNIT) * UP)
+    }
+
+    fn search(&mut self, curve: &Curve) {
+        let bends = [2, 3].map(|order| derivative_bound(&curve.rough, order));
+        self.search_in(curve, 0.0, 1.0, bends, 0);
+    }
+
+    /// Searches [from, from + width] of a piece, whose second and third derivatives are bounded.
+    fn search_in(&mut self, curve: &Curve, from: f64, width: f64, bends: [f64; 2], depth: usize) {
+        let middle = from + 0.5 * width;
+        let [value, slope, bend] = evaluate(&curve.rough, middle);
+        let [off, slope_off, bend_off] = curve.roundings;
+        let spread = 0.5 * (slope.abs() + slope_off) * width + bends[0] * width * width / 8.0;
+        if self.has((value.abs() + off + spread + curve.error) * UP) {
+            return;
+        }
+        // The curve is flat to within its error: splitting gives no more information.
+        if spread <= 0.1 * curve.error {
+            return self.take(curve, Dd::from(middle), spread);
+        }
+        if bend.abs() <= 0.5 * bends[1] * width * UP + bend_off {
+            if depth < DEEPEST {
+                self.search_in(curve, from, 0.5 * width, bends, depth + 1);
+                return self.search_in(curve, middle, 0.5 * width, bends, depth + 1);
+            }
+            // The curve is nearly flat: this bounds the whole piece.
+            return self.take(curve, Dd::from(middle), spread);
+        }
+        // The second derivative keeps its sign: the extrema are at the ends or at a zero of the slope.
+        let ends = [from, from + width];
+        for end in ends {
+            self.take(curve, Dd::from(end), 0.0);
+        }
+        let [falls, rises] = ends.map(|x| evaluate(&curve.rough, x)[1]);
+        let clear = falls.abs().min(rises.abs()) > slope_off;
+        if clear && falls * rises > 0.0 {
+            return;
+        }
+        let level = if falls * rises < 0.0 {
+            curve.level(from, from + width, falls)
+        } else if falls.abs() < rises.abs() {
+            Dd::from(from)
+        } else {
+            Dd::from(from + width)
+        };
+        // A curve of one curvature stays below its tangents.
+        self.take(curve, level, curve.slope(level) * width);
+    }
+
+    /// Records a value that the curve reaches, and by which `spread` it may rise nearby.
+    fn take(&mut self, curve: &Curve, x: Dd, spread: f64) {
+        let (value, error) = curve.value(x);
+        let off = (error + value.hi * UNIT) * UP;
+        self.low = larger(self.low, value - Dd::from(off));
+        self.high = larger(self.high, value + Dd::from((off + spread) * UP));
+    }
+}
+
+const DEEPEST: usize = 24;
+const NEWTON: usize = 60;
+
+fn larger(a: Dd, b: Dd) -> Dd {
+    if (b - a).hi > 0.0 { b } else { a }
+}
+
+/// Value, slope and second derivative of the polynomial.
+fn evaluate(terms: &[f64], x: f64) -> [f64; 3] {
+    let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
+    for &term in terms.iter().rev() {
+        bend = bend * x + slope;
+        slope = slope * x + value;
+        value = value * x + term;
+    }
+    [value, slope, 2.0 * bend]
+}
+
+/// A bound of the magnitude of a derivative on [0, 1]; order 0 is the polynomial itself.
+fn derivative_bound(terms: &[f64], order: usize) -> f64 {
+    let factor = |j: usize| (0..order).map(|k| (j - k) as f64).product::<f64>();
+    terms.iter().enumerate().skip(order).map(|(j, term)| factor(j) * term.abs()).sum::<f64>() * UP
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64
+    /// and in two words.
+    #[test]
+    fn what_a_piece_is_off_by_is_in_the_bound() {
+        let terms = [0.82, 1.2, -2.0];
+        let fine = terms.map(Dd::from);
+        let mut largest = Largest::default();
+        largest.look_closer(&Curve::fine(&fine, 1e-3));
+        let ball = largest.ball();
+        assert!(ball.rad >= 1e-3 && ball.rad < 1.001e-3 && (ball.to_f64() - 1.0).abs() < 1e-12, "{ball:?}");
+        let mut largest = Largest::default();
+        let high = largest.look(&Curve::rough(&terms, 1e-3)).expect("larger than nothing");
+        assert!((1.001..1.0011).contains(&high), "{high}");
+        assert!((0.9989..=0.999).contains(&largest.low.to_f64()));
+        // A smaller value adds no information.
+        assert!(largest.look(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
+        assert!(largest.look(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
+    }
+
+    /// A curve with an exact maximum: 1/3 at a third, in 30 digits.
+    #[test]
+    fn a_top_is_known_to_two_words() {
+        let third = Dd::ONE / Dd::from(3.0);
+        // third - (x - third)^2
+        let terms = [third - third * third, third * 2.0, -Dd::ONE];
+        let mut largest = Largest::default();
+        largest.look_closer(&Curve::fine(&terms, 0.0));
+        let ball = largest.ball();
+        assert!((ball - Ball::ONE / Ball::from(3.0)).contains_zero() && ball.rad < 1e-28, "{ball:?}");
+    }
+}
