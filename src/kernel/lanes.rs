@@ -2,7 +2,7 @@
 //! or vectors. Each operation rounds lane by lane, so a lane holds the same bits on every processor.
 
 use crate::base::Dd;
-use crate::kernel::simd::Vector;
+use crate::kernel::simd::{LANES, Vector};
 use std::ops::Neg;
 
 /// re + i im
@@ -17,6 +17,13 @@ pub struct Pair<V> {
 pub struct Double<V> {
     pub hi: V,
     pub lo: V,
+}
+
+/// Double-double numbers in parallel lanes, padded to whole vectors.
+#[derive(Clone, Debug)]
+pub struct Lanes {
+    pub hi: Vec<f64>,
+    pub lo: Vec<f64>,
 }
 
 impl<V: Vector> Pair<V> {
@@ -162,6 +169,41 @@ impl<V: Vector> Neg for Double<V> {
     #[inline(always)]
     fn neg(self) -> Double<V> {
         Double { hi: -self.hi, lo: -self.lo }
+    }
+}
+
+impl Lanes {
+    pub fn zeros(count: usize) -> Lanes {
+        let room = count.next_multiple_of(LANES);
+        Lanes { hi: vec![0.0; room], lo: vec![0.0; room] }
+    }
+
+    pub fn of(values: impl Iterator<Item = Dd>) -> Lanes {
+        let (mut hi, mut lo): (Vec<f64>, Vec<f64>) = values.map(|x| (x.hi, x.lo)).unzip();
+        let room = hi.len().next_multiple_of(LANES);
+        hi.resize(room, 0.0);
+        lo.resize(room, 0.0);
+        Lanes { hi, lo }
+    }
+
+    pub fn get(&self, i: usize) -> Dd {
+        Dd { hi: self.hi[i], lo: self.lo[i] }
+    }
+
+    pub fn set(&mut self, i: usize, x: Dd) {
+        (self.hi[i], self.lo[i]) = (x.hi, x.lo);
+    }
+
+    /// The vector that begins at `i`.
+    #[inline(always)]
+    pub fn at<V: Vector>(&self, i: usize) -> Double<V> {
+        Double { hi: V::load(&self.hi[i..]), lo: V::load(&self.lo[i..]) }
+    }
+
+    #[inline(always)]
+    pub fn put<V: Vector>(&mut self, i: usize, x: Double<V>) {
+        x.hi.store(&mut self.hi[i..]);
+        x.lo.store(&mut self.lo[i..]);
     }
 }
 

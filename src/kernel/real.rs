@@ -3,7 +3,6 @@
 //! [`Scalar`]: the numbers of elimination, real and complex.
 
 use crate::base::{Ball, Dd};
-use crate::kernel::complex::Complex;
 use crate::kernel::simd::simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -136,7 +135,7 @@ impl Float for Dd {
 
     #[inline]
     fn dot(a: &[Dd], b: &[Dd]) -> Dd {
-        crate::kernel::dense::dot(a, b)
+        dot(a, b)
     }
 }
 
@@ -191,56 +190,9 @@ simd! {
     }
 }
 
-impl Scalar for Complex<f64> {
-    const ZERO: Complex<f64> = Complex { re: 0.0, im: 0.0 };
-    const ONE: Complex<f64> = Complex { re: 1.0, im: 0.0 };
-
-    fn of_f64(x: f64) -> Complex<f64> {
-        Complex::real(x)
-    }
-
-    #[inline]
-    fn recip(self) -> Complex<f64> {
-        Complex::recip(self)
-    }
-
-    /// Not less than the modulus.
-    #[inline]
-    fn size(self) -> f64 {
-        self.one_norm()
-    }
-}
-
-impl Scalar for Complex<Dd> {
-    const ZERO: Complex<Dd> = Complex { re: Dd::ZERO, im: Dd::ZERO };
-    const ONE: Complex<Dd> = Complex { re: Dd::ONE, im: Dd::ZERO };
-
-    fn of_f64(x: f64) -> Complex<Dd> {
-        Complex::real(Dd::from(x))
-    }
-
-    #[inline]
-    fn recip(self) -> Complex<Dd> {
-        let square = self.re * self.re + self.im * self.im;
-        Complex::new(self.re / square, -self.im / square)
-    }
-
-    /// Not less than the modulus.
-    #[inline]
-    fn size(self) -> f64 {
-        (self.re.hi.abs() + self.im.hi.abs()) * (1.0 + f64::EPSILON)
-    }
-
-    fn subtract_products(x: &mut [Complex<Dd>], f: &[Complex<Dd>], y: Complex<Dd>) {
-        subtract_complex_products(x, f, y);
-    }
-}
-
 simd! {
-    /// x_i <- x_i - f_i y
-    fn subtract_complex_products(x: &mut [Complex<Dd>], f: &[Complex<Dd>], y: Complex<Dd>) {
-        for (x, &f) in x.iter_mut().zip(f) {
-            *x = *x - f * y;
-        }
+    /// a . b
+    pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
+        a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
     }
 }

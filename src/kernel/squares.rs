@@ -74,7 +74,7 @@ impl Squares<Ball> {
         let (indices, factors) = self.row(t);
         let mut sum = Ball::ZERO;
         for (&i, &a) in indices.iter().zip(factors) {
-            sum = sum + by_factor(Ball::exact(x[i as usize]), a);
+            sum = sum + product(a, x[i as usize]);
         }
         sum
     }
@@ -98,6 +98,18 @@ pub fn by_factor<T: Real>(x: T, a: T) -> T {
         -x
     } else {
         x * a
+    }
+}
+
+/// a x. Most factors are 1 or -1: those round nothing.
+#[inline]
+fn product(a: Ball, x: Dd) -> Ball {
+    if a == Ball::ONE {
+        Ball::exact(x)
+    } else if a == -Ball::ONE {
+        Ball::exact(-x)
+    } else {
+        a * Ball::exact(x)
     }
 }
 

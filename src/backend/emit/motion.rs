@@ -1,8 +1,7 @@
 //! The state in the model's own coordinates: statements of `set_state` and `get_state`, written out if they are few,
 //! otherwise with tables. See docs/method/emit.md.
 
-use super::plan::{Array, Expression, Factor, Index, Statement, Table, Target, plus, product, sum, total};
-use super::planner::Slot;
+use super::plan::{Array, Expression, Factor, Index, Slot, Statement, Table, Target, plus, product, sum, total};
 use crate::analysis::discrete::{DiscreteSystem, Operand};
 
 /// The most numbers that are written out; larger sets become tables.

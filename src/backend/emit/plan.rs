@@ -31,6 +31,13 @@ pub struct Plan {
     pub observe: Vec<Statement>,
 }
 
+/// The place of a state in the arrays.
+#[derive(Clone, Debug)]
+pub struct Slot {
+    pub array: String,
+    pub at: usize,
+}
+
 /// The kind of code.
 #[derive(Clone, Debug)]
 pub enum Style {

@@ -6,16 +6,11 @@ use super::groups::{LANES, groups};
 use super::header::header;
 use super::motion;
 use super::names::{identifiers, model_identifier};
-use super::plan::{Array, Expression, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target};
+use super::plan::{
+    Array, Expression, Factor, Field, Index, Operations, Plan, Slot, Start, Statement, Style, Table, Target,
+};
 use super::plan::{plus, product, sum, tidy, total};
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
-
-/// The place of a state in the arrays.
-#[derive(Clone, Debug)]
-pub struct Slot {
-    pub array: String,
-    pub at: usize,
-}
 
 /// The plan of a discrete system.
 pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {

@@ -14,6 +14,7 @@ pub(crate) mod product;
 
 use crate::base::Dd;
 use crate::kernel::real::Float;
+pub use crate::kernel::real::dot;
 use crate::kernel::simd::simd;
 use std::ops::{Index, IndexMut};
 
@@ -130,13 +131,6 @@ impl Matrix<Dd> {
 
     pub fn identity(n: usize) -> Matrix<Dd> {
         Matrix::from_fn(n, n, |i, j| if i == j { Dd::ONE } else { Dd::ZERO })
-    }
-}
-
-simd! {
-    /// a . b
-    pub fn dot(a: &[Dd], b: &[Dd]) -> Dd {
-        a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y)
     }
 }
 

@@ -4,15 +4,8 @@
 
 use super::step::Step;
 use crate::base::Dd;
-use crate::kernel::lanes::Double;
+use crate::kernel::lanes::{Double, Lanes};
 use crate::kernel::simd::{Vector, simd};
-
-/// Double-double numbers in parallel lanes, padded to whole vectors.
-#[derive(Clone, Debug)]
-pub struct Lanes {
-    pub hi: Vec<f64>,
-    pub lo: Vec<f64>,
-}
 
 /// Number of oscillators, or times, processed in parallel: the number of lanes of the widest vector.
 const ROOM: usize = 8;
@@ -43,41 +36,6 @@ pub struct Samples {
     pub values: Vec<Dd>,
     /// |z|^2 after each step.
     pub squares: Vec<f64>,
-}
-
-impl Lanes {
-    pub fn zeros(count: usize) -> Lanes {
-        let room = count.next_multiple_of(ROOM);
-        Lanes { hi: vec![0.0; room], lo: vec![0.0; room] }
-    }
-
-    pub fn of(values: impl Iterator<Item = Dd>) -> Lanes {
-        let (mut hi, mut lo): (Vec<f64>, Vec<f64>) = values.map(|x| (x.hi, x.lo)).unzip();
-        let room = hi.len().next_multiple_of(ROOM);
-        hi.resize(room, 0.0);
-        lo.resize(room, 0.0);
-        Lanes { hi, lo }
-    }
-
-    pub fn get(&self, i: usize) -> Dd {
-        Dd { hi: self.hi[i], lo: self.lo[i] }
-    }
-
-    pub fn set(&mut self, i: usize, x: Dd) {
-        (self.hi[i], self.lo[i]) = (x.hi, x.lo);
-    }
-
-    /// The vector that begins at `i`.
-    #[inline(always)]
-    pub fn at<V: Vector>(&self, i: usize) -> Double<V> {
-        Double { hi: V::load(&self.hi[i..]), lo: V::load(&self.lo[i..]) }
-    }
-
-    #[inline(always)]
-    pub fn put<V: Vector>(&mut self, i: usize, x: Double<V>) {
-        x.hi.store(&mut self.hi[i..]);
-        x.lo.store(&mut self.lo[i..]);
-    }
 }
 
 /// The state at eight times: of each number first the leading parts, then the others.

@@ -17,8 +17,9 @@ use super::{History, UP};
 use crate::analysis::answer::Modes;
 use crate::analysis::response::signal::Source;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::lanes::Lanes;
 use crate::system::{LinearSystem, Signal};
-use lanes::{Batch, Lanes, Row, Samples, State};
+use lanes::{Batch, Row, Samples, State};
 use oscillators::{Oscillators, Output};
 use std::rc::Rc;
 use step::Step;
@@ -296,7 +297,7 @@ impl<'a> Run<'a> {
             let from = if step.is_some() { sample } else { sample + 1 };
             if let Some(step) = step {
                 let error = self.trail.error;
-                let local = of.error_of_step(step, error, size, driving.norms[from], driving.error, approximations);
+                let local = step.added_error(of, error, size, driving.norms[from], driving.error, approximations);
                 self.trail.step(step.own, local);
                 self.trail.decay(0, |k| step.norm_of_many(k));
             }

@@ -1,7 +1,6 @@
 //! A system as uncoupled oscillators: the parameters of each, the forces of the sources on them, the outputs as rows
 //! over them, and bounds of what is neglected. See docs/method/response.md#modal-steps.
 
-use super::step::Step;
 use super::{Off, Row};
 use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes;
@@ -209,18 +208,6 @@ impl Oscillators {
     pub fn defect_of_change(&self, eta: f64, rate: f64) -> f64 {
         let off = self.modes.epsilon * self.count() as f64;
         (off / (1.0 - off) * (self.largest_s * eta + rate + self.damping_defect * eta) + self.damping_defect * eta) * UP
-    }
-
-    /// The error that a step adds to the state, besides the error that it carries over: from the error before, |z|, and
-    /// the sources' norm and error.
-    pub fn error_of_step(&self, step: &Step, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
-        let carried = step.from_sources * w_error;
-        let applied = (step.error + step.rounding) * (z + error)
-            + (step.error_of_sources + step.rounding_of_sources) * (w + w_error);
-        let pushed = (w + w_error) * step.growth_of_sources;
-        let largest = step.growth * (z + error + step.length * self.force_norm * pushed);
-        let disturbed = self.defect * largest + self.force_defect * pushed + approximations;
-        (carried + applied + step.length * step.growth * disturbed) * UP
     }
 
     /// Errors of the sources' approximations, as accelerations of the modes.

@@ -6,12 +6,11 @@
 //! F = exp(A_i h), Phi and R = exp(G h) are computed by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by
 //! Horner's scheme, and squaring: F <- F F, Phi <- F Phi + Phi R, R <- R R.
 
-use super::lanes::Lanes;
 use super::oscillators::Oscillators;
 use crate::analysis::response::exponential::growth;
 use crate::base::{Ball, Dd, Number, rounding, up};
 use crate::kernel::dense::Matrix;
-use crate::kernel::lanes::Double;
+use crate::kernel::lanes::{Double, Lanes};
 use crate::kernel::simd::{Vector, simd};
 use std::cell::RefCell;
 
@@ -85,6 +84,18 @@ struct Blocks {
 }
 
 impl Step {
+    /// The error that the step adds to the state, besides the error that it carries over: from the error before, |z|, and
+    /// the sources' norm and error.
+    pub fn added_error(&self, of: &Oscillators, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
+        let carried = self.from_sources * w_error;
+        let applied = (self.error + self.rounding) * (z + error)
+            + (self.error_of_sources + self.rounding_of_sources) * (w + w_error);
+        let pushed = (w + w_error) * self.growth_of_sources;
+        let largest = self.growth * (z + error + self.length * of.force_norm * pushed);
+        let disturbed = of.defect * largest + of.force_defect * pushed + approximations;
+        (carried + applied + self.length * self.growth * disturbed) * UP
+    }
+
     /// `None` if the exponent is out of range.
     pub fn of(of: &Oscillators, on: &[usize], h: &Number) -> Option<Step> {
         let t = h.to_ball();
