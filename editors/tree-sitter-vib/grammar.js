@@ -23,6 +23,7 @@ module.exports = grammar({
     declaration: ($) => choice(
       $.model, $.parameter, $.gravity, $.point, $.body, $.base, $.element, $.joint, $.slide, $.couple,
       $.force, $.torque, $.initial, $.output, $.damping, $.rest, $.solve, $.require, $.repeat,
+      $.component, $.placed, $.use,
     ),
 
     model: ($) => seq('model', field('name', $.word)),
@@ -41,21 +42,38 @@ module.exports = grammar({
     torque: ($) => seq(
       'torque', field('name', $.name), ':', $.end, optional(seq('--', $.end)), optional($._signal),
     ),
-    initial: ($) => seq('initial', $.name, $.fields),
+    initial: ($) => seq('initial', $._path, $.fields),
     output: ($) => seq('output', field('name', $.name), '=', $.expression),
     damping: ($) => seq('damping', choice(seq('modal', $.expression), seq('rayleigh', $.group))),
     rest: (_) => seq('rest', 'as', 'drawn'),
-    solve: ($) => seq('solve', $.name, 'in', $._range, ':', $.expression, '=', $.expression),
+    solve: ($) => seq('solve', $._path, 'in', $._range, ':', $.expression, '=', $.expression),
     require: ($) => seq('require', $.expression),
     repeat: ($) => seq('repeat', field('index', $.word), 'in', $._range, '{', repeat($.declaration), '}'),
+
+    component: ($) => seq('component', field('name', $.word), $.formals, '{', repeat($.declaration), '}'),
+    formals: ($) => seq('(', optional(list(choice($.port, $.formal))), ')'),
+    port: ($) => seq('part', field('name', $.word)),
+    formal: ($) => seq(
+      field('name', $.word), optional(seq(':', $.dimension)), optional(seq('=', $.expression)),
+    ),
+    dimension: (_) => new RegExp(`1|/?[${LETTER}%°][${LETTER}%°0-9*/^²³·⋅-]*`),
+    placed: ($) => seq(
+      'place', field('name', $.name), '=', field('component', $.word), $.actuals,
+      repeat(choice(seq('at', $.expression), seq('turned', $.expression), seq('mirrored', $.word))),
+    ),
+    actuals: ($) => seq('(', optional(list($.actual)), ')'),
+    actual: ($) => seq(field('name', $.word), '=', $.expression),
+    use: ($) => seq('use', $.text),
 
     // ---- Parts of declarations
 
     // `m[i-1]`, `net[i][j]`, `net[i, j]`
     name: ($) => seq($.word, repeat($._index)),
     _index: ($) => seq(token.immediate('['), list($.expression), ']'),
-    // `block`, `block@A`, `ground@(0, 1 m)`
-    end: ($) => seq($.name, optional(seq('@', choice($.name, $.group)))),
+    // A name, or one in a component at its place: `front.wheel`
+    _path: ($) => seq($.name, repeat(seq(token.immediate('.'), $.name))),
+    // `block`, `block@A`, `ground@(0, 1 m)`, `front.wheel@front.hub`
+    end: ($) => seq($._path, optional(seq('@', choice($._path, $.group)))),
     _along: ($) => seq('along', $.expression),
     _signal: ($) => seq('=', $.expression),
     _range: ($) => seq($.expression, '..', $.expression),
@@ -81,7 +99,7 @@ module.exports = grammar({
     group: ($) => seq('(', list($.expression), ')'),
     // Of a part: `rod@A`, `rod.angle`, `rod@(0, 1 m).x`
     place: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), '@', choice($.name, $.group))),
-    member: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), token.immediate('.'), field('member', $.word))),
+    member: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), token.immediate('.'), field('member', $.name))),
 
     literal: ($) => seq($.number, optional($.unit)),
     number: (_) => /(\d+(\.\d+)?|\.\d+)([eE][+-]?\d+)?/,

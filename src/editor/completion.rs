@@ -182,8 +182,8 @@ impl<'a> Place<'a> {
                 });
                 vec![word(&&*words.collect::<Vec<_>>().join(" "))]
             }
-            [_, Piece::Name(Naming::Of(Space::Parts), _), ..] => self.parts(|keyword| keyword == "body"),
-            [_, Piece::Name(Naming::Of(Space::Values), _), ..] => self.values(|kind| kind == "param"),
+            [_, Piece::Path(Naming::Of(Space::Parts), _), ..] => self.parts(|keyword| keyword == "body"),
+            [_, Piece::Path(Naming::Of(Space::Values), _), ..] => self.values(|kind| kind == "param"),
             // A new name.
             _ => Vec::new(),
         }

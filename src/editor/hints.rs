@@ -102,7 +102,8 @@ fn table(motions: &Motions) -> String {
 
 /// After `solve`: the value that was found.
 fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
-    document.solved.iter().filter_map(|solved| {
+    let own = document.solved.iter().filter(|solved| solved.span.file() == document.file);
+    own.filter_map(|solved| {
         let at = end_of_statement(document, solved.span.start())?;
         let text = format!("{} = {}", solved.parameter, answer::told(&solved.shown()));
         Some(Hint { at, text, tooltip: None })
@@ -111,7 +112,9 @@ fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
 
 /// After `require`: the value of the measure, and its margin.
 fn margins(document: &Document) -> impl Iterator<Item = Hint> + '_ {
-    document.requirements.iter().filter_map(|requirement| {
+    // Those of a component may stand in another file.
+    let own = document.requirements.iter().filter(|requirement| requirement.span.file() == document.file);
+    own.filter_map(|requirement| {
         let at = end_of_statement(document, requirement.span.start())?;
         let mark = match requirement.holds {
             Some(true) => "✓",

@@ -59,7 +59,7 @@ fn field(document: &Document, token: usize) -> Option<String> {
 
 /// A parameter, a point or an index: how it is declared, and its value in its unit and in SI.
 fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<String> {
-    if let Some(repeat) = scope {
+    if let Some(repeat) = scope.filter(|scope| document.keyword(*scope) == "repeat") {
         return Some(format!("{}\n\nThe index of this `repeat`.", model(&document.text()[document.range_of(repeat)])));
     }
     let declared = names::declarations(document, token);
@@ -68,7 +68,10 @@ fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<Stri
         let statement = document.token_at(range.start).and_then(|token| document.statement_of(token))?;
         let line = &document.text()[document.range_of(statement)];
         markdown += &format!("{}\n\n", model(line));
-        let same = document.values.iter().filter(|defined| defined.span.start() == range.start);
+        let same = document
+            .values
+            .iter()
+            .filter(|defined| defined.span.file() == document.file && defined.span.start() == range.start);
         for defined in same.take(MANY) {
             if let Some(value) = &defined.value {
                 markdown += &format!("`{}` = {}\n\n", defined.name, worth(value, line));

@@ -134,11 +134,12 @@ impl Reader<'_> {
     fn second(&self, at: usize) -> Role {
         let Some(declaration) = kinds::declaration(self.keyword) else { return Role::None };
         match declaration.naming() {
-            Some(Naming::New(space)) => Role::Declaration { space, scope: None },
+            Some(Naming::New(Space::Components)) => Role::Declaration { space: Space::Components, scope: None },
+            Some(Naming::New(space)) => Role::Declaration { space, scope: self.component() },
             Some(Naming::Index) => Role::Declaration { space: Space::Values, scope: Some(self.index) },
             Some(Naming::Title) => Role::Title,
             Some(Naming::Of(space @ (Space::Parts | Space::Places | Space::Components))) => {
-                Role::Reference { space, scope: None }
+                Role::Reference { space, scope: self.component() }
             }
             Some(Naming::Of(Space::Values)) => self.value(at),
             None if matches!(declaration.pieces.first(), Some(Piece::Apart)) => self.expression(at, None, &[]),
@@ -151,12 +152,68 @@ impl Reader<'_> {
         let word = self.word(at);
         let indexed = |repeat: &usize| {
             let statement = &self.outline.statements[*repeat];
-            self.tokens.get(statement.tokens.start + 1).is_some_and(|index| index.text(self.text) == word)
+            let repeats = keyword(self.text, self.tokens, statement) == "repeat";
+            let index = self.tokens.get(statement.tokens.start + 1);
+            repeats && index.is_some_and(|index| index.text(self.text) == word)
         };
-        Role::Reference { space: Space::Values, scope: self.outline.around(self.index).find(indexed) }
+        let scope = self.outline.around(self.index).find(indexed).or_else(|| self.component());
+        Role::Reference { space: Space::Values, scope }
+    }
+
+    /// The component that the statement belongs to: its names are known in it alone.
+    fn component(&self) -> Option<usize> {
+        let declares = |index: &usize| keyword(self.text, self.tokens, &self.outline.statements[*index]) == "component";
+        std::iter::once(self.index).chain(self.outline.around(self.index)).find(declares)
+    }
+
+    fn part(&self, word: &str) -> Role {
+        if word == "ground" {
+            return Role::Constant;
+        }
+        Role::Reference { space: Space::Parts, scope: self.component() }
+    }
+
+    /// A word in the brackets of a component: a port, a parameter, the unit of one, or part of a default.
+    fn formal(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
+        let starts = self.is(last, "(") || self.is(last, ",");
+        let scope = Some(self.index);
+        let goes_on = self.next(at).is_some_and(|next| self.tokens[next].kind == TokenKind::Word);
+        if starts && self.word(at) == "part" && goes_on {
+            return Role::Word;
+        }
+        if starts {
+            return Role::Declaration { space: Space::Values, scope };
+        }
+        if last.is_some_and(|last| self.word(last) == "part" && self.tokens[last].kind == TokenKind::Word) {
+            return Role::Declaration { space: Space::Parts, scope };
+        }
+        let unit = (self.outline.statements[self.index].tokens.start..at)
+            .rev()
+            .map(|before| self.word(before))
+            .find(|before| matches!(*before, ":" | "=" | "," | "("));
+        if unit == Some(":") { Role::None } else { self.expression(at, last, open) }
+    }
+
+    /// A word of a `place` behind its name: the component, an argument, a clause, or part of a value.
+    fn placed(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
+        let word = self.word(at);
+        let start = self.outline.statements[self.index].tokens.start;
+        let is_first = (start..at).filter(|before| self.word(*before) == "=").count() == 1;
+        match open.len() {
+            0 if is_first && self.is(last, "=") => Role::Reference { space: Space::Components, scope: None },
+            0 if matches!(word, "at" | "turned" | "mirrored") => Role::Word,
+            0 if last.is_some_and(|last| self.word(last) == "mirrored") => Role::Direction,
+            1 if (self.is(last, "(") || self.is(last, ",")) && self.is(self.next(at), "=") => Role::Field,
+            _ => self.expression(at, last, open),
+        }
     }
 
     fn other(&self, at: usize, last: Option<usize>, line_ended: bool, state: &mut State) -> Role {
+        match self.keyword {
+            "component" => return self.formal(at, last, &state.open),
+            "place" => return self.placed(at, last, &state.open),
+            _ => {}
+        }
         let (word, next) = (self.word(at), self.next(at));
         let braces = state.open.last().is_some_and(|open| open.bracket == '{');
         let after_value = last.is_some_and(|last| ends_value(&self.tokens[last]));
@@ -178,7 +235,7 @@ impl Reader<'_> {
             return Role::Direction;
         }
         if state.in_ends && state.open.is_empty() && (self.is(last, ":") || self.is(last, "--")) {
-            return part(word);
+            return self.part(word);
         }
         self.expression(at, last, &state.open)
     }
@@ -209,7 +266,7 @@ impl Reader<'_> {
                 matches!(function.arguments.first(), Some(Argument::Output | Argument::Input))
             });
         if named_before || self.is(last, "->") || of_output {
-            return part(word);
+            return self.part(word);
         }
         match (self.keyword, word) {
             (_, "pi") | ("require", "stable") => Role::Constant,
@@ -255,10 +312,6 @@ impl Reader<'_> {
             _ => {}
         }
     }
-}
-
-fn part(word: &str) -> Role {
-    if word == "ground" { Role::Constant } else { Role::Reference { space: Space::Parts, scope: None } }
 }
 
 /// Whether declarations with this keyword connect two ends.
@@ -334,6 +387,14 @@ mod tests {
             ("solve fn in a .. b: static(y) = c", "solve:K fn:v in:w a:v b:v static:F y:p c:v"),
             ("initial b { x = 1 mm }", "initial:K b:p x:f"),
             ("damping modal z", "damping:K modal:w z:v"),
+            (
+                "component c(part p, m: kg, k = 2 * q) {\n body b { mass = m, at = A }\n spring s: p -- b { k = k }\n}",
+                "component:K c:C part:w p:P m:I kg:? k:I q:i body:K b:P mass:f m:i at:f A:i spring:K s:P p:p b:p k:f k:i",
+            ),
+            (
+                "place f = c(p = b, m = n) at (x, 0) mirrored x turned a",
+                "place:K f:L c:n p:f b:v m:f n:v at:w x:v mirrored:w x:d turned:w a:v",
+            ),
             (
                 "body b { inertia = j about A, moves along d }",
                 "body:K b:P inertia:f j:v about:w A:v moves:w along:w d:v",

@@ -579,7 +579,7 @@ const LAST: [Declaration; 13] = [
                  a file may be a model and be used by others. A file is read once, however often it is named.",
                 heading: "Components of other files",
             },
-            &[Piece::Blank, Piece::Text("a file in quotes, such as `\"axles.vib\"`")],
+            &[Piece::Apart, Piece::Text("a file in quotes, such as `\"axles.vib\"`")],
         )
     },
 ];

@@ -10,12 +10,12 @@
   "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "base"
   "force" "torque" "initial" "output" "damping" "rest" "repeat" "solve" "require" "component" "place" "use"
 ] @keyword
-["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh"] @keyword
+["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh" "part" "at" "turned" "mirrored"] @keyword
 (axis) @constant.builtin
 ((flag) @keyword (#any-of? @keyword "turns" "free"))
 
 (assignment name: (word) @variable.parameter)
-(member member: (word) @variable.other.member)
+(member member: (name (word) @variable.other.member))
 (call function: (word) @function)
 ((call function: (word) @function.builtin)
   (#any-of? @function.builtin
@@ -29,6 +29,12 @@
 (body name: (name (word) @type))
 (base name: (name (word) @type))
 (repeat index: (word) @variable)
+(component name: (word) @type)
+(placed component: (word) @type)
+(port name: (word) @variable)
+(formal name: (word) @variable)
+(actual name: (word) @variable.parameter)
+(dimension) @type
 
 ["--" "->" ".." "=" "==" "<" "<=" ">" ">=" "+" "-" "*" "/" "^" "@"] @operator
 ["(" ")" "[" "]" "{" "}"] @punctuation.bracket

@@ -13,16 +13,21 @@ static bool digit(int32_t c) { return c >= '0' && c <= '9'; }
 
 static void advance(TSLexer *lexer) { lexer->advance(lexer, false); }
 
-// The word of a unit, up to its end; false where it is `about`, as in `inertia = 0 about A`.
+// The word of a unit, up to its end; false where it goes on with the declaration, as in `inertia = 0 about A`.
 static bool word(TSLexer *lexer) {
-    static const char about[] = "about";
+    static const char *const others[] = {"about", "at", "turned", "mirrored"};
+    char text[9] = {0};
     unsigned length = 0;
-    bool same = true;
     for (; letter(lexer->lookahead) || digit(lexer->lookahead); length++) {
-        same = same && length < 5 && lexer->lookahead == about[length];
+        if (length < 8) text[length] = lexer->lookahead < 128 ? (char)lexer->lookahead : '?';
         advance(lexer);
     }
-    return !(same && length == 5);
+    for (unsigned i = 0; i < 4; i++) {
+        unsigned same = 0;
+        while (others[i][same] && others[i][same] == text[same]) same++;
+        if (!others[i][same] && same == length) return false;
+    }
+    return true;
 }
 
 // `^2`, `^-2`, `²`, `³`, or nothing; false after a `^` without digits, which is an operator and ends the unit before it.

@@ -1,0 +1,328 @@
+//! A placed scene is the scene that one would have drawn by hand: the same report, apart from names, for random scenes with
+//! places in places, turned and mirrored. The scene by hand is drawn here, with formulas of its own.
+//! See spec.md#components and spec.md#places-of-components.
+
+use crate::independent::random_scenes::Random;
+use std::fmt::Write;
+use vibc::base::{FileId, SourceFile, Sources};
+use vibc::{Overrides, ReportOptions};
+
+/// How a component lies: an angle as an expression, signs, and where its origin is, as expressions.
+#[derive(Clone)]
+struct Lies {
+    angle: String,
+    /// The angle in degrees, if it is a whole number of them.
+    degrees: Option<i64>,
+    signs: [i64; 2],
+    origin: [String; 2],
+}
+
+impl Lies {
+    fn scene() -> Lies {
+        Lies { angle: "0".into(), degrees: Some(0), signs: [1, 1], origin: ["0 m".into(), "0 m".into()] }
+    }
+
+    /// The image of a direction.
+    fn direction(&self, [x, y]: [&str; 2]) -> [String; 2] {
+        let signed = |sign: i64, text: &str| if sign < 0 { format!("(-({text}))") } else { format!("({text})") };
+        let (x, y) = (signed(self.signs[0], x), signed(self.signs[1], y));
+        let (c, s) = (format!("cos({})", self.angle), format!("sin({})", self.angle));
+        [format!("({c} * {x} - {s} * {y})"), format!("({s} * {x} + {c} * {y})")]
+    }
+
+    fn position(&self, x: &str, y: &str) -> String {
+        let [x, y] = self.direction([x, y]);
+        format!("({} + {x}, {} + {y})", self.origin[0], self.origin[1])
+    }
+
+    fn axis(&self, axis: usize) -> [String; 2] {
+        self.direction(if axis == 0 { ["1", "0"] } else { ["0", "1"] })
+    }
+
+    /// The component's x or y as a direction with its sense.
+    fn along(&self, axis: usize) -> String {
+        let [x, y] = self.axis(axis);
+        format!("({x}, {y})")
+    }
+
+    /// The line of a body that moves along the component's x or y: an axis of the scene, if it is one.
+    fn line(&self, axis: usize) -> String {
+        match self.quarters() {
+            Some(quarters) => ["x", "y"][(axis + quarters.rem_euclid(2) as usize) % 2].into(),
+            None => format!("along {}", self.along(axis)),
+        }
+    }
+
+    /// A motion along the component's x or y.
+    fn motion(&self, part: &str, axis: usize) -> String {
+        let [x, y] = self.axis(axis);
+        match self.quarters().map(|quarters| (axis + quarters.rem_euclid(2) as usize) % 2) {
+            // A body on a line has no motion across it.
+            Some(0) => format!("({x} * {part}.x)"),
+            Some(_) => format!("({y} * {part}.y)"),
+            None => format!("({x} * {part}.x + {y} * {part}.y)"),
+        }
+    }
+
+    /// Quarters of a turn, if it is a whole number of them.
+    fn quarters(&self) -> Option<i64> {
+        self.degrees.filter(|degrees| degrees % 90 == 0).map(|degrees| degrees / 90)
+    }
+
+    fn reverses(&self) -> bool {
+        self.signs[0] * self.signs[1] < 0
+    }
+
+    fn then(&self, inner: &Placing) -> Lies {
+        let sign = if self.reverses() { "-" } else { "+" };
+        let [x, y] = self.direction([&inner.at[0], &inner.at[1]]);
+        let turn = if self.reverses() { -1 } else { 1 };
+        Lies {
+            angle: format!("({} {sign} ({}))", self.angle, inner.angle),
+            degrees: self.degrees.zip(inner.degrees).map(|(own, more)| own + turn * more),
+            signs: [0, 1].map(|axis| self.signs[axis] * inner.signs[axis]),
+            origin: [format!("({} + {x})", self.origin[0]), format!("({} + {y})", self.origin[1])],
+        }
+    }
+}
+
+/// A place as it is written.
+struct Placing {
+    at: [String; 2],
+    angle: &'static str,
+    degrees: Option<i64>,
+    signs: [i64; 2],
+    text: String,
+}
+
+const ANGLES: [(&str, Option<i64>); 11] = [
+    ("0 deg", Some(0)),
+    ("90 deg", Some(90)),
+    ("-90 deg", Some(-90)),
+    ("180 deg", Some(180)),
+    ("30 deg", Some(30)),
+    ("45 deg", Some(45)),
+    ("60 deg", Some(60)),
+    ("-30 deg", Some(-30)),
+    ("10 deg", Some(10)),
+    ("0.3 rad", None),
+    ("atan2(1, 3)", None),
+];
+
+fn placing(random: &mut Random) -> Placing {
+    let at = [random.decimal(-2, 2), random.decimal(-2, 2)].map(|length| format!("{length} m"));
+    let (angle, degrees) = ANGLES[random.below(ANGLES.len())];
+    let (signs, mirrored) = [([1, 1], ""), ([-1, 1], " mirrored x"), ([1, -1], " mirrored y")][random.below(3)];
+    let text = format!("at ({}, {}){mirrored} turned {angle}", at[0], at[1]);
+    Placing { at, angle, degrees, signs, text }
+}
+
+const ARM: &str = "
+component arm(part frame, m: kg, k = 900 N/m, c = 1 N*s/m) {
+  let reach = 0.3 m
+  point tip = (reach, 0.4 m)
+  body slug { mass = m, at = (0.1 m, 0.2 m), moves x }
+  body plate { mass = 2 * m, shape = rod((0 m, 0 m), tip), free }
+  spring s: ground@(-0.2 m, -0.5 m) -- plate@tip { k = k, preload = 0.5 N }
+  spring t: slug -- plate@(0.5 m, 0.1 m) { k = 2 * k }
+  spring u: frame -- plate { k = 3 * k, along = y }
+  spring v: ground -- slug { k = k, along = x }
+  spring w: ground -- plate { k = 90 N*m/rad, preload = 0.05 N*m }
+  damper d: slug -- plate { c = c, along = x }
+  force pull: plate@tip along y
+  force push: slug
+  torque twist: plate
+  output lift = plate@(0 m, 0.2 m).y - slug.x
+  output angles = 2 * plate.angle
+  output stretching = t.stretch
+}
+";
+
+/// The same things where they lie.
+fn draw_arm(text: &mut String, name: &str, frame: &str, lies: &Lies, m: &str, k: &str) {
+    let at = |x: &str, y: &str| lies.position(x, y);
+    let (tip, slug, plate) = (at("0.3 m", "0.4 m"), format!("{name}slug"), format!("{name}plate"));
+    let mut line = |declaration: String| writeln!(text, "{declaration}").expect("a string");
+    line(format!("body {slug} {{ mass = {m}, at = {}, moves {} }}", at("0.1 m", "0.2 m"), lies.line(0)));
+    line(format!("body {plate} {{ mass = 2 * {m}, shape = rod({}, {tip}), free }}", at("0 m", "0 m")));
+    line(format!("spring {name}s: ground@{} -- {plate}@{tip} {{ k = {k}, preload = 0.5 N }}", at("-0.2 m", "-0.5 m")));
+    line(format!("spring {name}t: {slug} -- {plate}@{} {{ k = 2 * {k} }}", at("0.5 m", "0.1 m")));
+    line(format!("spring {name}u: {frame} -- {plate} {{ k = 3 * {k}, along = {} }}", lies.along(1)));
+    line(format!("spring {name}v: ground -- {slug} {{ k = {k}, along = {} }}", lies.along(0)));
+    let (a, b) = if lies.reverses() { (&*plate, "ground") } else { ("ground", &*plate) };
+    line(format!("spring {name}w: {a} -- {b} {{ k = 90 N*m/rad, preload = 0.05 N*m }}"));
+    line(format!("damper {name}d: {slug} -- {plate} {{ c = 1 N*s/m, along = {} }}", lies.along(0)));
+    line(format!("force {name}pull: {plate}@{tip} along {}", lies.along(1)));
+    line(format!("force {name}push: {slug} along {}", lies.along(0)));
+    let ends = if lies.reverses() { format!("ground -- {plate}") } else { plate.clone() };
+    line(format!("torque {name}twist: {ends}"));
+    let at_tip = format!("{plate}@{}", at("0 m", "0.2 m"));
+    let lift = format!("{} - {}", lies.motion(&at_tip, 1), lies.motion(&slug, 0));
+    line(format!("output {name}lift = {lift}"));
+    let sign = if lies.reverses() { "-" } else { "" };
+    line(format!("output {name}angles = {sign}2 * {plate}.angle"));
+    line(format!("output {name}stretching = {name}t.stretch"));
+}
+
+/// A scene with places, the same by hand, and its names with dots.
+fn scenes(seed: u64) -> [String; 2] {
+    let mut random = Random::new(seed);
+    let [left, right] = [placing(&mut random), placing(&mut random)];
+    let m = format!("{} kg", random.decimal(1, 3));
+    let k = format!("{} N/m", random.decimal(500, 900));
+    let mut placed = format!(
+        "{ARM}
+component pair(part frame, m: kg) {{
+  body carriage {{ mass = 3 * m, at = (0.2 m, 0), moves y }}
+  spring b: ground -- carriage {{ k = 700 N/m, along = y }}
+  place left = arm(frame = carriage, m = m) {}
+  place right = arm(frame = frame, m = 2 * m, k = {k}) {}
+}}
+gravity 1 m/s^2
+body car {{ mass = 9 kg, at = (0, 1 m), moves y }}
+spring base: ground -- car {{ k = 5000 N/m }}
+",
+        left.text, right.text
+    );
+    let mut drawn = "gravity 1 m/s^2
+body car { mass = 9 kg, at = (0, 1 m), moves y }
+spring base: ground -- car { k = 5000 N/m }
+"
+    .to_string();
+    for number in 1..=1 + random.below(2) {
+        let outer = placing(&mut random);
+        writeln!(placed, "place p{number} = pair(frame = car, m = {m}) {}", outer.text).expect("a string");
+        let lies = Lies::scene().then(&outer);
+        let name = format!("p{number}_");
+        writeln!(
+            drawn,
+            "body {name}carriage {{ mass = 3 * {m}, at = {}, moves {} }}",
+            lies.position("0.2 m", "0 m"),
+            lies.line(1)
+        )
+        .expect("a string");
+        writeln!(drawn, "spring {name}b: ground -- {name}carriage {{ k = 700 N/m, along = {} }}", lies.along(1))
+            .expect("a string");
+        draw_arm(&mut drawn, &format!("{name}left_"), &format!("{name}carriage"), &lies.then(&left), &m, "900 N/m");
+        draw_arm(&mut drawn, &format!("{name}right_"), "car", &lies.then(&right), &format!("2 * {m}"), &k);
+    }
+    let alone = placing(&mut random);
+    writeln!(placed, "place q = arm(frame = car, m = {m}, k = {k}) {}", alone.text).expect("a string");
+    draw_arm(&mut drawn, "q_", "car", &Lies::scene().then(&alone), &m, &k);
+    [placed, drawn]
+}
+
+fn source(text: &str) -> (Sources, FileId) {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("scene.vib", text));
+    (sources, file)
+}
+
+/// The report as JSON, dots within names as `_`.
+fn report(text: &str) -> String {
+    let (sources, file) = source(text);
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    let found: Vec<_> = outcome.diagnostics.iter().filter(|finding| finding.is_error()).collect();
+    let answer = outcome.answer.unwrap_or_else(|| panic!("{text}\n{found:?}"));
+    let mut json = vibc::report_json(&answer, &ReportOptions::default());
+    for place in ["p1.left.", "p1.right.", "p2.left.", "p2.right.", "p1.", "p2.", "q."] {
+        json = json.replace(place, &place.replace('.', "_"));
+    }
+    json
+}
+
+#[test]
+fn a_placed_scene_and_the_scene_by_hand_have_the_same_report() {
+    for seed in 0..300 {
+        let [placed, drawn] = scenes(seed);
+        let (placed_report, drawn_report) = (report(&placed), report(&drawn));
+        if placed_report != drawn_report {
+            let other = placed_report.lines().zip(drawn_report.lines()).find(|(a, b)| a != b);
+            panic!("seed {seed}: {other:?}\n{placed}\n{drawn}");
+        }
+    }
+}
+
+/// The codes of a model, and the text at the place of each.
+fn found(text: &str) -> Vec<(&'static str, String)> {
+    let (mut sources, file) = source(text);
+    vibc::add_used_files(&mut sources, file, Some("scene.vib".into()), |path| Err(format!("there is no `{path}`")));
+    let found = vibc::analyze(&sources, file, &Overrides::default()).diagnostics;
+    found.iter().map(|finding| (finding.code.0, sources.slice(finding.primary.span).to_string())).collect()
+}
+
+const MOUNT: &str = "component mount(part on, k: N/m, n = 2) {
+  point top = (0, 1 m)
+  body b { mass = 1 kg, at = top, moves y }
+  spring s: on@(0, 0) -- b { k = n * k }
+  output lift = b.y
+}
+";
+
+#[test]
+fn each_rule_about_components_gives_one_finding_at_its_place() {
+    let scene = |rest: &str| found(&format!("{MOUNT}{rest}"));
+    let placed = "place a = mount(on = ground, k = 10 N/m) at (0, 0)\n";
+    assert_eq!(scene(placed), []);
+    for (rest, code, at) in [
+        ("place a = mount(on = ground) at (0, 0)", "vib::place::missing", "mount"),
+        ("place a = mount(on = ground, k = 10 N) at (0, 0)", "vib::unit::mismatch", "10 N"),
+        ("place a = mount(on = ground, k = 10 N/m, n = 3 kg) at (0, 0)", "vib::unit::mismatch", "3 kg"),
+        ("place a = mount(on = ground, k = 10 N/m, q = 3) at (0, 0)", "vib::place::unknown", "q"),
+        ("place a = mount(on = 3 kg, k = 10 N/m) at (0, 0)", "vib::part::kind", "3 kg"),
+        ("param p = 3 kg\nplace a = mount(on = a.s, k = p / 1 s^2) at (0, 0)", "vib::part::kind", "a.s"),
+        ("place a = mont(on = ground, k = 10 N/m) at (0, 0)", "vib::component::unknown", "mont"),
+        ("place a = mount(on = ground, k = 10 N/m)", "vib::place::position", "a"),
+        ("place a = mount(on = ground, k = 10 N/m) at (0, 0) mirrored z", "vib::place::mirrored", "z"),
+        ("place a = mount(on = ground, k = 10 N/m) at (0, 0) turned 3 kg", "vib::unit::mismatch", "3 kg"),
+        (&format!("{placed}param a = 3"), "vib::name::duplicate", "a"),
+        (&format!("{placed}body a {{ mass = 1 kg, moves x }}"), "vib::name::duplicate", "a"),
+        (&format!("{placed}output y = a.c.y"), "vib::part::unknown", "c"),
+        (&format!("{placed}output y = b.b.y"), "vib::part::unknown", "b"),
+        (&format!("{placed}spring t: ground -- a {{ k = 3 N/m }}"), "vib::part::kind", "a"),
+        (&format!("{placed}spring t: ground@(0, 3 m) -- a.b {{ k = a.q * 1 N/m }}"), "vib::name::unknown", "q"),
+        (&format!("{placed}solve a.k in 1 N/m .. 9 N/m: frequency(1) = 1 Hz"), "vib::place::solved", "a.k"),
+        (&format!("{placed}use \"other.vib\""), "vib::use::unreadable", "\"other.vib\""),
+    ] {
+        assert_eq!(scene(rest), [(code, at.to_string())], "{rest}");
+    }
+}
+
+#[test]
+fn a_component_sees_nothing_of_the_scene() {
+    let body = |declaration: &str| {
+        let text = "param k = 10 N/m\nbody car { mass = 1 kg, moves y }\nspring r: ground -- car { k = k }\n";
+        found(&format!(
+            "{text}component c(m = 1 kg) {{\n  body b {{ mass = m, moves y }}\n  {declaration}\n}}\nplace a = c()\nplace b = c()\n"
+        ))
+    };
+    assert_eq!(body("spring s: ground -- b { k = 10 N/m }"), []);
+    assert_eq!(body("spring s: ground -- b { k = k }"), [("vib::name::unknown", "k".to_string())]);
+    assert_eq!(body("spring s: car -- b { k = 1 N/m }"), [("vib::part::unknown", "car".to_string())]);
+    assert_eq!(body("spring s: ground -- b { k = 3 kg }"), [("vib::unit::mismatch", "3 kg".to_string())]);
+}
+
+#[test]
+fn values_from_outside_reach_parameters_of_places() {
+    let text = format!("{MOUNT}repeat i in 1..2 {{ \nplace a[i] = mount(on = ground, k = 10 N/m) at (0, 0)\n}}\n");
+    let stiffness = |arguments: &str, settings: &str| {
+        let (mut sources, file) = source(&text);
+        let mut add = |kind, text: &str| {
+            let file = SourceFile { kind, ..SourceFile::model("outside", text) };
+            (!text.is_empty()).then(|| sources.add(file))
+        };
+        let overrides = Overrides {
+            arguments: add(vibc::SourceKind::Arguments, arguments),
+            settings: add(vibc::SourceKind::Settings, settings),
+            ..Overrides::default()
+        };
+        let outcome = vibc::analyze(&sources, file, &overrides);
+        let answer = outcome.answer.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics));
+        let json: serde_json::Value =
+            serde_json::from_str(&vibc::report_json(&answer, &ReportOptions::default())).expect("JSON");
+        [0, 1].map(|i| json["matrices"]["k"][i][i].as_f64().expect("a number"))
+    };
+    assert_eq!(stiffness("", ""), [20.0, 20.0]);
+    assert_eq!(stiffness("a[2].k=15 N/m\n", ""), [20.0, 30.0]);
+    assert_eq!(stiffness("", "\"a[1]\".k = \"5 N/m\"\n[\"a[2]\"]\nn = 1\n"), [10.0, 10.0]);
+}
