@@ -190,7 +190,14 @@ spring base: ground -- car { k = 5000 N/m }
 "
     .to_string();
     for number in 1..=1 + random.below(2) {
-        let outer = placing(&mut random);
+        // Other angles that are no fraction of a turn: what two of them leave is none either.
+        let mut outer = placing(&mut random);
+        for (inner, angle) in [("0.3 rad", "0.7 rad"), ("atan2(1, 3)", "atan2(2, 5)")] {
+            if outer.angle == inner {
+                outer.text = outer.text.replace(inner, angle);
+                outer.angle = angle;
+            }
+        }
         writeln!(placed, "place p{number} = pair(frame = car, m = {m}) {}", outer.text).expect("a string");
         let lies = Lies::scene().then(&outer);
         let name = format!("p{number}_");
