@@ -18,10 +18,6 @@ pub fn formula(of: &Formula) -> String {
 struct Latex;
 
 impl Language for Latex {
-    fn number(&self, digits: &str) -> String {
-        digits.to_string()
-    }
-
     /// `3.1e-7` as a power of ten.
     fn decimal(&self, text: &str) -> Piece {
         match text.split_once('e') {
@@ -56,15 +52,6 @@ impl Language for Latex {
         }
         let part = |part: &str| if write::is_plain_index(part) { part.to_string() } else { letters(part) };
         format!("{letter}_{{{}}}", index.split(',').map(part).collect::<Vec<_>>().join(","))
-    }
-
-    fn sign(&self, first: bool, negative: bool) -> &'static str {
-        match (first, negative) {
-            (true, false) => "",
-            (true, true) => "-",
-            (false, false) => " + ",
-            (false, true) => " - ",
-        }
     }
 
     fn times(&self) -> &'static str {
@@ -116,10 +103,6 @@ impl Language for Latex {
     fn matrix(&self, rows: &[Vec<String>]) -> String {
         let rows: Vec<String> = rows.iter().map(|row| row.join(" & ")).collect();
         format!("\\begin{{bmatrix}} {} \\end{{bmatrix}}", rows.join(" \\\\ "))
-    }
-
-    fn equal(&self, left: &str, right: &str) -> String {
-        format!("{left} = {right}")
     }
 
     fn prose(&self, text: &str) -> String {

@@ -26,10 +26,6 @@ pub fn sentence(inlines: &[Inline]) -> String {
 struct Text;
 
 impl Language for Text {
-    fn number(&self, digits: &str) -> String {
-        digits.to_string()
-    }
-
     fn decimal(&self, text: &str) -> Piece {
         (text.to_string(), Tight::Power)
     }
@@ -59,31 +55,6 @@ impl Language for Text {
         format!("{}{}", readable(&label.plain()), "'".repeat(usize::from(label.dots)))
     }
 
-    fn sign(&self, first: bool, negative: bool) -> &'static str {
-        match (first, negative) {
-            (true, false) => "",
-            (true, true) => "-",
-            (false, false) => " + ",
-            (false, true) => " - ",
-        }
-    }
-
-    fn times(&self) -> &'static str {
-        " "
-    }
-
-    fn brackets(&self, inner: &str) -> String {
-        format!("({inner})")
-    }
-
-    fn power(&self, base: &str, exponent: u32) -> String {
-        format!("{base}^{exponent}")
-    }
-
-    fn root(&self, inside: &str) -> String {
-        format!("sqrt({inside})")
-    }
-
     fn call(&self, function: &str, arguments: &[String], _: bool) -> Piece {
         (format!("{function}({})", arguments.join(", ")), Tight::Power)
     }
@@ -104,10 +75,6 @@ impl Language for Text {
     fn matrix(&self, rows: &[Vec<String>]) -> String {
         let rows: Vec<String> = rows.iter().map(|row| row.join(", ")).collect();
         format!("[{}]", rows.join("; "))
-    }
-
-    fn equal(&self, left: &str, right: &str) -> String {
-        format!("{left} = {right}")
     }
 
     fn prose(&self, text: &str) -> String {

@@ -12,10 +12,6 @@ pub fn typst(document: &Document) -> String {
 struct Typst;
 
 impl Language for Typst {
-    fn number(&self, digits: &str) -> String {
-        digits.to_string()
-    }
-
     fn decimal(&self, text: &str) -> Piece {
         match text.split_once('e') {
             Some((number, power)) => (format!("{number} dot 10^({power})"), Tight::Product),
@@ -52,31 +48,6 @@ impl Language for Typst {
         format!("{letter}_({})", parts.join(" \",\" "))
     }
 
-    fn sign(&self, first: bool, negative: bool) -> &'static str {
-        match (first, negative) {
-            (true, false) => "",
-            (true, true) => "-",
-            (false, false) => " + ",
-            (false, true) => " - ",
-        }
-    }
-
-    fn times(&self) -> &'static str {
-        " "
-    }
-
-    fn brackets(&self, inner: &str) -> String {
-        format!("({inner})")
-    }
-
-    fn power(&self, base: &str, exponent: u32) -> String {
-        format!("{base}^{exponent}")
-    }
-
-    fn root(&self, inside: &str) -> String {
-        format!("sqrt({inside})")
-    }
-
     fn call(&self, function: &str, arguments: &[String], _: bool) -> Piece {
         let function = match function {
             "asin" => "arcsin",
@@ -101,10 +72,6 @@ impl Language for Typst {
     fn matrix(&self, rows: &[Vec<String>]) -> String {
         let rows: Vec<String> = rows.iter().map(|row| row.join(", ")).collect();
         format!("mat(delim: \"[\", {})", rows.join("; "))
-    }
-
-    fn equal(&self, left: &str, right: &str) -> String {
-        format!("{left} = {right}")
     }
 
     /// Escapes text so that it contains no commands.

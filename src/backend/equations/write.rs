@@ -20,7 +20,9 @@ pub type Piece = (String, Tight);
 /// How an output format writes the parts of formulas and of the document around them.
 pub trait Language {
     /// A whole number or a short decimal.
-    fn number(&self, digits: &str) -> String;
+    fn number(&self, digits: &str) -> String {
+        digits.to_string()
+    }
     /// A rounded number, possibly with a power of ten.
     fn decimal(&self, text: &str) -> Piece;
     /// A quotient; both sides are given without brackets.
@@ -29,12 +31,27 @@ pub trait Language {
     fn pi(&self) -> &'static str;
     fn name(&self, label: &Label) -> String;
     /// The sign of a term, which is the first of its sum or a later one.
-    fn sign(&self, first: bool, negative: bool) -> &'static str;
+    fn sign(&self, first: bool, negative: bool) -> &'static str {
+        match (first, negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        }
+    }
     /// The separator between factors.
-    fn times(&self) -> &'static str;
-    fn brackets(&self, inner: &str) -> String;
-    fn power(&self, base: &str, exponent: u32) -> String;
-    fn root(&self, inside: &str) -> String;
+    fn times(&self) -> &'static str {
+        " "
+    }
+    fn brackets(&self, inner: &str) -> String {
+        format!("({inner})")
+    }
+    fn power(&self, base: &str, exponent: u32) -> String {
+        format!("{base}^{exponent}")
+    }
+    fn root(&self, inside: &str) -> String {
+        format!("sqrt({inside})")
+    }
     /// A function of arguments; `single` means that there is one argument, a name.
     fn call(&self, function: &str, arguments: &[String], single: bool) -> Piece;
     /// The power of a function, if the format puts the exponent after the function's name.
@@ -46,7 +63,9 @@ pub trait Language {
     /// A sum over an index.
     fn series(&self, span: &Running, term: &str) -> String;
     fn matrix(&self, rows: &[Vec<String>]) -> String;
-    fn equal(&self, left: &str, right: &str) -> String;
+    fn equal(&self, left: &str, right: &str) -> String {
+        format!("{left} = {right}")
+    }
     /// Groups the parts of a sum or product, for formats with elements.
     fn group(&self, inner: String) -> String {
         inner
