@@ -35,6 +35,10 @@ pub enum Command {
     Simulate(Simulate),
     /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
     Draw(Draw),
+    /// Write a page with everything: the figure in motion, tables, curves, the text; one HTML file that needs no network
+    Report(Report),
+    /// Serve the report to browsers on this machine, fresh after each save
+    Watch(Watch),
     /// Emit simulation code: the exact discrete system in C99 or Rust
     Emit(Emit),
     /// Print the equations of motion in the model's own symbols, from its energies
@@ -300,6 +304,35 @@ pub struct Bench {
     /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Report {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    #[command(flatten)]
+    pub measured: MeasureOptions,
+    /// With the derivatives of frequencies and damping ratios by each parameter
+    #[arg(long)]
+    pub sensitivity: bool,
+    /// Write to this file instead of standard output; it is replaced whole or left as it was
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Watch {
+    /// The model
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    #[command(flatten)]
+    pub measured: MeasureOptions,
+    /// The port on 127.0.0.1 [default: a free one]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
 }
 
 #[derive(Debug, Args)]

@@ -46,6 +46,7 @@
 
 mod inspection;
 mod library;
+mod overview;
 mod reading;
 
 #[cfg(not(feature = "program"))]
@@ -201,6 +202,9 @@ pub use backend::transfer::{csv as transfer_csv, json as transfer_json, text as 
 pub use bench::{Bench, Clock};
 pub use inspection::{Effort, Inspection, inspect};
 
+// All that a page shows.
+pub use overview::{Overview, Shown as PageShown, overview, page_of_errors};
+
 use dynamics::{Damped, WrittenOut};
 use lower::Lowered;
 use reading::Reading;
@@ -275,9 +279,9 @@ pub fn analyze_with(
     study: &Study,
 ) -> Outcome<ModalAnswer> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
         let damped = dynamics::damped(&reading.scene, diagnostics)?;
-        reported(reading, damped, request, study, diagnostics).ok()
+        reported(&mut reading, damped, request, study, diagnostics).ok()
     })
 }
 
@@ -292,11 +296,11 @@ pub fn analyze_and_explain(
 ) -> (Outcome<ModalAnswer>, Option<Explained>) {
     let mut explained = None;
     let outcome = Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
         let (name, lowered) = (reading.name(), dynamics::lowered(&reading.scene, diagnostics)?);
         let account = lower::account(&reading.scene, &lowered);
         match dynamics::with_damping(&reading.scene, lowered, diagnostics) {
-            Ok(damped) => match reported(reading, damped, request, study, diagnostics) {
+            Ok(damped) => match reported(&mut reading, damped, request, study, diagnostics) {
                 Ok(answer) => Some(ModalAnswer { account: Some(account), ..answer }),
                 Err(damped) => {
                     explained = Some(Explained::new(name, damped.lowered, account));
@@ -314,7 +318,7 @@ pub fn analyze_and_explain(
 
 /// The modal report of a model. If there is none, its system is returned.
 fn reported(
-    mut reading: Reading,
+    reading: &mut Reading,
     mut damped: Damped,
     request: &Request,
     study: &Study,
@@ -350,7 +354,7 @@ fn reported(
         poles,
         stability,
         buckling,
-        solved: reading.solved,
+        solved: reading.solved.clone(),
         requirements,
         sensitivities,
         account: None,

@@ -4,11 +4,12 @@
 mod cli;
 mod files;
 mod transport;
+mod watch;
 
 use clap::{CommandFactory, Parser};
 use cli::{
     Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt, Format,
-    HoldOption, MessageFormat, Messages, Page, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
+    HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
     Transfer,
 };
 use files::{Input, open, read, read_all, spare, write_result};
@@ -44,6 +45,8 @@ fn main() -> ExitCode {
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Draw(options) => draw(options, &cli.messages),
+        Command::Report(options) => page(options, &cli.messages),
+        Command::Watch(options) => watch::watch(options, &cli.messages),
         Command::Emit(options) => emit(options, &cli.messages),
         Command::Equations(options) => equations(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
@@ -247,6 +250,20 @@ fn draw(options: &Draw, messages: &Messages) -> Status {
             Status::Usage
         }
     }
+}
+
+fn page(options: &Report, messages: &Messages) -> Status {
+    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+        Ok(input) => input,
+        Err(status) => return status,
+    };
+    let study = vibc::Study { until: options.measured.until(&options.overrides), sensitivity: options.sensitivity };
+    let outcome = vibc::overview(&input.sources, input.model, &input.overrides, &study);
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let Some(overview) = &outcome.answer else { return status };
+    let page = overview.page((&input.sources, input.model), &vibc::PageShown::default());
+    deliver(options.output.as_deref(), &page).max(status)
 }
 
 fn emit(options: &Emit, messages: &Messages) -> Status {

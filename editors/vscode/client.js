@@ -1,26 +1,14 @@
-// Starts `vibc lsp` for model files, restarts it when the program's setting changes, and shows the page of a finding's code.
-const { execFile } = require('child_process');
-const os = require('os');
-const path = require('path');
+// Starts `vibc lsp` for model files and keeps the preview beside them. What the other commands do is in `commands.js`, the
+// preview in `preview.js`; esbuild makes one file of all.
 const vscode = require('vscode');
 const { LanguageClient, State } = require('vscode-languageclient/node');
+const commands = require('./commands');
+const { Preview } = require('./preview');
+const { program, run } = require('./program');
 
 let client;
-
-/** The program of the settings, with `~` and `${workspaceFolder}` as VS Code's own settings have them. */
-function program() {
-  const written = vscode.workspace.getConfiguration('vib').get('program') || 'vibc';
-  const folder = vscode.workspace.workspaceFolders?.[0]?.uri.fsPath ?? '';
-  const full = written.replaceAll('${workspaceFolder}', folder).replaceAll('${userHome}', os.homedir());
-  return full === '~' || full.startsWith('~/') ? path.join(os.homedir(), full.slice(1)) : full;
-}
-
-/** Runs the program; resolves to what it prints, rejects where it cannot be started or fails. */
-function run(args) {
-  return new Promise((resolve, reject) => {
-    execFile(program(), args, { timeout: 10_000 }, (error, printed) => (error ? reject(error) : resolve(printed)));
-  });
-}
+let preview;
+let status;
 
 /** Tells what to do where the program is missing: which name was tried, and where another one is said. */
 async function missing(error) {
@@ -37,20 +25,41 @@ function showPage(code) {
   return vscode.commands.executeCommand('markdown.showPreview', page);
 }
 
+/** What the status item says of the server and of the text in front. */
+function say(text, severity = vscode.LanguageStatusSeverity.Information, detail = '') {
+  Object.assign(status, { text, severity, detail });
+}
+
+function sayFindings(uri) {
+  if (vscode.window.activeTextEditor?.document.uri.toString() !== uri.toString()) return;
+  const errors = vscode.languages.getDiagnostics(uri).filter(({ severity }) => severity === vscode.DiagnosticSeverity.Error).length;
+  if (errors) say(`vib: ${errors} ${errors === 1 ? 'error' : 'errors'}`, vscode.LanguageStatusSeverity.Error);
+  else say('vib: no errors');
+}
+
 async function start() {
+  let version;
   try {
-    await run(['--version']);
+    version = (await run(['--version'])).trim();
   } catch (error) {
+    say('vib: not started', vscode.LanguageStatusSeverity.Error, program());
     missing(error);
     return;
   }
   const middleware = {
     // The server would answer with a message; a page is for reading.
     executeCommand: (command, args, next) => (command === 'vibc.explain' ? showPage(args[0]) : next(command, args)),
+    // Findings tell that a text has gone through every stage: the preview is asked for then.
+    handleDiagnostics: (uri, diagnostics, next) => {
+      next(uri, diagnostics);
+      sayFindings(uri);
+      preview.update(uri);
+    },
   };
   const server = { command: program(), args: ['lsp'] };
   client = new LanguageClient('vib', 'vibc', server, { documentSelector: [{ language: 'vib' }], middleware });
   await client.start();
+  say('vib', vscode.LanguageStatusSeverity.Information, version);
 }
 
 async function stop() {
@@ -67,6 +76,11 @@ async function restart() {
 }
 
 exports.activate = async (context) => {
+  status = vscode.languages.createLanguageStatusItem('vib.status', { language: 'vib' });
+  status.name = 'vib';
+  status.command = { command: 'vib.restart', title: 'Restart' };
+  say('vib: starting');
+  preview = new Preview((uri) => client?.sendRequest('vibc/page', { textDocument: { uri: uri.toString() } }));
   const pages = {
     provideTextDocumentContent: (uri) => {
       const code = uri.path.replace(/^\//, '').replace(/\.md$/, '');
@@ -74,10 +88,15 @@ exports.activate = async (context) => {
     },
   };
   context.subscriptions.push(
+    status,
+    preview,
     vscode.workspace.registerTextDocumentContentProvider('vibc', pages),
     vscode.commands.registerCommand('vib.restart', restart),
     vscode.commands.registerCommand('vib.output', () => client?.outputChannel.show()),
+    vscode.commands.registerCommand('vib.preview', () => preview.open()),
+    vscode.window.onDidChangeActiveTextEditor((editor) => editor?.document.languageId === 'vib' && sayFindings(editor.document.uri)),
     vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('vib.program') && restart()),
+    ...commands.register(),
   );
   await start();
 };

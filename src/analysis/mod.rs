@@ -8,6 +8,7 @@ pub mod damping;
 pub mod derived;
 pub mod discrete;
 pub mod error;
+pub mod fractions;
 mod largest;
 pub mod measures;
 pub mod modal;

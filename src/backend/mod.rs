@@ -12,6 +12,7 @@ pub mod explain;
 pub mod json;
 mod json_number;
 pub mod markdown;
+pub mod page;
 mod plain;
 pub mod plot;
 pub mod report;

@@ -41,6 +41,8 @@ pub struct Document {
 /// Results for a text without errors.
 #[derive(Clone, Debug)]
 pub struct Known {
+    /// The texts that it is of.
+    pub sources: Sources,
     pub scene: CheckedScene,
     pub motions: Option<Motions>,
 }
@@ -66,7 +68,7 @@ const FEW: usize = 20;
 const MANY: usize = 2000;
 
 /// The request to the analyses.
-fn request() -> Request {
+pub fn request() -> Request {
     Request { which: Which::Lowest(MODES), ..Request::default() }
 }
 
@@ -138,7 +140,7 @@ impl Document {
                     None
                 }
             });
-        let now = inspection.scene.map(|scene| Arc::new(Known { scene, motions }));
+        let now = inspection.scene.map(|scene| Arc::new(Known { sources: sources.clone(), scene, motions }));
         let is_current = now.is_some();
         let known = now.or_else(|| before.and_then(|document| document.known.clone()));
         Document {

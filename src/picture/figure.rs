@@ -16,6 +16,8 @@ pub struct Figure {
     pub labels: Vec<Label>,
     /// Lines below the figure.
     pub notes: Vec<Note>,
+    /// From the layout to the page.
+    pub shift: Point,
 }
 
 /// The drawing of one thing of the model.
@@ -27,8 +29,61 @@ pub struct Glyph {
     /// The declaration that made it.
     pub span: Option<Span>,
     pub strokes: Vec<Stroke>,
+    /// What its strokes move with: from the stroke of each number on; those before the first one stand still.
+    pub rides: Vec<(usize, Ride)>,
+    /// What has a share of a mode's energy.
+    pub item: Option<Item>,
     /// Part of the rest behind a mode.
     pub ghost: bool,
+}
+
+/// A body or an element, by its place in the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Item {
+    Body(usize),
+    Element(usize),
+}
+
+/// What a stroke moves with when the scene moves. Parts have the numbers of the layout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ride {
+    Still,
+    /// As if it were drawn on the part.
+    With(usize),
+    /// Goes where a point of a part goes, and does not turn.
+    At(Hold),
+    /// Stretched between two.
+    Between([Hold; 2]),
+}
+
+/// A point that goes where a point of a part goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    pub part: usize,
+    /// The point of the part.
+    pub of: Point,
+    pub at: Point,
+}
+
+impl Hold {
+    /// A point of a part itself.
+    pub fn on(part: usize, at: Point) -> Hold {
+        Hold { part, of: at, at }
+    }
+
+    fn shift(&mut self, by: Point) {
+        (self.of, self.at) = (self.of.plus(by), self.at.plus(by));
+    }
+}
+
+impl Ride {
+    pub fn shift(&mut self, by: Point) {
+        match self {
+            Ride::Still | Ride::With(_) => {}
+            Ride::At(hold) => hold.shift(by),
+            Ride::Between(holds) => holds.iter_mut().for_each(|hold| hold.shift(by)),
+        }
+    }
 }
 
 /// What a glyph stands for.
@@ -147,6 +202,8 @@ pub struct Label {
     /// The middle of its line.
     pub at: Point,
     pub span: Option<Span>,
+    /// What it moves with, without turning.
+    pub ride: Ride,
 }
 
 /// A line of text below the figure.
@@ -196,6 +253,7 @@ impl Glyph {
     }
 
     pub fn shift(&mut self, by: Point) {
+        self.rides.iter_mut().for_each(|(_, ride)| ride.shift(by));
         for stroke in &mut self.strokes {
             match stroke {
                 Stroke::Line { points, .. } => points.iter_mut().for_each(|point| *point = point.plus(by)),

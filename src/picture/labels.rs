@@ -1,6 +1,6 @@
 //! Where names stand: near what they belong to, over nothing, with a thin leader where nothing near is free.
 
-use super::figure::{Glyph, Kind, Label, Pen, Stroke};
+use super::figure::{Glyph, Kind, Label, Pen, Ride, Stroke};
 use super::geometry::{Bounds, Point};
 use super::occupied::Occupied;
 use crate::base::Span;
@@ -15,6 +15,7 @@ pub struct Wanted {
     pub half: Point,
     /// Where it stands best, as seen from there.
     pub best: Vec<Point>,
+    pub ride: Ride,
     /// Of an element or a joint, which stands between others.
     pub is_of_tie: bool,
 }
@@ -105,7 +106,7 @@ impl Wanted {
 
     /// The label in a direction, so far off that the boxes are a gap apart.
     fn beside(&self, direction: Point, further: f64) -> Label {
-        let mut label = Label { text: self.text.clone(), at: self.at, span: self.span };
+        let mut label = Label { text: self.text.clone(), at: self.at, span: self.span, ride: self.ride };
         let own = label.room();
         let apart = Point::new(
             self.half.x + own.width() / 2.0 + GAP + further,
@@ -127,6 +128,15 @@ impl Wanted {
 
     fn drawn(&self, from: Point, to: Point) -> Glyph {
         let strokes = vec![Stroke::line([from, to], Pen::Thin)];
-        Glyph { kind: Kind::Leader, title: self.text.clone(), span: self.span, strokes, ghost: false }
+        let rides = vec![(0, self.ride)];
+        Glyph {
+            kind: Kind::Leader,
+            title: self.text.clone(),
+            span: self.span,
+            strokes,
+            rides,
+            item: None,
+            ghost: false,
+        }
     }
 }

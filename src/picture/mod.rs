@@ -7,17 +7,21 @@
 //! 2. [`stage`]: the same at rest, or moved by a mode
 //! 3. [`glyph`]: lines and circles, one file a kind
 //! 4. [`labels`]: names, where nothing else is
+//!
+//! A page that lets the scene move gets what it needs for that beside the figure: [`Moving`].
 
 pub mod figure;
 pub mod geometry;
 pub mod glyph;
 pub mod labels;
 pub mod layout;
+pub mod moving;
 pub mod occupied;
 pub mod stage;
 pub mod text;
 
-pub use figure::{Figure, Glyph, Kind, Label, Note, Pen, Stroke};
+pub use figure::{Figure, Glyph, Item, Kind, Label, Note, Pen, Ride, Stroke};
+pub use moving::Moving;
 
 use crate::base::{Name, Number};
 use crate::lower::Poses;
@@ -25,7 +29,7 @@ use crate::model::scene::Scene;
 use geometry::{Bounds, Point};
 use glyph::Sheet;
 use glyph::values::Says;
-use layout::Layout;
+use layout::{Layout, Parts};
 use stage::Stage;
 
 /// What a figure shows besides the scene as drawn.
@@ -124,19 +128,36 @@ impl Detail {
 
 /// The figure of a scene.
 pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
+    let says = Says { scene, request };
+    let layout = layout::layout(scene, Detail::of(scene), &says)?;
+    Ok(of_layout(scene, &layout, request))
+}
+
+/// The figure at rest, and what moves in it.
+pub fn moving(scene: &Scene, poses: &Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
+    let request = Request { digits, values: false, shown: Shown::AtRest(poses) };
+    let says = Says { scene, request: &request };
+    let layout = layout::layout(scene, Detail::of(scene), &says)?;
+    let figure = of_layout(scene, &layout, &request);
+    let moving = Moving::of(Parts::new(scene), layout, poses, figure.shift);
+    Ok((figure, moving))
+}
+
+fn of_layout(scene: &Scene, layout: &Layout, request: &Request) -> Figure {
     let detail = Detail::of(scene);
     let says = Says { scene, request };
-    let layout = layout::layout(scene, detail, &says)?;
     let (front, ghost) = match &request.shown {
-        Shown::AsDrawn => (Stage::drawn(&layout), None),
-        Shown::AtRest(poses) => (Stage::at(scene, &layout, poses, 0.0), None),
+        Shown::AsDrawn => (Stage::drawn(layout), None),
+        Shown::AtRest(poses) => (Stage::at(Parts::new(scene), layout, poses, 0.0), None),
         Shown::Mode(mode) => {
-            let amount = stage::amount(scene, &layout, mode.poses);
-            (Stage::at(scene, &layout, mode.poses, amount), Some(Stage::at(scene, &layout, mode.poses, 0.0)))
+            let amount = stage::amount(Parts::new(scene), layout, mode.poses);
+            (
+                Stage::at(Parts::new(scene), layout, mode.poses, amount),
+                Some(Stage::at(Parts::new(scene), layout, mode.poses, 0.0)),
+            )
         }
     };
-    let mut sheet =
-        Sheet { scene, layout: &layout, request, says: &says, detail, glyphs: Vec::new(), wanted: Vec::new() };
+    let mut sheet = Sheet { scene, layout, request, says: &says, detail, glyphs: Vec::new(), wanted: Vec::new() };
     let mut behind = Vec::new();
     if let Some(ghost) = &ghost {
         sheet.parts(ghost);
@@ -158,12 +179,12 @@ pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
     let Sheet { glyphs, wanted, .. } = sheet;
     names.place(wanted);
     let labels::Placing { labels, leaders, left_out, .. } = names;
-    let mut notes = notes(scene, &layout, request, detail, front.amount);
+    let mut notes = notes(scene, layout, request, detail, front.amount);
     if left_out > 0 {
         notes.push(format!("names without room that are left out: {left_out}"));
     }
     let glyphs: Vec<Glyph> = behind.into_iter().chain(glyphs).chain(leaders).collect();
-    Ok(framed(scene, glyphs, labels, notes))
+    framed(scene, glyphs, labels, notes)
 }
 
 /// What is written below the figure.
@@ -211,11 +232,12 @@ fn framed(scene: &Scene, mut glyphs: Vec<Glyph>, mut labels: Vec<Label>, notes: 
     }
     for label in &mut labels {
         label.at = label.at.plus(shift);
+        label.ride.shift(shift);
     }
     let top = bounds.height();
     let line =
         |(number, text): (usize, String)| Note { at: Point::new(MARGIN, top + LINE * number as f64 + 4.0), text };
     let height = (top + LINE * notes.len() as f64 + if notes.is_empty() { 0.0 } else { 4.0 }).ceil();
     let notes = notes.into_iter().enumerate().map(line).collect();
-    Figure { name: scene.name.clone(), width, height, glyphs, labels, notes }
+    Figure { name: scene.name.clone(), width, height, glyphs, labels, notes, shift }
 }

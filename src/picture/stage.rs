@@ -4,7 +4,6 @@
 use super::geometry::{Point, Turn};
 use super::layout::{Layout, Outline, Parts};
 use crate::lower::Poses;
-use crate::model::scene::Scene;
 
 /// How far a mode moves what it moves most: px, and radians.
 const FAR: [f64; 2] = [22.0, 46.0];
@@ -42,9 +41,8 @@ impl<'a> Stage<'a> {
     }
 
     /// At rest, moved by so many times the shape.
-    pub fn at(scene: &Scene, layout: &'a Layout, poses: &Poses, amount: f64) -> Stage<'a> {
+    pub fn at(parts: Parts, layout: &'a Layout, poses: &Poses, amount: f64) -> Stage<'a> {
         let pieces = pieces(poses, amount);
-        let parts = Parts::new(scene);
         let moved = (0..parts.count()).map(|number| {
             let (piece, placed) = (pieces[poses.piece(parts.part(number))], &layout.parts[number]);
             let vector = |v: Point| placed.axes[0].times(v.x).plus(placed.axes[1].times(v.y));
@@ -111,7 +109,7 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
 }
 
 /// How many times a shape is shown so that it is seen well.
-pub fn amount(scene: &Scene, layout: &Layout, poses: &Poses) -> f64 {
+pub fn amount(parts: Parts, layout: &Layout, poses: &Poses) -> f64 {
     let values = poses.pieces.iter().flat_map(|piece| {
         let slides = piece.slides.iter().map(|(_, value)| value.shape.abs());
         slides.chain(std::iter::once(piece.angle.shape.abs()))
@@ -122,7 +120,7 @@ pub fn amount(scene: &Scene, layout: &Layout, poses: &Poses) -> f64 {
     }
     // Displacements are as good as linear over such a way.
     let little = 1e-4 / largest;
-    let (rest, moved) = (Stage::at(scene, layout, poses, 0.0), Stage::at(scene, layout, poses, little));
+    let (rest, moved) = (Stage::at(parts, layout, poses, 0.0), Stage::at(parts, layout, poses, little));
     let mut way: f64 = 0.0;
     for (number, placed) in layout.parts.iter().enumerate() {
         let ends = match &placed.outline {

@@ -148,3 +148,35 @@ fn typst_sets_the_equations() {
     let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
     assert!(run.status.success() && said.trim() == written.to_string(), "{said}{failed}");
 }
+
+/// The report page of the examples, of a hostile model and of a chain in closed form, in Chromium: `tests/clients/page.mjs`.
+#[test]
+#[ignore = "needs node with playwright-core and axe-core below PLAYWRIGHT, and Chromium"]
+fn a_browser_shows_and_moves_the_page() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let vibc = |arguments: &[&str]| {
+        let run = Command::new(env!("CARGO_BIN_EXE_vibc")).args(arguments).output().expect("the program starts");
+        assert!(run.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&run.stderr));
+    };
+    for models in ["examples", "tests/clients/models"] {
+        for entry in fs::read_dir(root.join(models)).expect("a folder of models") {
+            let model = entry.expect("an entry").path();
+            if model.extension().is_none_or(|extension| extension != "vib") {
+                continue;
+            }
+            let stem = model.file_stem().expect("a name").to_string_lossy().into_owned();
+            let to = |ending: &str| folder.path().join(format!("{stem}.{ending}")).to_string_lossy().into_owned();
+            let model = model.to_string_lossy().into_owned();
+            vibc(&["report", &model, "-o", &to("html")]);
+            if ["cart", "half_car"].contains(&stem.as_str()) {
+                vibc(&["analyze", &model, "--format", "json", "-o", &to("json")]);
+            }
+        }
+    }
+    let script = root.join("tests/clients/page.mjs");
+    let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 7, "{said}{failed}");
+}

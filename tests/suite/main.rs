@@ -47,6 +47,7 @@ mod models;
 mod modes;
 mod motions;
 mod options;
+mod pages;
 mod pole_counts;
 mod poles;
 mod problems;

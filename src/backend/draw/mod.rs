@@ -7,7 +7,8 @@ use crate::analysis::derived::hertz;
 use crate::analysis::{Mode, ModeKind, Share};
 use crate::base::readable::visible;
 use crate::base::{FileId, LineIndex, Name, Sources, Span};
-use crate::picture::{Figure, Glyph, Label, Pen, Stroke};
+use crate::picture::figure::Hold;
+use crate::picture::{Figure, Glyph, Item, Label, Pen, Ride, Stroke};
 use crate::system::Source;
 use path::{Tenths, path};
 use std::fmt::Write;
@@ -56,7 +57,7 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
         glyph(&mut text, shown, &lines);
     }
     for shown in &figure.labels {
-        label(&mut text, shown, &lines);
+        label(&mut text, shown, &lines.attribute(shown.span), "");
     }
     for note in &figure.notes {
         let (x, y) = (Tenths::of(note.at.x), Tenths::of(note.at.y + BASELINE));
@@ -64,6 +65,57 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     }
     text.push_str("</svg>\n");
     text
+}
+
+/// The figure as an element of a page, which has the style, with what each stroke moves with: `data-with` a part; `data-at` a
+/// point that follows a point of a part, or `data-between` two of them, each `part x y x y`.
+pub fn element(figure: &Figure, line: impl Fn(Option<Span>) -> Option<usize>) -> String {
+    let (width, height) = (Tenths::of(figure.width), Tenths::of(figure.height));
+    let mut text = String::new();
+    put(
+        &mut text,
+        format_args!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"vibc-figure\" role=\"img\" aria-label=\"figure of {}\" \
+             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n",
+            escaped(&figure.name)
+        ),
+    );
+    for shown in &figure.glyphs {
+        let (class, line, title) = (shown.kind.class(), data_line(line(shown.span)), escaped(&shown.title));
+        let item = match shown.item {
+            Some(Item::Body(body)) => format!(" data-item=\"b{body}\""),
+            Some(Item::Element(element)) => format!(" data-item=\"e{element}\""),
+            None => String::new(),
+        };
+        put(&mut text, format_args!("<g class=\"glyph {class}\"{line}{item}><title>{title}</title>"));
+        let ends = shown.rides.iter().skip(1).map(|(start, _)| *start).chain([shown.strokes.len()]);
+        let still = shown.rides.first().map_or(shown.strokes.len(), |(start, _)| *start);
+        strokes(&mut text, &shown.strokes[..still]);
+        for ((start, ride), end) in shown.rides.iter().zip(ends) {
+            put(&mut text, format_args!("<g{}>", rides(ride)));
+            strokes(&mut text, &shown.strokes[*start..end]);
+            text.push_str("</g>");
+        }
+        text.push_str("</g>\n");
+    }
+    for shown in &figure.labels {
+        label(&mut text, shown, &data_line(line(shown.span)), &rides(&shown.ride));
+    }
+    text.push_str("</svg>\n");
+    text
+}
+
+fn rides(ride: &Ride) -> String {
+    let hold = |hold: &Hold| {
+        let [of, at] = [hold.of, hold.at].map(|point| format!("{} {}", Tenths::of(point.x), Tenths::of(point.y)));
+        format!("{} {of} {at}", hold.part)
+    };
+    match ride {
+        Ride::Still => String::new(),
+        Ride::With(part) => format!(" data-with=\"{part}\""),
+        Ride::At(at) => format!(" data-at=\"{}\"", hold(at)),
+        Ride::Between([a, b]) => format!(" data-between=\"{};{}\"", hold(a), hold(b)),
+    }
 }
 
 /// `mode 2: 0.5964 Hz (3.747 rad/s)`; without digits about a rest that is not proven.
@@ -105,11 +157,12 @@ struct Lines {
 impl Lines {
     /// ` data-line="17"`, counted from 1; empty for an object from another file.
     fn attribute(&self, span: Option<Span>) -> String {
-        match span.filter(|span| span.file() == self.model) {
-            Some(span) => format!(" data-line=\"{}\"", self.index.line(span.start()) + 1),
-            None => String::new(),
-        }
+        data_line(span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) as usize + 1))
     }
+}
+
+fn data_line(line: Option<usize>) -> String {
+    line.map_or(String::new(), |line| format!(" data-line=\"{line}\""))
 }
 
 fn glyph(text: &mut String, glyph: &Glyph, lines: &Lines) {
@@ -150,13 +203,12 @@ fn close<T>(text: &mut String, open: &mut Option<T>) {
     }
 }
 
-fn label(text: &mut String, label: &Label, lines: &Lines) {
+fn label(text: &mut String, label: &Label, line: &str, rides: &str) {
     let (x, y, width) = (Tenths::of(label.at.x), Tenths::of(label.at.y + BASELINE), Tenths::of(label.width()));
-    let line = lines.attribute(label.span);
     put(
         text,
         format_args!(
-            "<text class=\"label\"{line} x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
+            "<text class=\"label\"{line}{rides} x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
              lengthAdjust=\"spacingAndGlyphs\">{}</text>\n",
             escaped(&label.text)
         ),

@@ -6,7 +6,7 @@ use crate::backend::draw::path::Tenths;
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::labels::{Placing, Wanted};
 use crate::picture::occupied::Occupied;
-use crate::picture::{Glyph, Kind, Pen, Stroke};
+use crate::picture::{Glyph, Kind, Pen, Ride, Stroke};
 
 /// Distance from the middle of a line of text to its baseline, px.
 const BASELINE: f64 = 4.2;
@@ -36,7 +36,15 @@ pub fn draw(file: &mut String, panel: &Panel, at: Point) {
         let half = Point::new(5.0, 5.0);
         let up = Point::new(0.0, if mark.shape == Shape::Dip { 1.0 } else { -1.0 });
         glyphs.push(glyph(strokes));
-        wanted.push(Wanted { text: mark.label.clone(), span: None, at, half, best: vec![up], is_of_tie: false });
+        wanted.push(Wanted {
+            text: mark.label.clone(),
+            span: None,
+            at,
+            half,
+            best: vec![up],
+            ride: Ride::Still,
+            is_of_tie: false,
+        });
     }
     names(file, frame, &glyphs, wanted);
     legend(file, panel, frame);
@@ -174,7 +182,7 @@ fn colour(style: Style) -> String {
 }
 
 fn glyph(strokes: Vec<Stroke>) -> Glyph {
-    Glyph { kind: Kind::Leader, title: String::new(), span: None, strokes, ghost: false }
+    Glyph { kind: Kind::Leader, title: String::new(), span: None, strokes, rides: Vec::new(), item: None, ghost: false }
 }
 
 fn outline(frame: Bounds) -> Glyph {

@@ -7,6 +7,7 @@ use crate::editor::document::Document;
 use crate::editor::highlight::{KINDS, MARKS, Piece};
 use crate::editor::hints::Hint;
 use crate::editor::hover::Hover;
+use crate::editor::signature::Signature;
 use crate::editor::symbols::{Fold, Symbol};
 use gen_lsp_types as lsp;
 use serde_json::{Value, json};
@@ -25,6 +26,7 @@ pub fn capabilities(encoding: Encoding) -> Value {
             "hoverProvider": true,
             "inlayHintProvider": true,
             "completionProvider": { "triggerCharacters": [".", "@", " ", "{", ",", ":", ">", "("] },
+            "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
             "definitionProvider": true,
             "referencesProvider": true,
             "documentHighlightProvider": true,
@@ -101,6 +103,26 @@ pub fn hint(document: &Document, encoding: Encoding, hint: Hint) -> lsp::InlayHi
         padding_left: Some(true),
         padding_right: None,
         data: None,
+    }
+}
+
+pub fn signature(found: Signature) -> lsp::SignatureHelp {
+    // Forms are plain ASCII: bytes are UTF-16 units.
+    let parameter = |range: Range<usize>| {
+        let label = lsp::ParameterInformationLabel::Tuple((range.start as u32, range.end as u32));
+        lsp::ParameterInformation { label, documentation: None }
+    };
+    let active = Some(found.argument as u32);
+    let signature = lsp::SignatureInformation {
+        label: found.function.form.into(),
+        documentation: Some(format!("{}, such as {}", found.function.meaning, found.function.example).into()),
+        parameters: Some(found.arguments().into_iter().map(parameter).collect()),
+        active_parameter: None,
+    };
+    lsp::SignatureHelp {
+        signatures: vec![signature],
+        active_signature: Some(0),
+        active_parameter: active.map(Into::into),
     }
 }
 

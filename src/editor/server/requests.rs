@@ -5,13 +5,13 @@ use super::{Refusal, Server};
 use crate::backend::explain;
 use crate::base::Diagnostic;
 use crate::editor::document::Document;
-use crate::editor::{completion, highlight, hints, hover, mends, names, symbols};
+use crate::editor::{completion, highlight, hints, hover, mends, names, preview, signature, symbols};
 use gen_lsp_types::{
     CodeActionParams, CodeActionRequest, CompletionRequest, DefinitionRequest, DocumentFormattingRequest,
     DocumentHighlight, DocumentHighlightRequest, DocumentSymbolRequest, ExecuteCommandParams, ExecuteCommandRequest,
     FoldingRangeRequest, HoverRequest, InlayHintRequest, Location, Position, PrepareRenamePlaceholder,
-    PrepareRenameRequest, ReferencesRequest, RenameRequest, Request, SemanticTokensRequest, TextDocumentPositionParams,
-    Uri,
+    PrepareRenameRequest, ReferencesRequest, RenameRequest, Request, SemanticTokensRequest, SignatureHelpRequest,
+    TextDocumentPositionParams, Uri,
 };
 use lsp_server::{ErrorCode, Notification};
 use serde_json::Value;
@@ -79,6 +79,11 @@ impl Server<'_> {
                 }
                 Ok(laid_out.answer.map(|text| answers::difference(document, s.encoding, &text)))
             }),
+            "textDocument/signatureHelp" => self.asked::<SignatureHelpRequest>(params, |s, p| {
+                let (document, offset) = s.at(&p.text_document_position_params)?;
+                Ok(signature::signature(document, offset).map(answers::signature))
+            }),
+            "vibc/page" => self.page(&params),
             "textDocument/codeAction" => self.asked::<CodeActionRequest>(params, |s, p| s.actions(&p)),
             "workspace/executeCommand" => self.asked::<ExecuteCommandRequest>(params, |s, p| s.execute(&p)),
             _ => Err(Refusal { code: ErrorCode::MethodNotFound, message: format!("`{method}` is not known") }),
@@ -95,6 +100,14 @@ impl Server<'_> {
         let params = serde_json::from_value(params).map_err(invalid)?;
         self.publish_all();
         serde_json::to_value(ask(self, params)?).map_err(invalid)
+    }
+
+    /// The page beside a text, an extension of the protocol: `null` where the scene is too large for one.
+    fn page(&mut self, params: &Value) -> Result<Value, Refusal> {
+        let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
+        self.publish_all();
+        let document = self.document(&Uri(uri.into()))?;
+        Ok(serde_json::json!({ "html": preview::page(document) }))
     }
 
     fn document(&self, uri: &Uri) -> Result<&Document, Refusal> {

@@ -3,7 +3,7 @@
 use super::arrow;
 use super::ground::hatched;
 use super::{Of, Sheet};
-use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::figure::{Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::layout::Outline;
 use crate::picture::occupied::Occupied;
@@ -23,7 +23,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     strokes.extend(placed.arms.iter().map(|arm| super::rod::link(at, stage.point(number, *arm))));
     let name = sheet.says.display(base.name);
     let of = Of { title: format!("base {name}, moved from outside"), span: Some(base.span) };
-    sheet.push(Kind::Base, of, strokes);
+    sheet.push_riding(Kind::Base, of, vec![(Ride::With(number), strokes)]);
     sheet.label(name, Some(base.span), at, placed.outline.half(), &[along.times(-1.0)]);
 }
 

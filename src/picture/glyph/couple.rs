@@ -2,7 +2,7 @@
 
 use super::{Of, Sheet, gear};
 use crate::model::scene::{Motion, Part};
-use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::layout::straight;
 use crate::picture::stage::Stage;
@@ -30,7 +30,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         }
     }
     if let Some((strokes, at)) = gear::strokes(stage, &couple.terms, &parts) {
-        sheet.push(Kind::Gear, of, strokes);
+        sheet.push_riding(Kind::Gear, of, strokes);
         return sheet.label(
             name,
             Some(couple.span),
@@ -47,20 +47,27 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
             let placed = &stage.layout.parts[number];
             at.towards(along, placed.outline.reach(at.minus(stage.place(number)), along))
         };
-        strokes.push(Stroke::line([edge(a, from, along), edge(b, to, along.times(-1.0))], Pen::Dashed));
+        let ends = [edge(a, from, along), edge(b, to, along.times(-1.0))];
+        let ride = Ride::Between([Hold::on(a, ends[0]), Hold::on(b, ends[1])]);
+        strokes.push((ride, vec![Stroke::line(ends, Pen::Dashed)]));
     }
-    let Some(Stroke::Line { points: ends, .. }) = strokes.first() else {
+    let Some((ride, ends)) = strokes.first().and_then(|(ride, own)| match &own[..] {
+        [Stroke::Line { points, .. }] => Some((*ride, [points[0], points[1]])),
+        _ => None,
+    }) else {
         // Motions of one part: a dash beside it.
         let Some((number, at)) = points.first().copied() else { return };
         let half = stage.layout.parts[number].outline.half();
         let line = [at.plus(Point::new(half.x + 4.0, -half.y)), at.plus(Point::new(half.x + 4.0, half.y))];
-        sheet.push(Kind::Couple, of, vec![Stroke::line(line, Pen::Dashed)]);
+        let ride = Ride::At(Hold::on(number, at));
+        sheet.push_riding(Kind::Couple, of, vec![(ride, vec![Stroke::line(line, Pen::Dashed)])]);
         return sheet.label(name, Some(couple.span), line[0], Point::new(2.0, 2.0), &[Point::new(1.0, 0.0)]);
     };
     let middle = ends[0].middle(ends[1]);
     let side = ends[1].minus(ends[0]).unit().unwrap_or_default().across();
-    sheet.push(Kind::Couple, of, strokes);
+    sheet.push_riding(Kind::Couple, of, strokes);
     sheet.label(name, Some(couple.span), middle, Point::new(3.0, 3.0), &[side, side.times(-1.0)]);
+    sheet.rides(ride);
 }
 
 /// The direction of a motion on the page; `None` for a turn.

@@ -1,7 +1,7 @@
 //! A pair of gears: teeth on two disks that touch and turn against each other.
 
 use crate::model::scene::{Motion, MotionTerm, Part};
-use crate::picture::figure::{Pen, Stroke};
+use crate::picture::figure::{Pen, Ride, Stroke};
 use crate::picture::geometry::{Point, Turn};
 use crate::picture::layout::{Outline, Parts};
 use crate::picture::stage::Stage;
@@ -12,7 +12,7 @@ const TOOTH: f64 = 3.5;
 const PITCH: f64 = 7.0;
 
 /// The teeth, and the point where the disks touch; `None` where this is no pair of gears.
-pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<(Vec<Stroke>, Point)> {
+pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<(Vec<(Ride, Vec<Stroke>)>, Point)> {
     let [first, second] = terms else { return None };
     let wheel = |motion: &Motion| match motion {
         Motion::Turn { part, derivative: 0 } if *part != Part::Ground => {
@@ -30,9 +30,9 @@ pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<(Ve
     let (at, to) = (stage.place(a), stage.place(b));
     let touches = (at.distance(to) - ra - rb).abs() < 0.02 * (ra + rb) + 1.0;
     let along = to.minus(at).unit().filter(|_| touches)?;
-    let mut strokes = teeth(at, ra, along, 0.0);
     // The teeth of the one stand in the gaps of the other.
-    strokes.extend(teeth(to, rb, along.times(-1.0), 0.5));
+    let (own, other) = (teeth(at, ra, along, 0.0), teeth(to, rb, along.times(-1.0), 0.5));
+    let strokes = vec![(Ride::With(a), own), (Ride::With(b), other)];
     Some((strokes, at.towards(along, ra)))
 }
 

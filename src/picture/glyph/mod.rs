@@ -25,10 +25,10 @@ mod torque;
 pub mod values;
 mod weld;
 
-use super::figure::{Glyph, Kind, Pen, Stroke};
+use super::figure::{Glyph, Hold, Item, Kind, Pen, Ride, Stroke};
 use super::geometry::{Bounds, Point};
 use super::labels::Wanted;
-use super::layout::{Layout, Link, Outline, Parts};
+use super::layout::{Foot, GROUND, Layout, Link, Outline, Parts};
 use super::occupied::Occupied;
 use super::stage::Stage;
 use super::{Detail, Request, text};
@@ -60,15 +60,44 @@ impl<'a> Sheet<'a> {
         Parts::new(self.scene)
     }
 
+    /// What stands still, whatever moves.
     pub fn push(&mut self, kind: Kind, of: Of, strokes: Vec<Stroke>) {
-        self.glyphs.push(Glyph { kind, title: of.title, span: of.span, strokes, ghost: false });
+        self.push_riding(kind, of, vec![(Ride::Still, strokes)]);
+    }
+
+    /// Strokes with what they move with.
+    pub fn push_riding(&mut self, kind: Kind, of: Of, list: Vec<(Ride, Vec<Stroke>)>) {
+        let (mut strokes, mut rides) = (Vec::new(), Vec::new());
+        for (ride, own) in list.into_iter().filter(|(_, own)| !own.is_empty()) {
+            if ride != Ride::Still || !rides.is_empty() {
+                rides.push((strokes.len(), ride));
+            }
+            strokes.extend(own);
+        }
+        self.glyphs.push(Glyph { kind, title: of.title, span: of.span, strokes, rides, item: None, ghost: false });
+    }
+
+    /// Names the item of the glyph that was pushed last, and what its label moves with.
+    fn is(&mut self, item: Item) {
+        if let Some(glyph) = self.glyphs.last_mut() {
+            glyph.item = Some(item);
+        }
+    }
+
+    /// The name that was asked for last moves so.
+    pub fn rides(&mut self, ride: Ride) {
+        if self.detail == Detail::Full
+            && let Some(wanted) = self.wanted.last_mut()
+        {
+            wanted.ride = ride;
+        }
     }
 
     /// Asks for a name beside a place.
     pub fn label(&mut self, text: String, span: Option<Span>, at: Point, half: Point, best: &[Point]) {
         if self.detail == Detail::Full {
             let (text, best) = (text::clipped(&text), best.to_vec());
-            self.wanted.push(Wanted { text, span, at, half, best, is_of_tie: false });
+            self.wanted.push(Wanted { text, span, at, half, best, ride: Ride::Still, is_of_tie: false });
         }
     }
 
@@ -141,7 +170,8 @@ impl<'a> Sheet<'a> {
             Outline::Plate { .. } | Outline::Nowhere => (Kind::Block, Vec::new()),
         };
         strokes.extend(own);
-        self.push(kind, of, strokes);
+        self.push_riding(kind, of, vec![(Ride::With(number), strokes)]);
+        self.is(Item::Body(index));
         let (half, best) = match &placed.outline {
             Outline::Rod { arm } => {
                 let side = turned(*arm).across().unit().unwrap_or_default();
@@ -151,6 +181,7 @@ impl<'a> Sheet<'a> {
         };
         let text = values::body_label(self.says, body);
         self.label(text, Some(body.span), at, half, &best);
+        self.rides(Ride::At(Hold::on(number, at)));
     }
 
     fn element(&mut self, stage: &Stage, index: usize) {
@@ -160,10 +191,16 @@ impl<'a> Sheet<'a> {
         let turns = element.geometry == Geometry::Torsion;
         let [a, b] = [&link.feet[0], &link.feet[1]]
             .map(|foot| if turns { stage.carried(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
+        let hold = |foot: &Foot, at: Point| {
+            let of = if turns { stage.place(foot.part) } else { at };
+            Hold { part: foot.part, of, at }
+        };
+        let between = Ride::Between([hold(&link.feet[0], a), hold(&link.feet[1], b)]);
         if self.detail >= Detail::Plain {
-            return self.push(kind(element), of, vec![Stroke::line([a, b], Pen::Thin)]);
+            self.push_riding(kind(element), of, vec![(between, vec![Stroke::line([a, b], Pen::Thin)])]);
+            return self.is(Item::Element(index));
         }
-        let mut strokes: Vec<Stroke> = leads(stage, link).collect();
+        let mut strokes: Vec<(Ride, Vec<Stroke>)> = leads(stage, link).collect();
         if let Some(place) = link.round {
             let own = match element.law.kind.order {
                 Order::Displacement => spiral::round(a, place),
@@ -171,16 +208,21 @@ impl<'a> Sheet<'a> {
                 Order::Acceleration => inerter::round(a, place),
             };
             let reach = own.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
-            strokes.extend(own);
-            self.push(kind(element), of, strokes);
+            // Round a pivot, whose place is a point of each of its parts.
+            let held = if link.feet[0].part == GROUND { &link.feet[1] } else { &link.feet[0] };
+            let ride = Ride::At(Hold::on(held.part, a));
+            strokes.push((ride, own));
+            self.push_riding(kind(element), of, strokes);
+            self.is(Item::Element(index));
             let text = values::element_label(self.says, element);
-            return self.label_tie(
+            self.label_tie(
                 text,
                 Some(element.span),
                 reach.centre(),
                 Point::new(reach.width() / 2.0, reach.height() / 2.0),
                 &[],
             );
+            return self.rides(ride);
         }
         let (own, half) = match (element.law.kind.order, turns) {
             (Order::Displacement, false) => (spring::strokes(a, b), spring::HALF),
@@ -189,8 +231,9 @@ impl<'a> Sheet<'a> {
             (Order::Velocity, true) => (rotary_dashpot::strokes(a, b), rotary_dashpot::HALF),
             (Order::Acceleration, _) => (inerter::strokes(a, b), inerter::HALF),
         };
-        strokes.extend(own);
-        self.push(kind(element), of, strokes);
+        strokes.push((between, own));
+        self.push_riding(kind(element), of, strokes);
+        self.is(Item::Element(index));
         let along = b.minus(a).unit().unwrap_or(Point::new(1.0, 0.0));
         let side = if along.across().y <= 0.0 { along.across() } else { along.across().times(-1.0) };
         let (reach, half) = (b.distance(a) * 0.25, half + 1.0);
@@ -200,6 +243,7 @@ impl<'a> Sheet<'a> {
             if along.x.abs() > 0.1 && along.y.abs() > 0.1 { Point::new(spring::HALF, spring::HALF) } else { half };
         let text = values::element_label(self.says, element);
         self.label_tie(text, Some(element.span), a.middle(b), half, &[side, side.times(-1.0)]);
+        self.rides(between);
     }
 
     /// Arrows: inputs, outputs and initial motions, where there is room for them.
@@ -264,7 +308,8 @@ impl<'a> Sheet<'a> {
         };
         let place = tries.iter().position(is_free).unwrap_or(0);
         let strokes = tries.into_iter().nth(place)?;
-        let glyph = Glyph { kind, title: of.title, span: of.span, strokes, ghost: false };
+        let glyph =
+            Glyph { kind, title: of.title, span: of.span, strokes, rides: Vec::new(), item: None, ghost: false };
         room.take(&glyph);
         let bounds = glyph.bounds();
         self.glyphs.push(glyph);
@@ -291,9 +336,9 @@ fn kind(element: &Element) -> Kind {
 }
 
 /// From the ends of a glyph to the parts that it ties.
-fn leads<'a>(stage: &'a Stage, link: &'a Link) -> impl Iterator<Item = Stroke> + 'a {
+fn leads<'a>(stage: &'a Stage, link: &'a Link) -> impl Iterator<Item = (Ride, Vec<Stroke>)> + 'a {
     link.feet.iter().filter(|foot| !foot.lead.is_empty()).map(|foot| {
         let points = std::iter::once(&foot.at).chain(&foot.lead).map(|point| stage.point(foot.part, *point));
-        Stroke::line(points.collect::<Vec<_>>(), Pen::Normal)
+        (Ride::With(foot.part), vec![Stroke::line(points.collect::<Vec<_>>(), Pen::Normal)])
     })
 }

@@ -4,7 +4,7 @@ use super::ground::hatched;
 use super::{Of, Sheet};
 use crate::model::scene::Part;
 use crate::picture::Detail;
-use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::stage::Stage;
 
@@ -20,6 +20,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     let on_ground = joint.ends.iter().any(|end| end.part == Part::Ground);
     let held = if numbers[0] == 0 { numbers[1] } else { numbers[0] };
     let at = stage.point(held, stage.layout.joints[index]);
+    // Its bearing stands still with the ground.
     let mut strokes = Vec::new();
     if on_ground && sheet.detail < Detail::Plain {
         // Away from what hangs or stands on it, upwards or downwards.
@@ -32,11 +33,12 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         let beyond = Point::new(6.0, 0.0);
         strokes.extend(hatched(left.minus(beyond), right.plus(beyond), down));
     }
-    strokes.push(Stroke::circle(at, RADIUS, Pen::Paper));
+    let pin = vec![Stroke::circle(at, RADIUS, Pen::Paper)];
+    let ride = Ride::At(Hold::on(held, at));
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
     let of = Of { title: format!("pivot {name}: {a} and {b} turn about it"), span: Some(joint.span) };
     let half = if on_ground { Point::new(RADIUS + 1.0, RADIUS + 1.0) } else { Point::new(RADIUS, RADIUS) };
-    sheet.push(Kind::Pivot, of, strokes);
+    sheet.push_riding(Kind::Pivot, of, vec![(Ride::Still, strokes), (ride, pin)]);
     sheet.label_tie(
         name,
         Some(joint.span),
@@ -44,4 +46,5 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         half,
         &[Point::new(0.8, -0.6), Point::new(-0.8, -0.6), Point::new(1.0, 0.0)],
     );
+    sheet.rides(ride);
 }

@@ -4,7 +4,7 @@ use super::ground::hatched;
 use super::{Of, Sheet};
 use crate::base::Vec3;
 use crate::model::scene::Part;
-use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::layout::straight;
 use crate::picture::stage::Stage;
@@ -40,7 +40,8 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
     }
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
     let of = Of { title: format!("slide {name}: {b} runs along {a}"), span: Some(joint.span) };
-    sheet.push(Kind::Slide, of, strokes);
+    sheet.push_riding(Kind::Slide, of, vec![(Ride::With(rail), strokes)]);
     let at = ends[1];
     sheet.label(name, Some(joint.span), at, Point::new(2.0, 8.0), &[direction, aside]);
+    sheet.rides(Ride::At(Hold::on(rail, at)));
 }

@@ -1,7 +1,7 @@
 //! A weld: a filled dot, with a stiff line to the parts that it makes one.
 
 use super::{Of, Sheet};
-use crate::picture::figure::{Kind, Pen, Stroke};
+use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::stage::Stage;
 
@@ -25,6 +25,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     strokes.push(Stroke::circle(at, RADIUS, Pen::Solid));
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
     let of = Of { title: format!("weld {name}: {a} and {b} move as one"), span: Some(joint.span) };
-    sheet.push(Kind::Weld, of, strokes);
+    sheet.push_riding(Kind::Weld, of, vec![(Ride::With(held), strokes)]);
     sheet.label_tie(name, Some(joint.span), at, Point::new(RADIUS, RADIUS), &[]);
+    sheet.rides(Ride::At(Hold::on(held, at)));
 }

@@ -11,7 +11,7 @@ mod rows;
 mod scaled;
 
 pub use outline::Outline;
-pub use parts::{Parts, straight};
+pub use parts::{GROUND, Parts, straight};
 
 use super::geometry::Point;
 use super::glyph::values::Says;

@@ -480,3 +480,41 @@ repeat i in 2..31 {
     let label = &hints(&mut client)[0].1;
     assert!(label.starts_with("31 degrees of freedom: ") && label.contains('ζ'), "{label}");
 }
+
+/// The page beside a text: figure, modes; while the text has errors the last figure stays and the errors stand over it.
+#[test]
+fn the_preview_is_fresh_and_outlives_errors() {
+    let mut client =
+        Client::open("model m\nbody block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 200 N/m }\n");
+    let page = |client: &mut Client| {
+        let params = client.document();
+        client.ask("vibc/page", params)["html"].as_str().expect("a page").to_string()
+    };
+    let first = page(&mut client);
+    assert!(first.contains("class=\"vibc-figure\"") && first.contains("1.592"), "sqrt(100) / 2 pi Hz");
+    assert!(!first.contains("id=\"L1\""), "the text stands in the editor");
+    client.change("model m\nbody block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 800 N/m }\n");
+    assert!(page(&mut client).contains("3.183"), "sqrt(400) / 2 pi Hz");
+    client.change("model m\n\nbody block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 800 N }\n");
+    let broken = page(&mut client);
+    assert!(broken.contains("role=\"alert\"") && broken.contains("line 4"), "the error at its line");
+    assert!(broken.contains("class=\"vibc-figure\"") && broken.contains("3.183"), "the last figure");
+}
+
+/// The function whose arguments are typed, the innermost one, and which argument it is.
+#[test]
+fn signatures_are_those_of_the_innermost_call() {
+    let text = "model m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce f: b along x = step(10 N, sqrt(4) * 1 s)\n";
+    let mut client = Client::open(text);
+    let mut at = |mark: &str| {
+        let found = client.ask("textDocument/signatureHelp", client.behind(mark));
+        let label = found["signatures"][0]["label"].as_str().unwrap_or_default().to_string();
+        (label, found["activeParameter"].as_u64())
+    };
+    assert_eq!(at("step(").0, "step(a, at)");
+    assert_eq!(at("step(").1, Some(0));
+    assert_eq!(at("10 N, ").1, Some(1));
+    assert!(at("sqrt(").0.starts_with("sqrt("));
+    assert_eq!(at("sqrt(4) * ").0, "step(a, at)");
+    assert_eq!(at("moves x"), (String::new(), None));
+}

@@ -1,0 +1,112 @@
+//! The report as a page: one HTML file with the figure, which moves, the report's tables, the curves and the model's text. It
+//! needs no network and no other file, and its security policy lets no script run but its own. See docs/report.md.
+//!
+//! What it says is the report of `answers::report`; what moves and is drawn by the script is the payload.
+
+mod html;
+mod payload;
+mod tables;
+
+pub use html::page;
+
+use crate::analysis::fractions::Fractions;
+use crate::analysis::{History, Table};
+use crate::answers::report::Report;
+use crate::base::{Diagnostic, FileId, Sources, Span};
+use crate::kernel::complex::Complex;
+use crate::lower::Poses;
+use crate::picture::{Figure, Item, Moving};
+use crate::system::LinearSystem;
+
+/// Where numbers, glyphs and findings lead.
+#[derive(Clone, Copy)]
+pub struct Text<'a> {
+    pub sources: &'a Sources,
+    pub model: FileId,
+}
+
+/// What a page holds.
+pub struct Page<'a> {
+    /// The model's name.
+    pub name: &'a str,
+    /// The text that the answers are of.
+    pub of: Text<'a>,
+    /// The text that the findings are of: a newer one where that has errors.
+    pub text: Text<'a>,
+    /// The text is shown, which an editor does by itself.
+    pub shows_text: bool,
+    pub findings: &'a [Diagnostic],
+    /// The version that is served, where the page asks its server for newer ones.
+    pub version: Option<u64>,
+    pub answers: Option<Answers<'a>>,
+}
+
+/// What a model without errors has.
+pub struct Answers<'a> {
+    pub system: &'a LinearSystem,
+    /// Or why there is none.
+    pub figure: Result<&'a (Figure, Moving), &'a str>,
+    pub movements: &'a Movements,
+    pub report: &'a Report,
+    /// What made the entries of M, C and K, row by row.
+    pub entries: &'a [Vec<Vec<Option<Span>>>],
+    /// Sections with MathML, as `backend::equations` makes them.
+    pub equations: Option<&'a str>,
+    pub poles: &'a [PoleShown],
+    pub transfer: Option<&'a TransferShown>,
+    pub motion: Option<&'a MotionShown>,
+}
+
+/// How a figure may move.
+#[derive(Clone, Debug, Default)]
+pub struct Movements {
+    /// For each coordinate how one metre or radian of it moves the pieces.
+    pub basis: Vec<Poses>,
+    pub list: Vec<Movement>,
+}
+
+/// A mode, or the motion of a pole.
+#[derive(Clone, Debug)]
+pub struct Movement {
+    /// `mode 2: 0.5964 Hz (3.747 rad/s)`
+    pub caption: String,
+    /// It goes on as exp(s t).
+    pub s: Complex<f64>,
+    /// The coordinates, m and rad.
+    pub shape: Vec<Complex<f64>>,
+    /// How many times it is shown.
+    pub amount: f64,
+    /// Shares of the kinetic energy of bodies and of the strain energy of elements.
+    pub energy: Vec<(Item, f64)>,
+}
+
+/// A pole in its plane.
+#[derive(Clone, Debug)]
+pub struct PoleShown {
+    pub s: Complex<f64>,
+    pub title: String,
+    /// Its place among the movements.
+    pub movement: Option<usize>,
+}
+
+/// Transfer functions as tables and as curves.
+#[derive(Clone, Debug)]
+pub struct TransferShown {
+    pub table: Table,
+    /// `[input][output]`; none where only the rows of the table are known.
+    pub curves: Vec<Vec<Option<Fractions>>>,
+    /// A report for each pair, input by input.
+    pub reports: Vec<Report>,
+    /// Hz: where curves turn.
+    pub centres: Vec<f64>,
+}
+
+/// The motion in time.
+#[derive(Clone, Debug)]
+pub struct MotionShown {
+    pub history: History,
+    /// The coordinates at the same times.
+    pub states: Vec<Vec<f64>>,
+    pub amount: f64,
+    pub report: Report,
+}

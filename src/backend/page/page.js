@@ -1,0 +1,564 @@
+// The report page: lets the figure move, draws the curves, leads from numbers to lines of the model and back. The numbers come
+// from `payload.rs`; the figure is drawn there too, and only moved and coloured here. No text of a model becomes markup here:
+// elements are made one by one, and names are their text.
+'use strict';
+(() => {
+  const SVG = 'http://www.w3.org/2000/svg';
+  const editor = typeof acquireVsCodeApi === 'function' ? acquireVsCodeApi() : undefined;
+  const $ = id => document.getElementById(id);
+  const still = matchMedia('(prefers-reduced-motion: reduce)');
+
+  // ---- how parts move: the same steps as `picture::stage`
+
+  /** Where each part of a figure is for values q of the coordinates: from the page at rest to the page. */
+  function places(figure, q) {
+    const slots = new Float64Array(figure.slots);
+    q.forEach((value, i) => { if (value) for (const [slot, factor] of figure.basis[i]) slots[slot] += factor * value; });
+    const pieces = [];
+    let slot = 0;
+    for (const piece of figure.pieces) {
+      const angle = piece.angle + slots[slot++];
+      let [x, y] = [0, 0];
+      for (const [dx, dy, rest] of piece.slides) {
+        const way = rest + slots[slot++];
+        x += dx * way; y += dy * way;
+      }
+      const on = pieces[piece.carrier] ?? { x: 0, y: 0, cos: 1, sin: 0, anchor: null };
+      [x, y] = [on.cos * x - on.sin * y, on.sin * x + on.cos * y];
+      if (piece.anchor && on.anchor) {
+        const [dx, dy] = [piece.anchor[0] - on.anchor[0], piece.anchor[1] - on.anchor[1]];
+        x += on.x + on.cos * dx - on.sin * dy;
+        y += on.y + on.sin * dx + on.cos * dy;
+      } else {
+        x += on.x + (piece.anchor?.[0] ?? 0);
+        y += on.y + (piece.anchor?.[1] ?? 0);
+      }
+      pieces.push({ x, y, cos: Math.cos(angle), sin: Math.sin(angle), anchor: piece.anchor });
+    }
+    return figure.parts.map(([index, fromX, fromY, ax, ay, bx, by]) => {
+      const { x, y, cos, sin, anchor } = pieces[index];
+      const [dx, dy] = [x - (anchor?.[0] ?? 0), y - (anchor?.[1] ?? 0)];
+      return { x: fromX + ax * dx + bx * dy, y: fromY + ay * dx + by * dy, cos, sin };
+    });
+  }
+
+  /** From a point of a part at rest to where it is now. The page's y runs downwards. */
+  function moved(rest, now, x, y) {
+    const [cos, sin] = [now.cos * rest.cos + now.sin * rest.sin, now.sin * rest.cos - now.cos * rest.sin];
+    const [dx, dy] = [x - rest.x, y - rest.y];
+    return [now.x + cos * dx + sin * dy, now.y - sin * dx + cos * dy];
+  }
+
+  /** The transform of a stroke that is stretched from [a, b] to [c, d], its width kept. */
+  function stretched([ax, ay], [bx, by], [cx, cy], [dx, dy]) {
+    const [ux, uy, vx, vy] = [bx - ax, by - ay, dx - cx, dy - cy];
+    const before = Math.hypot(ux, uy), after = Math.hypot(vx, vy);
+    if (before === 0 || after === 0) return [1, 0, 0, 1, cx - ax, cy - ay];
+    const [ex, ey, fx, fy] = [ux / before, uy / before, vx / after, vy / after];
+    const along = after / before;
+    // along * f e^T + across(f) across(e)^T
+    const m = [along * fx * ex + fy * ey, along * fy * ex - fx * ey, along * fx * ey - fy * ex, along * fy * ey + fx * ex];
+    return [...m, cx - m[0] * ax - m[2] * ay, cy - m[1] * ax - m[3] * ay];
+  }
+
+  class Scene {
+    constructor(figure, svg) {
+      this.figure = figure;
+      this.rest = places(figure, []);
+      const numbers = text => text.trim().split(/[\s,]+/).map(Number);
+      this.rides = [...svg.querySelectorAll('[data-with], [data-at], [data-between]')].map(element => ({
+        element,
+        part: element.dataset.with === undefined ? undefined : Number(element.dataset.with),
+        holds: (element.dataset.at ?? element.dataset.between ?? '').split(';').filter(Boolean).map(numbers),
+      }));
+    }
+
+    /** Shows the figure for values of the coordinates. */
+    show(q) {
+      const now = places(this.figure, q);
+      const hold = ([part, ofX, ofY, x, y]) => {
+        const [toX, toY] = moved(this.rest[part], now[part], ofX, ofY);
+        return [x + toX - ofX, y + toY - ofY];
+      };
+      for (const { element, part, holds } of this.rides) {
+        let m;
+        if (part !== undefined) {
+          const [e, f] = moved(this.rest[part], now[part], 0, 0);
+          const [ax, ay] = moved(this.rest[part], now[part], 1, 0);
+          m = [ax - e, ay - f, -(ay - f), ax - e, e, f];
+        } else if (holds.length === 2) {
+          const at = holds.map(h => h.slice(3));
+          const to = holds.map(hold);
+          m = element.localName === 'text'
+            ? [1, 0, 0, 1, (to[0][0] + to[1][0] - at[0][0] - at[1][0]) / 2, (to[0][1] + to[1][1] - at[0][1] - at[1][1]) / 2]
+            : stretched(at[0], at[1], to[0], to[1]);
+        } else {
+          const [x, y] = hold(holds[0]);
+          m = [1, 0, 0, 1, x - holds[0][3], y - holds[0][4]];
+        }
+        element.setAttribute('transform', `matrix(${m.map(x => +x.toFixed(4)).join(' ')})`);
+      }
+    }
+  }
+
+  // ---- how a motion goes on
+
+  /** Seconds that a period takes at speed 1, and cycles of a decay before it starts again. */
+  const PERIOD = 2, LONGEST = 14;
+
+  /** The factor exp(s t), scaled to at most one, after so many seconds of the page: [re, im]. */
+  function factor([re, im], seconds) {
+    if (re === 0 && im === 0) return [Math.cos(2 * Math.PI * seconds / (2 * PERIOD)), 0];
+    if (im === 0) {
+      // A decay or growth by e in each period; from a twentieth to one, or back.
+      const size = 3 * ((seconds / PERIOD / 3) % 1);
+      return [re < 0 ? Math.exp(-size) : Math.exp(size - 3), 0];
+    }
+    const decay = re / im;
+    const span = Math.max(1, Math.min(LONGEST, Math.floor(3 / (2 * Math.PI * Math.abs(decay)))));
+    const cycles = (seconds / PERIOD) % (decay === 0 ? Infinity : span);
+    const phase = 2 * Math.PI * cycles;
+    const size = decay > 0 ? Math.exp(decay * (phase - 2 * Math.PI * span)) : Math.exp(decay * phase);
+    return [size * Math.cos(phase), size * Math.sin(phase)];
+  }
+
+  /** The coordinates of a motion at such a factor. */
+  const shape = ({ q, qi, amount }, [re, im], scale) => q.map((x, i) => scale * amount * (x * re - (qi?.[i] ?? 0) * im));
+
+  let state = { motion: 0, playing: undefined, speed: 1, scale: 1, seconds: 0, input: 0, output: 0, view: 'bode', unit: 0 };
+  let page, scene, frame = 0, redraw = [];
+
+  function player() {
+    const svg = document.querySelector('#figure svg');
+    scene = undefined;
+    if (!svg || !page.figure) return;
+    scene = new Scene(page.figure, svg);
+    const select = $('motion');
+    if (!select) return;
+    const entries = page.motions;
+    state.motion = Math.min(state.motion, entries.length - 1);
+    select.value = String(state.motion);
+    const controls = { speed: $('speed'), scale: $('scale'), phase: $('phase') };
+    controls.speed.value = String(state.speed);
+    controls.scale.value = String(state.scale);
+    const chosen = () => entries[state.motion];
+    const until = () => page.motion.times.at(-1);
+    const cycle = motion => (motion.kind === 'time' ? 5 * PERIOD : motion.s[0] === 0 && motion.s[1] === 0 ? 2 * PERIOD : PERIOD);
+
+    function draw() {
+      const motion = chosen();
+      if (motion.kind === 'time') {
+        const at = (state.seconds / cycle(motion)) % 1 * (page.motion.times.length - 1);
+        const [k, part] = [Math.floor(at), at % 1];
+        const [a, b] = [page.motion.states[k], page.motion.states[Math.min(k + 1, page.motion.times.length - 1)]];
+        scene.show(a.map((x, i) => state.scale * motion.amount * (x + part * (b[i] - x))));
+        moveTimeCursor(until() * at / (page.motion.times.length - 1));
+      } else {
+        scene.show(shape(motion, factor(motion.s, state.seconds), state.scale));
+      }
+      controls.phase.value = String(Math.round(360 * (state.seconds / cycle(motion) % 1)));
+    }
+
+    function colour() {
+      const energy = chosen().energy ?? {};
+      for (const glyph of svg.querySelectorAll('[data-item]')) {
+        const share = Math.max(0, Math.min(1, energy[glyph.dataset.item] ?? 0));
+        glyph.classList.toggle('hot', share > 0);
+        glyph.style.setProperty('--share', String(share));
+      }
+      const says = $('says');
+      says.textContent = chosen().says;
+      document.querySelectorAll('#poles .mark').forEach(mark => mark.classList.toggle('chosen', mark.dataset.motion === String(state.motion)));
+    }
+
+    let last;
+    function tick(now) {
+      if (last !== undefined) state.seconds += (now - last) / 1000 * state.speed;
+      last = now;
+      draw();
+      frame = requestAnimationFrame(tick);
+    }
+    function play(on) {
+      state.playing = on;
+      cancelAnimationFrame(frame);
+      last = undefined;
+      $('play').textContent = on ? 'Pause' : 'Play';
+      document.body.classList.toggle('moves', on);
+      if (on) frame = requestAnimationFrame(tick);
+    }
+    function choose(index) {
+      Object.assign(state, { motion: index, seconds: 0 });
+      select.value = String(index);
+      colour();
+      draw();
+    }
+
+    select.onchange = () => choose(Number(select.value));
+    $('play').onclick = () => play(!state.playing);
+    $('rest').onclick = () => { play(false); scene.show([]); };
+    controls.speed.oninput = () => { state.speed = Number(controls.speed.value); };
+    controls.scale.oninput = () => { state.scale = Number(controls.scale.value); draw(); };
+    controls.phase.oninput = () => {
+      play(false);
+      state.seconds = Number(controls.phase.value) / 360 * cycle(chosen());
+      draw();
+    };
+    document.querySelectorAll('[data-motion]').forEach(element => { element.onclick = () => choose(Number(element.dataset.motion)); });
+    colour();
+    if (state.playing === undefined ? !still.matches && document.visibilityState === 'visible' && !document.body.dataset.still : state.playing) play(true);
+    else { play(false); if (state.seconds) draw(); }
+    window.onbeforeprint = () => {
+      play(false);
+      scene.show([]);
+      document.querySelectorAll('details').forEach(details => { details.open = true; });
+    };
+    player.choose = choose;
+  }
+
+  // ---- charts
+
+  function make(parent, name, attributes, text) {
+    const element = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    if (text !== undefined) element.textContent = text;
+    parent.append(element);
+    return element;
+  }
+
+  /** A number in few characters, for axes and readings. */
+  function short(x, digits = 4) {
+    if (x === 0) return '0';
+    const size = Math.abs(x);
+    return size >= 1e5 || size < 1e-3 ? x.toExponential(Math.min(digits - 1, 3)).replace(/\.?0+e/, 'e').replace('e+', 'e') : String(+x.toPrecision(digits));
+  }
+
+  function ticks({ lo, hi, log, step: given }, most) {
+    if (log && hi / lo > 8 && hi / lo < 2000) {
+      const list = [];
+      for (let e = Math.floor(Math.log10(lo)); 10 ** e <= hi; e++) list.push(...[1, 2, 5].map(k => k * 10 ** e));
+      return list.filter(tick => tick >= lo * (1 - 1e-9) && tick <= hi * (1 + 1e-9));
+    }
+    if (log && hi / lo > 8) {
+      const [from, to] = [Math.ceil(Math.log10(lo) - 1e-9), Math.floor(Math.log10(hi) + 1e-9)];
+      const step = Math.max(1, Math.ceil((to - from) / most));
+      const list = [];
+      for (let e = from; e <= to; e += step) list.push(10 ** e);
+      return list;
+    }
+    const rough = (hi - lo) / most, unit = 10 ** Math.floor(Math.log10(rough));
+    const step = given ?? [1, 2, 5, 10].map(k => k * unit).find(step => step >= rough);
+    const list = [];
+    for (let k = Math.ceil(lo / step); k * step <= hi * (1 + 1e-12); k++) list.push(k * step);
+    return list;
+  }
+
+  const EDGE = { left: 74, right: 14, top: 10, bottom: 42 };
+
+  /** Draws axes, curves and marks; returns the mapping of both axes. */
+  function chart(svg, { x, y, height, curves = [], marks = [], lines = [], equal }) {
+    svg.replaceChildren();
+    const width = Math.max(260, Math.round(svg.getBoundingClientRect().width) || 640);
+    svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    svg.setAttribute('height', height);
+    const [w, h] = [width - EDGE.left - EDGE.right, height - EDGE.top - EDGE.bottom];
+    if (equal) {
+      const per = Math.max((x.hi - x.lo) / w, (y.hi - y.lo) / h);
+      for (const [axis, px] of [[x, w], [y, h]]) {
+        const middle = (axis.lo + axis.hi) / 2;
+        [axis.lo, axis.hi] = [middle - per * px / 2, middle + per * px / 2];
+      }
+    }
+    const part = (axis, value) => (axis.log ? Math.log(value / axis.lo) / Math.log(axis.hi / axis.lo) : (value - axis.lo) / (axis.hi - axis.lo));
+    const toX = value => EDGE.left + w * part(x, value), toY = value => EDGE.top + h * (1 - part(y, value));
+    for (const tick of ticks(x, w / 90)) {
+      make(svg, 'line', { class: 'grid', x1: toX(tick), x2: toX(tick), y1: EDGE.top, y2: EDGE.top + h });
+      make(svg, 'text', { x: toX(tick), y: EDGE.top + h + 16, 'text-anchor': 'middle' }, short(tick));
+    }
+    for (const tick of ticks(y, h / 45)) {
+      make(svg, 'line', { class: 'grid', x1: EDGE.left, x2: EDGE.left + w, y1: toY(tick), y2: toY(tick) });
+      make(svg, 'text', { x: EDGE.left - 6, y: toY(tick) + 4, 'text-anchor': 'end' }, short(tick));
+    }
+    make(svg, 'text', { x: EDGE.left + w / 2, y: height - 6, 'text-anchor': 'middle' }, x.title);
+    make(svg, 'text', { transform: `translate(14 ${EDGE.top + h / 2}) rotate(-90)`, 'text-anchor': 'middle' }, y.title);
+    make(svg, 'rect', { class: 'frame', x: EDGE.left, y: EDGE.top, width: w, height: h });
+    const inside = make(svg, 'svg', { x: 0, y: EDGE.top, width, height: h, viewBox: `0 ${EDGE.top} ${width} ${h}`, overflow: 'hidden' });
+    const body = make(inside, 'svg', { x: EDGE.left, y: EDGE.top, width: w, height: h, viewBox: `${EDGE.left} ${EDGE.top} ${w} ${h}`, overflow: 'hidden' });
+    const far = value => Math.max(-1e5, Math.min(1e5, value));
+    for (const { from, to, text } of lines) {
+      make(body, 'line', { class: 'damping', x1: far(toX(from[0])), y1: far(toY(from[1])), x2: far(toX(to[0])), y2: far(toY(to[1])) });
+      if (text) make(body, 'text', { x: far(toX(text.at[0])), y: far(toY(text.at[1])), 'text-anchor': 'middle' }, text.text);
+    }
+    curves.forEach(({ points, style }) => {
+      let path = '', pen = 'M', before;
+      for (const [a, b] of points) {
+        if (!Number.isFinite(b) || (y.log && b <= 0)) { pen = 'M'; continue; }
+        // Where a phase turns over the line is lifted.
+        if (y.wraps && before !== undefined && Math.abs(b - before) > 180) pen = 'M';
+        before = b;
+        path += `${pen}${far(toX(a)).toFixed(2)} ${far(toY(b)).toFixed(2)}`;
+        pen = 'L';
+      }
+      make(body, 'path', { class: `curve s${style % 4}`, d: path });
+    });
+    for (const { at, title, motion, down } of marks) {
+      const [px, py] = [far(toX(at[0])), far(toY(at[1]))];
+      const mark = make(body, 'path', { class: 'mark', d: down ? `M${px} ${py + 1}l-5 9h10z` : `M${px} ${py - 1}l-5 -9h10z` });
+      if (motion !== undefined) {
+        mark.setAttribute('d', `M${px - 4} ${py - 4}l8 8m0 -8l-8 8`);
+        mark.dataset.motion = String(motion);
+      }
+      make(mark, 'title', {}, title);
+    }
+    return { toX, toY, body, width, height: h, value: px => (x.log ? x.lo * (x.hi / x.lo) ** ((px - EDGE.left) / w) : x.lo + (x.hi - x.lo) * (px - EDGE.left) / w) };
+  }
+
+  // ---- transfer functions
+
+  /** The value at a frequency in Hz: [re, im]. */
+  function gain(pair, hertz) {
+    if (!pair.terms) return pair.samples.find(([f]) => f >= hertz)?.slice(1) ?? [NaN, NaN];
+    const w = 2 * Math.PI * hertz, w2 = w * w;
+    let [re, im] = [pair.feed[0] - pair.feed[2] * w2, pair.feed[1] * w];
+    for (const [power, n0, n1, d0, d1, d2] of pair.terms) {
+      const [br, bi] = [d0 - d2 * w2, d1 * w], size = br * br + bi * bi;
+      let [vr, vi] = [(n0 * br + n1 * w * bi) / size, (n1 * w * br - n0 * bi) / size];
+      for (let k = 0; k < power; k++) [vr, vi] = [-vi * w, vr * w];
+      re += vr; im += vi;
+    }
+    return [re, im];
+  }
+
+  /** Frequencies of a window: one for each pixel, and more and more densely beside each pole. */
+  function frequencies(lo, hi, count, centres) {
+    const list = [];
+    for (let k = 0; k <= count; k++) list.push(lo * (hi / lo) ** (k / count));
+    for (const f of centres) {
+      for (let e = 1; e <= 12; e += 0.25) list.push(f * (1 - 10 ** -e), f * (1 + 10 ** -e));
+      list.push(f);
+    }
+    return list.filter(f => f >= lo && f <= hi).sort((a, b) => a - b);
+  }
+
+  function transfer() {
+    const data = page.transfer;
+    if (!data) return;
+    const [from, to, view, reading] = [$('from'), $('to'), $('view'), $('reading')];
+    const [upper, lower] = [$('gain'), $('phase-plot')];
+    [state.input, state.output] = [Math.min(state.input, data.inputs.length - 1), Math.min(state.output, data.outputs.length - 1)];
+    [from.value, to.value, view.value] = [String(state.input), String(state.output), state.view];
+    let [lo, hi] = data.range, cursor, maps = [];
+
+    function draw() {
+      const pair = data.pairs[state.input][state.output];
+      const [input, output] = [data.inputs[state.input], data.outputs[state.output]];
+      const list = pair.terms ? frequencies(lo, hi, 900, data.centres) : pair.samples.map(([f]) => f).filter(f => f >= lo && f <= hi);
+      const values = list.map(f => [f, ...gain(pair, f)]);
+      const unit = output.unit === input.unit ? '' : ` [${output.unit || '1'}/${/[*/ ]/.test(input.unit) ? `(${input.unit})` : input.unit}]`;
+      if (state.view === 'nyquist') {
+        const finite = values.filter(([, re, im]) => Number.isFinite(re) && Number.isFinite(im));
+        const most = Math.max(...finite.map(([, re, im]) => Math.max(Math.abs(re), Math.abs(im)))) || 1;
+        const bound = (i, pick) => pick(0, ...finite.map(v => v[i]));
+        const axis = (i, title) => ({ lo: bound(i, Math.min) - most * 0.05, hi: bound(i, Math.max) + most * 0.05, title });
+        lower.replaceChildren();
+        lower.setAttribute('height', 0);
+        maps = [chart(upper, { x: axis(1, `real part${unit}`), y: axis(2, `imaginary part${unit}`), height: 420, equal: true, curves: [{ points: finite.map(([, re, im]) => [re, im]), style: 0 }] })];
+      } else {
+        const sizes = values.map(([f, re, im]) => [f, Math.hypot(re, im)]);
+        const known = sizes.map(([, g]) => g).filter(g => g > 0 && Number.isFinite(g));
+        let [bottom, top] = [Math.min(...known), Math.max(...known)];
+        bottom = Math.max(bottom, top * 1e-8);
+        const x = { lo, hi, log: true, title: 'frequency [Hz]' };
+        const y = { lo: bottom / 1.6, hi: top * 2.2, log: true, title: `gain${unit}` };
+        const shown = pair.marks.filter(mark => mark.f >= lo && mark.f <= hi);
+        const marks = shown.map(mark => ({ at: [mark.f, Math.min(y.hi, Math.max(y.lo, mark.gain ?? (mark.down ? 0 : Infinity)))], title: mark.title, down: mark.down }));
+        const phases = values.map(([f, re, im]) => [f, Math.atan2(im, re) * 180 / Math.PI]);
+        maps = [
+          chart(upper, { x: { ...x }, y, height: 300, curves: [{ points: sizes, style: 0 }], marks }),
+          chart(lower, { x: { ...x }, y: { lo: -190, hi: 190, title: 'phase [deg]', wraps: true, step: 90 }, height: 210, curves: [{ points: phases, style: 0 }] }),
+        ];
+      }
+      read();
+      document.querySelectorAll('#features [data-pair]').forEach(table => { table.hidden = table.dataset.pair !== `${state.input} ${state.output}`; });
+    }
+
+    function read() {
+      for (const { body } of maps) body.querySelectorAll('.cursor').forEach(line => line.remove());
+      if (cursor === undefined || state.view === 'nyquist') { reading.textContent = ''; return; }
+      cursor = Math.min(hi, Math.max(lo, cursor));
+      for (const { body, toX } of maps) make(body, 'line', { class: 'cursor', x1: toX(cursor), x2: toX(cursor), y1: 0, y2: 1000 });
+      const [re, im] = gain(data.pairs[state.input][state.output], cursor);
+      const size = Math.hypot(re, im);
+      reading.textContent = `${short(cursor, 5)} Hz: gain ${short(size)} (${(20 * Math.log10(size)).toFixed(1)} dB), phase ${(Math.atan2(im, re) * 180 / Math.PI).toFixed(1)}°`;
+    }
+
+    function window_(by, about) {
+      const centre = about ?? cursor ?? Math.sqrt(lo * hi);
+      const [a, b] = [centre * (lo / centre) ** by, centre * (hi / centre) ** by];
+      // Closer than the digits of a frequency there is nothing to see.
+      if (b / a < 1 + 1e-9 || b / a > 1e12) return;
+      [lo, hi] = [a, b];
+      draw();
+    }
+    const shift = by => { const way = (hi / lo) ** by; [lo, hi] = [lo * way, hi * way]; draw(); };
+
+    from.onchange = () => { state.input = Number(from.value); draw(); };
+    to.onchange = () => { state.output = Number(to.value); draw(); };
+    view.onchange = () => { state.view = view.value; draw(); };
+    $('closer').onclick = () => window_(0.5);
+    $('wider').onclick = () => window_(2);
+    $('whole').onclick = () => { [lo, hi] = data.range; cursor = undefined; draw(); };
+    for (const svg of [upper, lower]) {
+      svg.onpointermove = event => {
+        if (state.view === 'nyquist' || !maps[0]) return;
+        const box = svg.getBoundingClientRect();
+        cursor = maps[0].value((event.clientX - box.left) * maps[0].width / box.width);
+        read();
+      };
+      svg.onwheel = event => {
+        // Scrolling stays scrolling.
+        if (!event.ctrlKey || state.view === 'nyquist') return;
+        event.preventDefault();
+        window_(event.deltaY > 0 ? 1.25 : 0.8, cursor);
+      };
+      svg.onkeydown = event => {
+        const step = (hi / lo) ** (1 / 200);
+        const keys = {
+          ArrowRight: () => { cursor = (cursor ?? lo) * step; read(); },
+          ArrowLeft: () => { cursor = (cursor ?? hi) / step; read(); },
+          '+': () => window_(0.5), '-': () => window_(2),
+          PageDown: () => shift(0.25), PageUp: () => shift(-0.25),
+        };
+        if (!keys[event.key]) return;
+        event.preventDefault();
+        keys[event.key]();
+      };
+    }
+    redraw.push(draw);
+    draw();
+  }
+
+  // ---- poles and motion over time
+
+  function poles() {
+    const svg = $('poles');
+    if (!svg) return;
+    const draw = () => {
+      const list = page.poles;
+      const size = Math.max(...list.map(({ s }) => Math.hypot(...s))) || 1;
+      const left = Math.min(0, ...list.map(({ s }) => s[0])), right = Math.max(0, ...list.map(({ s }) => s[0]));
+      const x = { lo: Math.min(left * 1.15, -0.1 * size), hi: Math.max(right * 1.15, 0.1 * size), title: 'real part [1/s]' };
+      const y = { lo: -1.1 * size, hi: 1.1 * size, title: 'imaginary part [rad/s]' };
+      const lines = [{ from: [0, -9 * size], to: [0, 9 * size] }, { from: [-9 * size, 0], to: [9 * size, 0] }];
+      for (const ratio of [0.05, 0.1, 0.2, 0.4, 0.7]) {
+        const [re, im] = [-ratio, Math.sqrt(1 - ratio * ratio)];
+        // Where the line leaves the chart, less a little.
+        const reach = 0.93 * Math.min(x.lo / re, y.hi / im);
+        const text = { at: [re * reach, im * reach], text: `ζ ${ratio}` };
+        lines.push({ from: [0, 0], to: [9 * size * re, 9 * size * im], text }, { from: [0, 0], to: [9 * size * re, -9 * size * im] });
+      }
+      chart(svg, { x, y, height: 340, lines, marks: list.map(({ s, title, motion }) => ({ at: s, title, motion: motion ?? '' })) });
+      svg.querySelectorAll('.mark[data-motion]').forEach(mark => {
+        if (mark.dataset.motion !== '') mark.onclick = () => player.choose?.(Number(mark.dataset.motion));
+      });
+    };
+    redraw.push(draw);
+    draw();
+  }
+
+  let moveTimeCursor = () => {};
+
+  function motion() {
+    const svg = $('history');
+    moveTimeCursor = () => {};
+    if (!svg || !page.motion) return;
+    const { times, outputs } = page.motion, units = [...new Set(outputs.map(({ unit }) => unit))];
+    const select = $('unit');
+    let map;
+    const draw = () => {
+      const own = outputs.map((output, style) => ({ ...output, style })).filter(({ unit }) => unit === units[state.unit]);
+      const all = own.flatMap(({ values }) => values).filter(Number.isFinite);
+      const [low, high] = [Math.min(...all), Math.max(...all)], room = (high - low) * 0.06 || Math.abs(high) * 0.1 || 1;
+      const curves = own.map(({ values, style }) => ({ points: values.map((value, i) => [times[i], value]), style }));
+      map = chart(svg, { x: { lo: times[0], hi: times.at(-1), title: 'time [s]' }, y: { lo: low - room, hi: high + room, title: `${own.map(({ name }) => name).join(', ')} [${units[state.unit]}]` }, height: 280, curves });
+    };
+    moveTimeCursor = time => {
+      map.body.querySelectorAll('.cursor').forEach(line => line.remove());
+      make(map.body, 'line', { class: 'cursor', x1: map.toX(time), x2: map.toX(time), y1: 0, y2: 1000 });
+    };
+    if (select) {
+      state.unit = Math.min(state.unit, units.length - 1);
+      select.value = String(state.unit);
+      select.onchange = () => { state.unit = Number(select.value); draw(); };
+    }
+    redraw.push(draw);
+    draw();
+  }
+
+  // ---- from numbers to lines and back
+
+  /** Marks what a line of the model made, and the line. */
+  function highlight(line, options = {}) {
+    document.querySelectorAll('.here').forEach(element => element.classList.remove('here'));
+    if (!line) return;
+    const all = [...document.querySelectorAll(`[data-line="${line}"]`), $(`L${line}`)].filter(Boolean);
+    all.forEach(element => element.classList.add('here'));
+    if (options.scroll) $(`L${line}`)?.scrollIntoView({ block: 'center' });
+    if (options.figure) document.querySelector('#figure .here')?.scrollIntoView({ block: 'nearest' });
+    if (options.tell) editor?.postMessage({ line });
+  }
+
+  document.addEventListener('click', event => {
+    const at = event.target.closest('[data-line], .text li');
+    if (!at) return;
+    const own = at.matches('.text li');
+    const line = own ? Number(at.id.slice(1)) : Number(at.dataset.line);
+    if (event.target.closest('a')) event.preventDefault();
+    highlight(line, { scroll: !own, figure: own, tell: true });
+  });
+  window.addEventListener('hashchange', () => {
+    const line = /^#L(\d+)$/.exec(location.hash);
+    if (line) highlight(Number(line[1]), { scroll: true });
+  });
+
+  // ---- the page as a whole
+
+  function start() {
+    cancelAnimationFrame(frame);
+    redraw = [];
+    page = JSON.parse($('payload').textContent);
+    motion();
+    poles();
+    player();
+    transfer();
+  }
+
+  /** Puts another version of the page in the place of this one; what was chosen stays chosen. */
+  function replace(text) {
+    const next = new DOMParser().parseFromString(text, 'text/html');
+    for (const id of ['page', 'payload']) $(id).replaceWith(document.adoptNode(next.getElementById(id)));
+    document.title = next.title;
+    start();
+  }
+
+  let waiting;
+  window.addEventListener('resize', () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => redraw.forEach(draw => draw()), 100);
+  });
+  if (editor) {
+    window.addEventListener('message', ({ data }) => {
+      if (typeof data?.page === 'string') replace(data.page);
+      if (typeof data?.line === 'number') highlight(data.line, { figure: true });
+    });
+    editor.postMessage({ ready: true });
+  }
+  if (document.body.dataset.live) {
+    let version = document.body.dataset.live;
+    new EventSource('events').onmessage = async ({ data }) => {
+      if (data === version) return;
+      version = data;
+      replace(await (await fetch('page')).text());
+    };
+  }
+  start();
+})();

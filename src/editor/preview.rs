@@ -1,0 +1,34 @@
+//! The page beside a text: the figure in motion, rest, modes and poles of the last version without errors, and what is wrong
+//! with this one.
+
+use super::document::{Document, request};
+use crate::analysis;
+use crate::overview::{self, Known, Overview, Shown};
+
+/// The page; of a scene that is too large for modes between two key strokes there is none.
+pub fn page(document: &Document) -> Option<String> {
+    let newer = (&document.sources, document.file);
+    let shown = Shown { newer: Some(newer), findings: &document.findings, without_text: true, ..Shown::default() };
+    let Some(known) = &document.known else {
+        return Some(overview::page_of_errors("no figure yet", newer, &shown));
+    };
+    let motions = known.motions.as_ref()?;
+    let computed;
+    let modal = match &motions.modal {
+        Some(modal) => modal,
+        None => {
+            computed = analysis::modal(&motions.system, &request()).ok()?;
+            &computed
+        }
+    };
+    let overview = Overview::known(&Known {
+        scene: known.scene.scene(),
+        system: &motions.system,
+        rest: &motions.rest,
+        mechanism: &motions.mechanism,
+        modal,
+        solved: if document.is_current { &document.solved } else { &[] },
+        requirements: if document.is_current { &document.requirements } else { &[] },
+    });
+    Some(overview.page((&known.sources, document.file), &shown))
+}
