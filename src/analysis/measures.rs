@@ -4,6 +4,7 @@
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
 use crate::analysis::steady::steady;
+use crate::analysis::transfer::extrema::{Supremum, supremum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Dd, Number};
 use crate::system::{LinearSystem, Signal};
@@ -122,6 +123,21 @@ pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
 /// |H| at a frequency in Hz.
 pub fn gain(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
     measured(at(transfer, input, output, frequency), |disc| Some(disc.gain()))
+}
+
+/// The largest |H| over all frequencies, or over a range in Hz; `poles` are those of the whole system.
+pub fn peak_gain(
+    transfer: &Transfer,
+    poles: Option<&Poles>,
+    input: usize,
+    output: usize,
+    range: Option<(&Number, &Number)>,
+) -> Measurement {
+    match supremum(transfer, poles, (input, output), range) {
+        Ok(Supremum::Finite(value)) => Measurement::Value(value),
+        Ok(Supremum::Infinite) => Measurement::Infinite,
+        Err(why) => Measurement::None(why),
+    }
 }
 
 /// The angle of H at a frequency in Hz, in radians, in (-pi, pi].

@@ -460,7 +460,7 @@ fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Op
     let (_, function) = functions::function(function)?;
     match function.arguments.get(argument)? {
         Argument::Number(dimension) => Some(*dimension),
-        Argument::Frequency => Some(Dimension::FREQUENCY),
+        Argument::Frequency | Argument::Frequencies => Some(Dimension::FREQUENCY),
         Argument::Position => Some(Dimension::LENGTH),
         Argument::Amplitude => declaration.signal().map(|signal| signal.amplitude.dimension),
         Argument::Impulse => declaration.signal().map(|signal| signal.impulse.dimension),

@@ -51,6 +51,8 @@ pub enum Argument {
     Output,
     /// `input -> output`
     Path,
+    /// `1 Hz .. 50 Hz`
+    Frequencies,
 }
 
 impl Function {
@@ -284,6 +286,8 @@ pub enum Measure {
     Static,
     Peak,
     Rms,
+    PeakGain,
+    Rest,
     Stable,
 }
 
@@ -331,6 +335,24 @@ pub const MEASURES: &[Named<Measure>] = &[
         ["rms", "rms(output)", "rms(output)"],
         "The root mean square over the simulated time.",
         &[Argument::Output],
+    ),
+    Named {
+        kind: Measure::PeakGain,
+        function: Function {
+            name: "peak_gain",
+            form: "peak_gain(input -> output, from .. to)",
+            example: "peak_gain(input -> output, 1 Hz .. 50 Hz)",
+            meaning: "The largest amplitude of the output over that of the input, at all frequencies or between two.",
+            arguments: &[Argument::Path, Argument::Frequencies],
+            optional: 1,
+            named: &[],
+        },
+    },
+    entry(
+        Measure::Rest,
+        ["rest", "rest(quantity)", "rest(spring.tension)"],
+        "What a quantity is at rest: the tension of a spring, or how far a motion or a stretch has gone from the drawing.",
+        &[Argument::Any],
     ),
     entry(Measure::Stable, ["stable", "stable", "stable"], "Whether the rest is stable: no small motion grows.", &[]),
 ];

@@ -10,7 +10,9 @@ use super::loads::{self, Between};
 use super::rest::Rest;
 use super::{Lowered, assembly};
 use crate::base::{Dimension, Name, Number, Span};
-use crate::model::scene::{ElementId, MotionTerm, Output, Scene};
+use crate::elements::Vector;
+use crate::elements::stretch::over_length;
+use crate::model::scene::{ElementId, Motion, MotionTerm, Output, Scene};
 
 /// The kinematics of a scene and the state in which it rests.
 #[derive(Clone, Debug)]
@@ -61,6 +63,41 @@ impl Mechanism {
             }
         }
         list
+    }
+}
+
+impl Mechanism {
+    /// A combination of motions at rest, measured from the drawing; of a spring's force its whole tension. `rest` is the one
+    /// found with this mechanism.
+    pub fn at_rest(&self, scene: &Scene, rest: &Rest, terms: &[MotionTerm]) -> Number {
+        let has_force = terms.iter().any(|term| matches!(term.motion, Motion::Force { .. }));
+        let springs = if has_force { self.springs_at_rest(scene, rest) } else { Vec::new() };
+        let (mut between, mut reach) = (Between::default(), Reach::default());
+        let mut value = |motion: &Motion| match motion {
+            Motion::Force { element } => {
+                // An element that is no spring has no force where nothing moves.
+                let spring = springs.binary_search_by_key(element, |spring| spring.element);
+                spring.map_or(Number::ZERO, |place| springs[place].tension.clone())
+            }
+            Motion::Stretch { element } => {
+                let element = &scene.elements[element.index()];
+                let stretch = between.connect(&self.kinematics, &element.ends, &element.geometry);
+                reach.measure(&self.kinematics, &self.state, &between.path);
+                stretch.at(&reach.displacement, &between.turn(&self.state)).change().clone()
+            }
+            Motion::Point { part, at, direction, .. } => {
+                let end = self.kinematics.point(*part, at.as_ref());
+                loads::absolute(&self.kinematics, end, &mut between.path);
+                reach.measure(&self.kinematics, &self.state, &between.path);
+                let direction = Vector::of(direction);
+                over_length(reach.displacement.dot(&direction), &direction.norm_squared())
+            }
+            Motion::Turn { part, .. } => {
+                let angle = self.kinematics.angle(self.kinematics.tree.piece(*part));
+                angle.map_or(Number::ZERO, |angle| self.state.value(angle).clone())
+            }
+        };
+        terms.iter().fold(Number::ZERO, |sum, term| &sum + &(&value(&term.motion) * &term.coefficient))
     }
 }
 

@@ -170,6 +170,9 @@ impl<'a> Check<'a> {
             },
             ExprKind::At { .. } => self.fail(environment, ValueError::MotionAsValue { span: node.span }),
             ExprKind::Named { .. } => self.fail(environment, ValueError::ArgumentName { span: node.span }),
+            ExprKind::Range { .. } => {
+                self.fail(environment, ValueError::Kind { span: node.span, needed: "a number", found: "a range" })
+            }
             ExprKind::Text => {
                 self.fail(environment, ValueError::Kind { span: node.span, needed: "a number", found: "a text" })
             }

@@ -6,7 +6,7 @@ use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
-use super::scene::{Comparison, InputId, InputKind, Measure, MotionTerm, Parameter, Question, Require, Solve, Written};
+use super::scene::{InputId, InputKind, Measure, MotionTerm, Parameter, Solve, Written};
 use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
@@ -22,8 +22,16 @@ const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
 type MakeMeasure = fn(Vec<MotionTerm>) -> Measure;
 
 /// A measure with the dimension of its value.
-struct Measured {
-    measure: Measure,
+pub struct Measured {
+    pub measure: Measure,
+    pub dimension: Dimension,
+}
+
+/// The path from an input to an output.
+struct Path {
+    input: InputId,
+    output: Vec<MotionTerm>,
+    /// Of the gain.
     dimension: Dimension,
 }
 
@@ -49,7 +57,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Solve> {
         let id = self.solved_parameter(parameter, environment);
-        let measured = self.measure(measure, environment).map(|measured| (measured, self.tree.expr(measure).span));
+        let question = self.compared(measure, value, environment);
         let (id, declared) = id?;
         let name = self.definitions[id.0 as usize].name;
         if let Some(span) = self.overrides.named_at(name) {
@@ -65,8 +73,7 @@ impl<'a> Check<'a> {
             let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
             return self.fail(environment, QuestionError::RangeReversed { span });
         }
-        let (measured, at) = measured?;
-        let question = self.question(measured, at, value, environment)?;
+        let question = question?;
         let mut found = self.parameter(id, &declared);
         if declared.bare_zero {
             // Declared as a plain `0`: its dimension follows from the range.
@@ -103,7 +110,7 @@ impl<'a> Check<'a> {
     }
 
     /// The unit of the first number of this dimension in an expression, or the usual unit if there is no such number.
-    fn written(&self, expr: ExprId, dimension: Dimension) -> Written {
+    pub fn written(&self, expr: ExprId, dimension: Dimension) -> Written {
         self.unit_in(expr, dimension)
             .unwrap_or_else(|| Written { text: usual_unit(dimension), factor: Some(Number::ONE) })
     }
@@ -126,35 +133,6 @@ impl<'a> Check<'a> {
             }
             _ => None,
         }
-    }
-
-    /// A measure and the value that it is compared with.
-    fn question(
-        &mut self,
-        measured: Measured,
-        at: Span,
-        value: ExprId,
-        environment: Environment,
-    ) -> Evaluated<Question> {
-        if let Some((span, word)) = self.measure_in(value) {
-            return self.fail(environment, QuestionError::MeasureAsValue { span, word });
-        }
-        let number = self.value_of_measure(&measured, value, environment)?;
-        let radians = match (&measured.measure, self.evaluate(value, environment)?) {
-            (Measure::Frequency { .. }, Value::Scalar(Scalar { quantity, .. })) => {
-                (quantity.angle == Angle::Radians).then_some(quantity.si)
-            }
-            _ => None,
-        };
-        let mut unit = self.written(value, measured.dimension);
-        if unit.text.is_empty() {
-            unit.text = match measured.measure {
-                Measure::Phase { .. } => "rad".to_string(),
-                Measure::Frequency { .. } => if radians.is_some() { "rad/s" } else { "Hz" }.to_string(),
-                _ => unit.text,
-            };
-        }
-        Ok(Question { measure: measured.measure, span: at, value: number, radians, unit })
     }
 
     /// The parameter to be solved for, with its declared value.
@@ -214,86 +192,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    pub fn requires(&mut self) {
-        for index in 0..self.instances.requires.len() {
-            let Instance { decl, environment } = self.instances.requires[index];
-            let DeclKind::Rare { index } = decl.kind else { continue };
-            let Rare::Require { condition } = self.tree.rare[index as usize] else { continue };
-            self.walk.varies = false;
-            if let Ok((question, comparison)) = self.requirement(condition, environment) {
-                let span = self.tree.expr(condition).span;
-                self.scene.requires.push(Require { span, question, comparison });
-            }
-        }
-    }
-
-    /// `measure < value`, `value < measure`, or `stable`.
-    fn requirement(
-        &mut self,
-        condition: ExprId,
-        environment: Environment,
-    ) -> Evaluated<(Question, Option<Comparison>)> {
-        let node = *self.tree.expr(condition);
-        let ExprKind::Binary { operator, left, right } = node.kind else {
-            if let ExprKind::Name { .. } = node.kind
-                && self.sources.slice(node.span) != "stable"
-            {
-                let suggestion = nearest(self.sources.slice(node.span), ["stable"]);
-                return self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion });
-            }
-            let measured = self.measure(condition, environment)?;
-            return match measured.measure {
-                Measure::Stable => Ok((stable(node.span), None)),
-                _ => self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion: None }),
-            };
-        };
-        let Some(comparison) = comparison(operator) else {
-            return self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion: None });
-        };
-        if let Some(lines) = self.chained(left, right, node.span) {
-            return self.fail(environment, QuestionError::RequireChain { span: node.span, lines });
-        }
-        let (measure, value, comparison) =
-            if self.is_measure(right) { (right, left, flipped(comparison)) } else { (left, right, comparison) };
-        let measured = self.measure(measure, environment)?;
-        let at = self.tree.expr(measure).span;
-        Ok((self.question(measured, at, value, environment)?, Some(comparison)))
-    }
-
-    /// `1 Hz < frequency(1) < 5 Hz` as two separate lines.
-    fn chained(&self, left: ExprId, right: ExprId, whole: Span) -> Option<[String; 2]> {
-        let compares = |expr: ExprId| match self.tree.expr(expr).kind {
-            ExprKind::Binary { operator, left, right } if comparison(operator).is_some() => Some((left, right)),
-            _ => None,
-        };
-        let text = |from: usize, to: usize| self.sources.slice(Span::new(whole.file(), from, to)).trim().to_string();
-        let (first, second) = match (compares(left), compares(right)) {
-            (Some((_, middle)), _) => (self.tree.expr(left).span, (self.tree.expr(middle).span.start(), whole.end())),
-            (None, Some((middle, _))) => {
-                let first = Span::new(whole.file(), whole.start(), self.tree.expr(middle).span.end());
-                (first, (self.tree.expr(right).span.start(), whole.end()))
-            }
-            (None, None) => return None,
-        };
-        Some([text(first.start(), first.end()), text(second.0, second.1)])
-    }
-
-    /// The first measure in an expression that should be a number: its span and its name.
-    fn measure_in(&self, expr: ExprId) -> Option<(Span, String)> {
-        let node = self.tree.expr(expr);
-        if self.is_measure(expr) {
-            let text = self.sources.slice(node.span);
-            let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
-            return Some((node.span, text[..end].to_string()));
-        }
-        match node.kind {
-            ExprKind::Negate { operand } => self.measure_in(operand),
-            ExprKind::Binary { left, right, .. } => self.measure_in(left).or_else(|| self.measure_in(right)),
-            _ => None,
-        }
-    }
-
-    fn is_measure(&self, expr: ExprId) -> bool {
+    pub fn is_measure(&self, expr: ExprId) -> bool {
         let node = self.tree.expr(expr);
         let text = self.sources.slice(node.span);
         match node.kind {
@@ -303,7 +202,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn measure(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Measured> {
+    pub fn measure(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Measured> {
         let tree = self.tree;
         let node = *tree.expr(expr);
         let text = self.sources.slice(node.span);
@@ -345,6 +244,12 @@ impl<'a> Check<'a> {
             (measure @ (Word::Gain | Word::Phase), &[path, frequency]) => {
                 return self.response(measure, path, frequency, environment);
             }
+            (Word::PeakGain, &[path]) => return self.peak_gain(path, None, environment),
+            (Word::PeakGain, &[path, range]) => return self.peak_gain(path, Some(range), environment),
+            (Word::Rest, &[quantity]) => {
+                let Combination { terms, dimension, .. } = self.at_rest(quantity, environment)?;
+                return Ok(Measured { measure: Measure::Rest { terms }, dimension });
+            }
             (Word::Amplitude, &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
             (Word::Static, &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
             (Word::Peak, &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
@@ -363,22 +268,54 @@ impl<'a> Check<'a> {
         frequency: ExprId,
         environment: Environment,
     ) -> Evaluated<Measured> {
+        let path = self.path(path, environment);
+        let frequency = self.frequency(frequency, environment)?;
+        let Path { input, output, dimension } = path?;
+        if measure == functions::Measure::Phase {
+            return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
+        }
+        Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
+    }
+
+    /// `peak_gain(input -> output)`, `peak_gain(input -> output, 1 Hz .. 50 Hz)`.
+    fn peak_gain(&mut self, path: ExprId, range: Option<ExprId>, environment: Environment) -> Evaluated<Measured> {
+        let path = self.path(path, environment);
+        let range = range.map(|range| self.frequencies(range, environment)).transpose()?;
+        let Path { input, output, dimension } = path?;
+        Ok(Measured { measure: Measure::PeakGain { input, output, range }, dimension })
+    }
+
+    /// `1 Hz .. 50 Hz`
+    fn frequencies(&mut self, range: ExprId, environment: Environment) -> Evaluated<[Number; 2]> {
+        let node = *self.tree.expr(range);
+        let ExprKind::Range { low, high } = node.kind else {
+            let error =
+                ValueError::Kind { span: node.span, needed: "a range such as `1 Hz .. 50 Hz`", found: "a number" };
+            return self.fail(environment, error);
+        };
+        let low = self.frequency(low, environment);
+        let high = self.frequency(high, environment)?;
+        let low = low?;
+        if low.is_negative() || !(&high - &low).is_positive() {
+            return self.fail(environment, QuestionError::RangeReversed { span: node.span });
+        }
+        Ok([low, high])
+    }
+
+    /// `input -> output`, with the dimension of its gain.
+    fn path(&mut self, path: ExprId, environment: Environment) -> Evaluated<Path> {
         let node = *self.tree.expr(path);
         let ExprKind::Binary { operator: Binary::Arrow, left, right } = node.kind else {
             return self.fail(environment, QuestionError::ArrowMissing { span: node.span });
         };
         let input = self.measured_input(left, environment);
         let output = self.measured_output(right, environment);
-        let frequency = self.frequency(frequency, environment)?;
         let (input, per) = input?;
         let Combination { terms: output, dimension, .. } = output?;
-        if measure == functions::Measure::Phase {
-            return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
-        }
         let Some(dimension) = dimension.per(per) else {
             return self.fail(environment, ValueError::Overflow { span: node.span });
         };
-        Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
+        Ok(Path { input, output, dimension })
     }
 
     /// An output by its name, or the motions in an expression.
@@ -515,7 +452,12 @@ impl<'a> Check<'a> {
     }
 
     /// The number that a measure is compared with.
-    fn value_of_measure(&mut self, measured: &Measured, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+    pub fn value_of_measure(
+        &mut self,
+        measured: &Measured,
+        expr: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Number> {
         let expected = match measured.measure {
             Measure::Frequency { .. } => return self.frequency(expr, environment),
             Measure::DampingRatio { .. } => RATIO,
@@ -524,40 +466,18 @@ impl<'a> Check<'a> {
                 let span = self.tree.expr(expr).span;
                 return self.fail(environment, QuestionError::RequireWhat { span, suggestion: None });
             }
+            Measure::Combined(_) if measured.dimension == Dimension::FREQUENCY => {
+                return self.frequency(expr, environment);
+            }
             _ => Expected::new(noun_of(measured.dimension), measured.dimension, example_of(measured.dimension)),
         };
         self.number(expr, environment, &expected)
     }
 }
 
-/// `stable`, which is not compared with anything.
-fn stable(span: Span) -> Question {
-    let unit = Written { text: String::new(), factor: Some(Number::ONE) };
-    Question { measure: Measure::Stable, span, value: Number::ZERO, radians: None, unit }
-}
-
 /// The usual unit of a dimension; none for 1/s, which has two.
 fn usual_unit(dimension: Dimension) -> String {
     if dimension == Dimension::FREQUENCY { String::new() } else { dimension.usual_unit() }
-}
-
-fn comparison(operator: Binary) -> Option<Comparison> {
-    match operator {
-        Binary::Less => Some(Comparison::Less),
-        Binary::LessEqual => Some(Comparison::LessEqual),
-        Binary::Greater => Some(Comparison::Greater),
-        Binary::GreaterEqual => Some(Comparison::GreaterEqual),
-        _ => None,
-    }
-}
-
-fn flipped(comparison: Comparison) -> Comparison {
-    match comparison {
-        Comparison::Less => Comparison::Greater,
-        Comparison::LessEqual => Comparison::GreaterEqual,
-        Comparison::Greater => Comparison::Less,
-        Comparison::GreaterEqual => Comparison::LessEqual,
-    }
 }
 
 /// The dimension of an input.

@@ -25,6 +25,7 @@ mod motions;
 mod needs;
 mod overrides;
 mod places;
+mod requirements;
 pub mod scene;
 mod scope;
 mod settings;
@@ -243,6 +244,8 @@ struct Check<'a> {
     broken_joints: bool,
     broken_elements: bool,
     broken_inputs: bool,
+    /// Motions are read as they are at rest.
+    reads_rest: bool,
     /// Inputs whose signal is another one's, later.
     delays: Vec<delays::Delay>,
     /// Tables that have been read, each once; `None` for one with an error.
@@ -288,6 +291,7 @@ impl<'a> Check<'a> {
             broken_joints: false,
             broken_elements: false,
             broken_inputs: false,
+            reads_rest: false,
             delays: Vec::new(),
             tables: HashMap::new(),
             scene: empty_scene(sources.file(tree.file).stem()),

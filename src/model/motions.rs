@@ -73,6 +73,23 @@ impl<'a> Check<'a> {
         }
     }
 
+    /// A combination of what there is at rest: `s.tension`, `s.stretch`, `rod.angle`, `block.x`.
+    pub fn at_rest(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
+        self.reads_rest = true;
+        let found = self.combination(expr, environment);
+        self.reads_rest = false;
+        let combination = found?;
+        let moves = |term: &MotionTerm| match term.motion {
+            Motion::Point { derivative, .. } | Motion::Turn { derivative, .. } => derivative > 0,
+            Motion::Force { .. } | Motion::Stretch { .. } => false,
+        };
+        if combination.terms.iter().any(moves) {
+            let span = self.tree.expr(expr).span;
+            return self.fail(environment, QuestionError::RateAtRest { span });
+        }
+        Ok(combination)
+    }
+
     /// A number, or a combination of motions.
     pub fn piece(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Piece> {
         let node = *self.tree.expr(expr);
@@ -114,6 +131,7 @@ impl<'a> Check<'a> {
             }
             ExprKind::Tuple { items } => tree.list(items).iter().any(|&item| self.has_motion(item, environment)),
             ExprKind::Named { value, .. } => self.has_motion(value, environment),
+            ExprKind::Range { low, high } => self.has_motion(low, environment) || self.has_motion(high, environment),
             ExprKind::Literal { .. } | ExprKind::Name { .. } | ExprKind::Text => false,
         }
     }
@@ -364,9 +382,15 @@ impl<'a> Check<'a> {
         word: Span,
         environment: Environment,
     ) -> Evaluated<(Motion, Dimension)> {
-        let found = ELEMENT_MOTIONS.iter().find(|(_, name, _)| *name == text && !has_point);
+        // At rest the tension does not change, and has a value of its own.
+        let reads_rest = self.reads_rest;
+        let name_of = |entry: &(ElementMotion, &'static str, &'static str)| match entry.0 {
+            ElementMotion::Force if reads_rest => "tension",
+            _ => entry.1,
+        };
+        let found = ELEMENT_MOTIONS.iter().find(|entry| name_of(entry) == text && !has_point);
         let Some((motion, ..)) = found else {
-            let known: Vec<&str> = ELEMENT_MOTIONS.iter().map(|(_, name, _)| *name).collect();
+            let known: Vec<&str> = ELEMENT_MOTIONS.iter().map(name_of).collect();
             let (suggestion, of) = (nearest(text, known.iter().copied()), self.noun_of(scope::Part::Element(index)));
             let error = QuestionError::UnknownMotion { span: word, word: text.to_string(), of, suggestion, known };
             return self.fail(environment, error);

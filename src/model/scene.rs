@@ -458,13 +458,98 @@ pub enum Comparison {
 /// A number that an analysis computes. Frequencies in Hz.
 #[derive(Clone, Debug)]
 pub enum Measure {
-    Frequency { mode: u32 },
-    DampingRatio { mode: u32 },
-    Gain { input: InputId, output: Vec<MotionTerm>, frequency: Number },
-    Phase { input: InputId, output: Vec<MotionTerm>, frequency: Number },
-    Amplitude { output: Vec<MotionTerm> },
-    Static { output: Vec<MotionTerm> },
-    Peak { output: Vec<MotionTerm> },
-    Rms { output: Vec<MotionTerm> },
+    Frequency {
+        mode: u32,
+    },
+    DampingRatio {
+        mode: u32,
+    },
+    Gain {
+        input: InputId,
+        output: Vec<MotionTerm>,
+        frequency: Number,
+    },
+    Phase {
+        input: InputId,
+        output: Vec<MotionTerm>,
+        frequency: Number,
+    },
+    Amplitude {
+        output: Vec<MotionTerm>,
+    },
+    Static {
+        output: Vec<MotionTerm>,
+    },
+    Peak {
+        output: Vec<MotionTerm>,
+    },
+    Rms {
+        output: Vec<MotionTerm>,
+    },
+    /// The largest gain over all frequencies, or from one to another one.
+    PeakGain {
+        input: InputId,
+        output: Vec<MotionTerm>,
+        range: Option<[Number; 2]>,
+    },
+    /// Motions at rest, measured from the drawing; of a spring's force its whole tension.
+    Rest {
+        terms: Vec<MotionTerm>,
+    },
     Stable,
+    /// Sums, differences, products and quotients of measures and numbers.
+    Combined(Box<Combined<Measure>>),
+}
+
+/// An arithmetic expression of measures and numbers; frequencies in Hz.
+#[derive(Clone, Debug)]
+pub enum Combined<M> {
+    Measure(M),
+    Number(Number),
+    Negated(Box<Combined<M>>),
+    Binary { operator: Arithmetic, left: Box<Combined<M>>, right: Box<Combined<M>> },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arithmetic {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+impl<M> Combined<M> {
+    /// The same expression of other things.
+    pub fn map<N>(&self, f: &mut impl FnMut(&M) -> N) -> Combined<N> {
+        match self {
+            Combined::Measure(measure) => Combined::Measure(f(measure)),
+            Combined::Number(number) => Combined::Number(number.clone()),
+            Combined::Negated(part) => Combined::Negated(Box::new(part.map(f))),
+            Combined::Binary { operator, left, right } => {
+                let (left, right) = (Box::new(left.map(f)), Box::new(right.map(f)));
+                Combined::Binary { operator: *operator, left, right }
+            }
+        }
+    }
+
+    /// Whether one of its measures is of a kind.
+    pub fn any(&self, of: &dyn Fn(&M) -> bool) -> bool {
+        match self {
+            Combined::Measure(measure) => of(measure),
+            Combined::Number(_) => false,
+            Combined::Negated(part) => part.any(of),
+            Combined::Binary { left, right, .. } => left.any(of) || right.any(of),
+        }
+    }
+}
+
+impl Measure {
+    /// Whether it takes the motion in time.
+    pub fn is_of_time(&self) -> bool {
+        match self {
+            Measure::Peak { .. } | Measure::Rms { .. } => true,
+            Measure::Combined(combined) => combined.any(&Measure::is_of_time),
+            _ => false,
+        }
+    }
 }

@@ -660,7 +660,7 @@ impl<'c, 'a> Writer<'c, 'a> {
                     number => Some(number),
                 }
             }
-            ExprKind::At { .. } | ExprKind::Text | ExprKind::Named { .. } => None,
+            ExprKind::At { .. } | ExprKind::Text | ExprKind::Named { .. } | ExprKind::Range { .. } => None,
         }
     }
 

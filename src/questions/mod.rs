@@ -11,6 +11,7 @@
 mod advice;
 mod alone;
 pub mod answer;
+mod combined;
 pub mod cover;
 mod derivative;
 pub mod error;

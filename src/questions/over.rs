@@ -168,9 +168,14 @@ impl Asked<'_> {
                 };
                 test(told(direct().or_else(inverse)))
             }
-            Probe::Damping(_) | Probe::Critical(_) | Probe::Peak(_) | Probe::Rms(_) | Probe::Stable => {
-                Over { hopeless: true, ..test(None) }
-            }
+            Probe::Damping(_)
+            | Probe::Critical(_)
+            | Probe::Peak(_)
+            | Probe::Rms(_)
+            | Probe::PeakGain(..)
+            | Probe::Rest(_)
+            | Probe::Combined(_)
+            | Probe::Stable => Over { hopeless: true, ..test(None) },
         }
     }
 

@@ -1,12 +1,13 @@
 //! Measures of a scene as measures of its linear system. In: questions. Out: an output for each combination of motions
 //! that a question names, and probes that say what to measure; then, for a system, the numbers.
 
+use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stability};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, Span};
 use crate::lower::{Lowered, Readout};
-use crate::model::scene::{Measure, MotionTerm, Question, Scene, Signal};
+use crate::model::scene::{Combined, Measure, MotionTerm, Question, Scene, Signal};
 use crate::system::{LinearSystem, Signal as DrivenBy};
 
 /// What to measure of the system.
@@ -20,6 +21,9 @@ pub enum Probe {
     Static(usize),
     Peak(usize),
     Rms(usize),
+    PeakGain(usize, usize, Option<[Number; 2]>),
+    Rest(Vec<MotionTerm>),
+    Combined(Box<Combined<Probe>>),
     Stable,
     /// omega^2 of a mode, for a target frequency of zero: it changes sign there.
     Square(usize),
@@ -67,8 +71,15 @@ impl Outputs {
     }
 
     fn probe(&mut self, question: &Question) -> Probe {
-        let mut add = |terms: &[MotionTerm]| self.add(question, terms);
-        match &question.measure {
+        self.probe_of(&question.measure, question.span)
+    }
+
+    fn probe_of(&mut self, measure: &Measure, span: Span) -> Probe {
+        if let Measure::Combined(combined) = measure {
+            return Probe::Combined(Box::new(combined.map(&mut |measure| self.probe_of(measure, span))));
+        }
+        let mut add = |terms: &[MotionTerm]| self.add(span, terms);
+        match measure {
             Measure::Frequency { mode } => Probe::Frequency(*mode as usize),
             Measure::DampingRatio { mode } => Probe::Damping(*mode as usize),
             Measure::Gain { input, output, frequency } => Probe::Gain(input.index(), add(output), frequency.clone()),
@@ -77,40 +88,66 @@ impl Outputs {
             Measure::Static { output } => Probe::Static(add(output)),
             Measure::Peak { output } => Probe::Peak(add(output)),
             Measure::Rms { output } => Probe::Rms(add(output)),
-            Measure::Stable => Probe::Stable,
+            Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
+            Measure::Rest { terms } => Probe::Rest(terms.clone()),
+            Measure::Stable | Measure::Combined(_) => Probe::Stable,
         }
     }
 
     /// Adds an output and returns its number.
-    fn add(&mut self, question: &Question, terms: &[MotionTerm]) -> usize {
-        self.added.push(Readout { terms: terms.to_vec(), span: question.span });
+    fn add(&mut self, span: Span, terms: &[MotionTerm]) -> usize {
+        self.added.push(Readout { terms: terms.to_vec(), span });
         self.declared + self.added.len() - 1
     }
 }
 
 impl Probe {
+    /// Whether the probe, or a part of one that combines several, is of a kind.
+    fn any(&self, of: fn(&Probe) -> bool) -> bool {
+        match self {
+            Probe::Combined(combined) => combined.any(&|part| part.any(of)),
+            probe => of(probe),
+        }
+    }
+
+    /// The highest mode whose frequency is needed.
+    pub fn highest_mode(&self) -> usize {
+        match self {
+            Probe::Frequency(mode) | Probe::Square(mode) => *mode,
+            Probe::Combined(combined) => {
+                let mut highest = 0;
+                combined.map(&mut |part| highest = highest.max(part.highest_mode()));
+                highest
+            }
+            _ => 0,
+        }
+    }
+
     /// Whether modes are needed.
     pub fn of_modes(&self) -> bool {
-        matches!(self, Probe::Frequency(_) | Probe::Square(_)) || self.of_poles()
+        self.any(|probe| matches!(probe, Probe::Frequency(_) | Probe::Square(_))) || self.of_poles()
     }
 
     /// Whether poles are needed.
     pub fn of_poles(&self) -> bool {
-        matches!(self, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable)
+        self.any(|probe| matches!(probe, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable | Probe::PeakGain(..)))
     }
 
     /// Whether the signals are needed.
     pub fn of_signals(&self) -> bool {
-        matches!(self, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_) | Probe::Rms(_))
+        self.any(|probe| matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_) | Probe::Rms(_)))
     }
 
     /// Whether the motion in time is needed.
     pub fn of_time(&self) -> bool {
-        matches!(self, Probe::Peak(_) | Probe::Rms(_))
+        self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_)))
     }
 
     fn of_transfer(&self) -> bool {
-        matches!(self, Probe::Gain(..) | Probe::Phase(..) | Probe::Amplitude(_) | Probe::Static(_))
+        self.any(|probe| {
+            let is_gain = matches!(probe, Probe::Gain(..) | Probe::Phase(..) | Probe::PeakGain(..));
+            is_gain || matches!(probe, Probe::Amplitude(_) | Probe::Static(_))
+        })
     }
 }
 
@@ -154,6 +191,15 @@ impl Measured<'_> {
             Probe::Gain(input, output, at) => {
                 transfer.map_or(NONE, |transfer| measures::gain(transfer, *input, *output, at))
             }
+            Probe::PeakGain(input, output, range) => {
+                let range = range.as_ref().map(|[low, high]| (low, high));
+                transfer.map_or(NONE, |transfer| measures::peak_gain(transfer, self.poles, *input, *output, range))
+            }
+            Probe::Rest(terms) => {
+                let Lowered { mechanism, rest, .. } = self.lowered;
+                Measurement::Value(mechanism.at_rest(self.scene, rest, terms).to_ball())
+            }
+            Probe::Combined(combined) => value_of(&combined.map(&mut |part| self.one(system, transfer, part))),
             Probe::Phase(input, output, at) => {
                 transfer.map_or(NONE, |transfer| measures::phase(transfer, *input, *output, at))
             }

@@ -230,7 +230,7 @@ impl Text<'_> {
 
     /// The simulated time for a measure, if it needs one.
     pub fn followed(&self, measure: &Measure) -> Option<Number> {
-        matches!(measure, Measure::Peak { .. } | Measure::Rms { .. }).then(|| self.until.cloned()).flatten()
+        measure.is_of_time().then(|| self.until.cloned()).flatten()
     }
 
     /// The signals, where a probe needs them.
@@ -248,7 +248,7 @@ impl Text<'_> {
 pub fn asks_of_motion(scene: &CheckedScene) -> bool {
     let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
     let mut questions = solves.iter().map(|s| &s.question).chain(requires.iter().map(|r| &r.question));
-    questions.any(|question| matches!(question.measure, Measure::Peak { .. } | Measure::Rms { .. }))
+    questions.any(|question| question.measure.is_of_time())
 }
 
 /// All modes and poles of a system.
@@ -274,11 +274,7 @@ fn computed(
         return Ok((None, None));
     }
     let of_poles = probes.iter().any(Probe::of_poles);
-    let highest = |probe: &Probe| match probe {
-        Probe::Frequency(mode) | Probe::Square(mode) => *mode,
-        _ => 0,
-    };
-    let highest = probes.iter().map(highest).max();
+    let highest = probes.iter().map(Probe::highest_mode).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
     let said = |error: AnalysisError| error.to_diagnostic().message;
     let found = match known {

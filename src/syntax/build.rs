@@ -462,7 +462,10 @@ impl Build<'_> {
         let base = self.yard.items.len();
         let mut depth = 0;
         while let Some(rule @ (Rule::expression | Rule::named)) = self.next {
-            let item = if rule == Rule::named { self.named() } else { self.expression() };
+            let mut item = if rule == Rule::named { self.named() } else { self.expression() };
+            if self.next == Some(Rule::upper) {
+                item = self.range(item);
+            }
             depth = depth.max(item.depth);
             self.yard.items.push(item.id);
         }
@@ -470,6 +473,15 @@ impl Build<'_> {
         self.yard.items.truncate(base);
         self.step();
         (list, depth)
+    }
+
+    /// `.. 50 Hz` behind the lower end
+    fn range(&mut self, low: Operand) -> Operand {
+        self.step();
+        let high = self.expression();
+        self.step();
+        let kind = ExprKind::Range { low: low.id, high: high.id };
+        self.node((low.start as usize, high.end as usize), kind, low.depth.max(high.depth))
     }
 
     /// `speed = 20 m/s`

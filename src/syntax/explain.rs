@@ -684,6 +684,11 @@ impl Reader<'_> {
             self.argument_name();
             self.expression("an argument")?;
             self.blanks();
+            if self.eat("..") {
+                self.blanks();
+                self.expression("the upper end of the range")?;
+                self.blanks();
+            }
             if self.eat(")") {
                 return Ok(());
             }

@@ -281,6 +281,11 @@ pub enum ExprKind {
         base: ExprId,
         point: ExprId,
     },
+    /// `1 Hz .. 50 Hz`, an argument of a call.
+    Range {
+        low: ExprId,
+        high: ExprId,
+    },
     /// `speed = 20 m/s`, an argument of a call.
     Named {
         name_len: u16,

@@ -7,6 +7,7 @@ mod ask;
 mod bounds;
 mod clients;
 mod command_line;
+mod comparisons;
 mod components;
 mod damping;
 mod diagnostics;

@@ -289,12 +289,20 @@ fn an_undamped_resonance_is_infinite() {
 fn forms_that_are_not_there_are_named() {
     let text = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\n\
                 spring t: a -- b { k = 100 N/m }\n";
-    let said = finding(&format!("{text}require frequency(2) > 2 * frequency(1)\n"));
-    assert_eq!(said.code.0, "vib::measure::value");
-    let said = finding(&format!("{text}require 1 Hz < frequency(1) < 5 Hz\n"));
-    assert_eq!(said.code.0, "vib::require::form");
-    let help = said.help.expect("what to write");
-    assert!(help.contains("`require 1 Hz < frequency(1)`") && help.contains("`require frequency(1) < 5 Hz`"), "{help}");
+    for (condition, code) in [
+        ("sqrt(frequency(2)) > 2 Hz", "vib::measure::value"),
+        ("2 * stable > 1", "vib::measure::value"),
+        ("frequency(1) ^ 2 > 2", "vib::measure::value"),
+        ("1 Hz < frequency(1) > 5 Hz", "vib::require::form"),
+        ("frequency(1) + 1", "vib::require::form"),
+        ("frequency(1) > damping(1)", "vib::unit::mismatch"),
+        ("frequency(1) + 1 m > 2 Hz", "vib::unit::mismatch"),
+        ("frequency(1) - 3 /s > 2 Hz", "vib::unit::frequency"),
+        ("1 Hz < 2 Hz", "vib::measure::unknown"),
+        ("frequncy(1) > 2 Hz", "vib::measure::unknown"),
+    ] {
+        assert_eq!(finding(&format!("{text}require {condition}\n")).code.0, code, "{condition}");
+    }
     let said = finding(&format!("{text}require stabel\n"));
     assert_eq!(said.help.as_deref(), Some("did you mean `stable`?"));
 }

@@ -1,7 +1,7 @@
 //! Errors of motions and measures, and warnings about declarations without effect.
 
-use super::{error, kind_noun, listed, with_suggestion};
-use crate::base::{Change, Code, Diagnostic, Span};
+use super::{error, kind_noun, listed, named, with_suggestion};
+use crate::base::{Change, Code, Diagnostic, Dimension, Span};
 use crate::kinds::Function;
 use crate::model::scope::DefinitionKind;
 
@@ -29,8 +29,10 @@ pub enum QuestionError {
     RangeReversed { span: Span },
     GivenAndSolved { span: Span, word: String, solved: Span },
     RequireWhat { span: Span, suggestion: Option<&'static str> },
-    RequireChain { span: Span, lines: [String; 2] },
-    MeasureAsValue { span: Span, word: String },
+    RateAtRest { span: Span },
+    RequireChain { span: Span },
+    MeasureAsValue { span: Span },
+    MeasuresDiffer { span: Span, left: Dimension, right: Dimension },
     Unused { span: Span, name: String, kind: DefinitionKind },
     Idle { span: Span, name: String, word: &'static str, why: &'static str },
     IdleGravity { span: Span },
@@ -115,15 +117,22 @@ impl QuestionError {
                 let help = suggestion.is_none().then_some(help);
                 with_suggestion(finding, suggestion.map(str::to_string), help)
             }
-            RequireChain { span, lines: [first, second] } => {
-                error("vib::require::form", span, "a `require` line has a single comparison")
-                    .label("two comparisons")
-                    .help(format!("write two lines: `require {first}` and `require {second}`"))
+            RateAtRest { span } => {
+                error("vib::measure::arguments", span, "at rest nothing has a velocity or an acceleration")
+                    .help("write `x`, `y` or `angle` of a part, or `tension` or `stretch` of a spring")
             }
-            MeasureAsValue { span, word } => {
-                error("vib::measure::value", span, "a measure is compared with a number, not with a measure")
-                    .label(format!("`{word}` is a measure"))
-                    .help("compare each measure with a number, on separate lines")
+            RequireChain { span } => {
+                error("vib::require::form", span, "the comparisons of a chain point in different directions")
+                    .help("write all of them with `<` and `<=`, or all with `>` and `>=`; or write two lines")
+            }
+            MeasureAsValue { span } => {
+                error("vib::measure::value", span, "this is no arithmetic of measures that are numbers")
+                    .help("measures that are numbers may be added, subtracted, multiplied and divided")
+            }
+            MeasuresDiffer { span, left, right } => {
+                let (left, right) = (named(left), named(right));
+                error("vib::unit::mismatch", span, format!("{left} and {right} cannot be added or compared"))
+                    .help("compare measures of one dimension")
             }
             Unused { span, name, kind } => unused(span, &name, kind),
             Idle { span, name, word, why } => {

@@ -11,12 +11,14 @@ mod point;
 mod roots;
 mod search;
 mod slope;
+mod supremum;
 
 pub use bracketed::{bracketed, sharpened};
 pub(in crate::analysis) use fraction::coordinates_between;
 pub use fraction::{Denominator, Factored};
 pub(in crate::analysis) use path::factored;
 pub use point::Exactly;
+pub use supremum::{Supremum, supremum};
 
 use crate::analysis::transfer::Gain;
 use crate::base::Ball;

@@ -2,6 +2,7 @@
 //! its half-power width are computed there. In: zeros and poles. Out: values of H, and all extrema in a range. See
 //! docs/method/transfer.md#extrema.
 
+use super::roots::{Place, Root};
 use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};
 use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
@@ -20,6 +21,8 @@ pub struct Exactly {
     anchors: Vec<Anchor>,
     /// The largest zero or pole, rad/s.
     largest: f64,
+    /// Zeros, and poles.
+    counts: [usize; 2],
 }
 
 /// A frequency as its distance from an anchor, rad/s.
@@ -56,7 +59,26 @@ impl Exactly {
         let sizes = roots.map(|root| root.centre.re.to_f64().abs().max(root.centre.im.to_f64().abs()));
         let lead = factored.lead.mid.to_f64().abs();
         let in_range = sizes.chain([lead]).all(|size| size == 0.0 || RANGE.contains(&size));
-        in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest })
+        let count = |roots: &[Root]| -> usize {
+            roots.iter().map(|root| root.multiplicity * if root.place == Place::Real { 1 } else { 2 }).sum()
+        };
+        let counts = [count(&factored.zeros), count(&factored.poles)];
+        in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest, counts })
+    }
+
+    /// The number of zeros less that of poles: above 0, |H| grows with the frequency.
+    pub fn excess(&self) -> isize {
+        if self.lead.is_zero() { 0 } else { self.counts[0] as isize - self.counts[1] as isize }
+    }
+
+    /// The number of zeros and poles.
+    pub fn roots(&self) -> usize {
+        self.counts[0] + self.counts[1]
+    }
+
+    /// The largest zero or pole, rad/s: its real or its imaginary part.
+    pub fn largest(&self) -> f64 {
+        self.largest
     }
 
     /// H at a frequency; unknown at a pole or too close to one.
