@@ -28,7 +28,7 @@ pub struct Measured {
 }
 
 /// The path from an input to an output.
-struct Path {
+struct Pair {
     input: InputId,
     output: Vec<MotionTerm>,
     /// Of the gain.
@@ -270,7 +270,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Measured> {
         let path = self.path(path, environment);
         let frequency = self.frequency(frequency, environment)?;
-        let Path { input, output, dimension } = path?;
+        let Pair { input, output, dimension } = path?;
         if measure == functions::Measure::Phase {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
         }
@@ -281,7 +281,7 @@ impl<'a> Check<'a> {
     fn peak_gain(&mut self, path: ExprId, range: Option<ExprId>, environment: Environment) -> Evaluated<Measured> {
         let path = self.path(path, environment);
         let range = range.map(|range| self.frequencies(range, environment)).transpose()?;
-        let Path { input, output, dimension } = path?;
+        let Pair { input, output, dimension } = path?;
         Ok(Measured { measure: Measure::PeakGain { input, output, range }, dimension })
     }
 
@@ -303,7 +303,7 @@ impl<'a> Check<'a> {
     }
 
     /// `input -> output`, with the dimension of its gain.
-    fn path(&mut self, path: ExprId, environment: Environment) -> Evaluated<Path> {
+    fn path(&mut self, path: ExprId, environment: Environment) -> Evaluated<Pair> {
         let node = *self.tree.expr(path);
         let ExprKind::Binary { operator: Binary::Arrow, left, right } = node.kind else {
             return self.fail(environment, QuestionError::ArrowMissing { span: node.span });
@@ -315,7 +315,7 @@ impl<'a> Check<'a> {
         let Some(dimension) = dimension.per(per) else {
             return self.fail(environment, ValueError::Overflow { span: node.span });
         };
-        Ok(Path { input, output, dimension })
+        Ok(Pair { input, output, dimension })
     }
 
     /// An output by its name, or the motions in an expression.

@@ -287,7 +287,7 @@ fn a_parameter_stays_changeable() {
         assert_eq!(c, r);
         assert!((c - exact.to_f64()).abs() < 1e-12 * exact.to_f64().abs().max(1.0), "{c} {}", exact.to_f64());
     }
-    assert!(read(text, "zz").is_err_and(|reason| reason.contains("there are k")));
+    assert!(read(text, "zz").is_err_and(|reason| reason.contains("the parameters are k")));
     let root = text.replace("2*k", "sqrt(k*400 N/m)");
     assert!(read(&root, "k").is_err_and(|reason| reason.contains("polynomial")));
 }

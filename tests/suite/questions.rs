@@ -65,7 +65,7 @@ fn a_double_root_is_found() {
     // A slightly larger value is never reached, a slightly smaller one twice.
     let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1.0001 m\n"));
     assert_eq!(said.code.0, "vib::solve::no_root");
-    assert!(said.message.starts_with("no `a`"), "{}", said.message);
+    assert!(said.message.starts_with("no value of `a`"), "{}", said.message);
     let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 0.9999 m\n"));
     assert!(said.message.starts_with("2 values"), "{}", said.message);
 }

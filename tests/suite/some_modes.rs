@@ -112,7 +112,7 @@ fn poles_of_large_scenes_are_followed_from_their_modes() {
     assert!(bounds.iter().all(|&bound| bound < 3e-16), "{bounds:?}");
     let (above, text) = asked(&chain(500, true, DAMPED), Which::Within(Band { from: 10.0, to: 12.0 }));
     assert_eq!(above["not_computed"]["poles"], 1000);
-    assert!(text.contains("not computed: 1000 poles; this damping joins the modes"), "{text}");
+    assert!(text.contains("not computed: 1000 poles; this damping couples the modes"), "{text}");
     let (proportional, _) = asked(&chain(500, true, "damping rayleigh(0.1 /s, 1e-4 s)"), Which::Lowest(3));
     assert_eq!(proportional["not_computed"]["poles"], 994);
     let ratios = numbers(&proportional, "poles", "damping_ratio");
