@@ -24,7 +24,7 @@ impl Session {
     fn new() -> Session {
         let (connection, other) = Connection::memory();
         let server = std::thread::spawn(move || {
-            let read = |_: &str, _: &[String]| Err(String::from("no files here"));
+            let read = |_: &str, _: &[String], _| Err(String::from("no files here"));
             vibc::editor::server::serve(&other, &read);
         });
         let mut session = Session { connection, server, requests: 0, version: 0 };

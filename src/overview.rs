@@ -299,7 +299,7 @@ fn damped_motions(
         let s = fractions::place(pole);
         let shape = pencil.as_ref().and_then(|pencil| pencil.shape(s));
         let movement = shape.map(|shape| {
-            let sizes: Vec<f64> = shape.iter().map(|x| x.re.hypot(x.im)).collect();
+            let sizes: Vec<f64> = shape.iter().map(|x| libm::hypot(x.re, x.im)).collect();
             let amount = moving.amount(&mechanism.poses(Some(&sizes)));
             list.push(Movement { caption: caption.clone(), s, shape, amount, energy: Vec::new() });
             list.len() - 1

@@ -8,7 +8,7 @@ use crate::files::{Input, read_all};
 use crate::{Status, complain};
 use notify::{RecursiveMode, Watcher};
 use std::collections::BTreeSet;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -73,7 +73,11 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
         let mut served = lock(&shared);
         (served.page, served.version) = (page, maker.version);
     }
-    println!("http://127.0.0.1:{port}/");
+    // Without somebody who reads the address nobody finds the page.
+    let mut out = io::stdout();
+    if writeln!(out, "http://127.0.0.1:{port}/").and_then(|()| out.flush()).is_err() {
+        return Status::Io;
+    }
     let of_server = Arc::clone(&shared);
     thread::spawn(move || {
         for request in server.incoming_requests() {

@@ -66,8 +66,9 @@ impl Pencil {
         const STEPS: usize = 3;
         let factors = Factors::of(self, s)?;
         // Orthogonal to no shape that comes up.
-        let mut shape: Vec<Complex<f64>> =
-            (0..self.n).map(|i| Complex::new(1.0 + 0.37 * (i as f64).sin(), 0.23 * (1.7 * i as f64).cos())).collect();
+        let mut shape: Vec<Complex<f64>> = (0..self.n)
+            .map(|i| Complex::new(1.0 + 0.37 * libm::sin(i as f64), 0.23 * libm::cos(1.7 * i as f64)))
+            .collect();
         for _ in 0..STEPS {
             shape = factors.solve(&shape);
             let largest = shape.iter().copied().reduce(|a, b| if b.one_norm() > a.one_norm() { b } else { a })?;
@@ -273,7 +274,7 @@ impl Fractions {
                 Gain::Infinite | Gain::Unknown => None,
             })
         };
-        let size = |z: Complex<f64>| z.re.hypot(z.im);
+        let size = |z: Complex<f64>| libm::hypot(z.re, z.im);
         let largest = known().map(|(_, value)| size(value)).fold(0.0, f64::max);
         known().all(|(hertz, value)| {
             let own = self.at(2.0 * std::f64::consts::PI * hertz);

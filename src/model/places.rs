@@ -1044,7 +1044,7 @@ impl<'a> Check<'a> {
             return part;
         }
         let part = self.port_argument(argument, declared, outer);
-        self.ports[index as usize].part = Some(part.clone());
+        self.ports[index as usize].part = Some(part);
         part
     }
 

@@ -4,7 +4,7 @@
 
 /// Proof that every finite pole of a system is in a list, each in a certain enclosure (a cluster in one that contains
 /// as many poles as it has members), and that finite and infinite ones together are two for each coordinate. Only
-/// [`Tally`] makes it.
+/// `Tally` makes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoleCount {
     finite: usize,

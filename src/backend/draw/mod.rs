@@ -157,7 +157,7 @@ struct Lines {
 impl Lines {
     /// ` data-line="17"`, counted from 1; empty for an object from another file.
     fn attribute(&self, span: Option<Span>) -> String {
-        data_line(span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) as usize + 1))
+        data_line(span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) + 1))
     }
 }
 

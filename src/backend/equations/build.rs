@@ -150,7 +150,7 @@ impl<'a> Builder<'a> {
         for (wave, rest) in sum.collected(is_wave) {
             let parts = rest.collected(|factor| factor.mentions(&is_dynamic));
             if wave.is_one() {
-                terms.extend(self.from_rest(parts));
+                terms.extend(self.displacements_from_rest(parts));
                 continue;
             }
             if parts.len() > 1 {
@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Terms without waves: where a coordinate and its value at rest have one coefficient they stand together, k (x_0 + x).
-    fn from_rest(&self, parts: Vec<(Product, Sum)>) -> Vec<(bool, Formula)> {
+    fn displacements_from_rest(&self, parts: Vec<(Product, Sum)>) -> Vec<(bool, Formula)> {
         let (constant, moving): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(moving, _)| moving.is_one());
         let mut constant = constant.into_iter().map(|(_, rest)| rest).next().unwrap_or_default();
         let mut terms = Vec::new();

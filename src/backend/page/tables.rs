@@ -19,7 +19,7 @@ impl Lines {
 
     /// Counted from 1; none for what another file made.
     pub fn line(&self, span: Option<Span>) -> Option<usize> {
-        span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) as usize + 1)
+        span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) + 1)
     }
 
     /// ` data-line="17"`

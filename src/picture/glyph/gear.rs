@@ -11,8 +11,11 @@ use std::f64::consts::PI;
 const TOOTH: f64 = 3.5;
 const PITCH: f64 = 7.0;
 
+/// Strokes, each group with the part it rides on, and a point.
+type Teeth = (Vec<(Ride, Vec<Stroke>)>, Point);
+
 /// The teeth, and the point where the disks touch; `None` where this is no pair of gears.
-pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<(Vec<(Ride, Vec<Stroke>)>, Point)> {
+pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<Teeth> {
     let [first, second] = terms else { return None };
     let wheel = |motion: &Motion| match motion {
         Motion::Turn { part, derivative: 0 } if *part != Part::Ground => {
