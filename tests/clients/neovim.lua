@@ -85,7 +85,7 @@ local function hints()
   return table.concat(list, ' ')
 end
 -- sqrt(10 / 2) rad/s
-step('the frequencies are seen', vim.wait(5000, function() return hints():find('1 freedom: 0.3559 Hz', 1, true) end, 10))
+step('the frequencies are seen', vim.wait(5000, function() return hints():find('1 degree of freedom: 0.3559 Hz', 1, true) end, 10))
 
 place('block {')
 local page = client:request_sync('textDocument/hover', vim.lsp.util.make_position_params(0, client.offset_encoding), 5000, 0)
