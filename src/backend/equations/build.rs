@@ -42,8 +42,10 @@ impl<'a> Builder<'a> {
         match sum.terms() {
             [] => (false, Formula::zero()),
             [(product, coefficient)] => (coefficient.signum() < 0, self.term(product, &absolute(coefficient), &[])),
-            _ if let Some(square) = self.wave_squared(sum) => square,
             _ => {
+                if let Some(square) = self.wave_squared(sum) {
+                    return square;
+                }
                 let factored = common_factors(sum);
                 if factored.squared {
                     let square = Formula::Power(Box::new(self.plain_sum(&factored.rest)), 2);
