@@ -13,7 +13,7 @@ use super::document::Document;
 use crate::base::{FileId, SourceFile, SourceKind, Sources};
 use crossbeam_channel::{Receiver, Sender, select, unbounded};
 use gen_lsp_types::{
-    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, InitializeParams,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, PositionEncodingKind,
     PublishDiagnosticsParams, TextDocumentContentChangeEvent, Uri,
 };
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
@@ -46,10 +46,10 @@ pub enum Leave {
 pub fn serve(connection: &Connection, read: &Read) -> Leave {
     let Some((id, params)) = introduced(connection) else { return Leave::Unannounced };
     let folders = folders(&params);
-    let params: InitializeParams = serde_json::from_value(params).unwrap_or_default();
-    let offered = params.capabilities.general.as_ref().and_then(|general| general.position_encodings.as_deref());
-    let encoding = Encoding::negotiated(offered);
-    let refreshes = params.capabilities.workspace.as_ref().and_then(|w| w.inlay_hint.as_ref()?.refresh_support);
+    let capabilities = &params["capabilities"];
+    let offered = position_encodings(&capabilities["general"]["positionEncodings"]);
+    let encoding = Encoding::negotiated(offered.as_deref());
+    let refreshes = capabilities["workspace"]["inlayHint"]["refreshSupport"].as_bool();
     let (jobs, results) = worker();
     let mut server = Server {
         connection,
@@ -81,6 +81,14 @@ fn introduced(connection: &Connection) -> Option<(RequestId, Value)> {
             Message::Notification(_) | Message::Response(_) => {}
         }
     }
+}
+
+/// The position encodings that the client offers, in its order of preference; `None` if it names none.
+///
+/// Each capability is read by itself: the type of all of them would take longer to compile than the rest of the server, and one
+/// that is malformed would lose the others.
+fn position_encodings(offered: &Value) -> Option<Vec<PositionEncodingKind>> {
+    serde_json::from_value(offered.clone()).ok()
 }
 
 /// The folders that the client has open.
